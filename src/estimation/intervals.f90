@@ -6,6 +6,7 @@ module spintop_intervals
     use spintop_kinds, only: dp, no_number, pi
     use spintop_lapack, only: dgesvd
     use spintop_least_squares, only: minimize, minimum_t
+    use spintop_losses, only: loss_t
     use spintop_residuals, only: residuals_t
     implicit none
     private
@@ -34,13 +35,13 @@ module spintop_intervals
         real(dp), allocatable :: x(:), standard_error(:), covariance(:, :)
         !> Ends of the 95 % intervals, in the range of the parameter; the end of that range, or infinite if it has none, where
         !> the profile does not rise enough; those of the linear model where the residuals are at rounding or at the precision
-        !> of the model, or where the profile cannot be followed; NaN where they were not sought.
+        !> of the model, where the profile cannot be followed, or where it is not wanted.
         real(dp), allocatable :: lower(:), upper(:)
         !> Singular values of the Jacobian whose columns are divided by their norms, from the largest; a small one tells
         !> of a combination of parameters that the data do not determine.
         real(dp), allocatable :: singular_values(:)
         !> Standard deviation of the residuals: given (1), or estimated from them, and then not below their rounding. With
-        !> Huber's loss it is that of Gaussian residuals with the same covariance of the estimates.
+        !> a robust loss it is that of Gaussian residuals with the same covariance of the estimates.
         real(dp) :: deviation = 1
         !> Rise of the root of the sum of squares over that of the minimum at a standard error.
         real(dp) :: rise = 1
@@ -80,7 +81,7 @@ contains
         allocate (estimate%is_undetermined(n), source=.false.)
         allocate (estimate%covariance(n, n), source=no_number)
         allocate (jacobian(m, n), vectors(n, n), norms(n))
-        call find_deviation(model%bound, minimum, knows_deviation, estimate%deviation, share)
+        call find_deviation(model%loss, minimum, knows_deviation, estimate%deviation, share)
         call find_derivatives(model, minimum, jacobian, norms, vectors, estimate, is_valid)
         if (.not. is_valid) return
         range = maxval([(norms(k) * model%step_scale(k, minimum%x(k)), k=1, n)]) / sqrt(real(m, dp))
@@ -94,6 +95,9 @@ contains
         end do
         estimate%covariance = estimate%deviation**2 * matmul(transpose(vectors), vectors)
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
+        do k = 1, n
+            if (.not. wants_profile) call take_linear_ends(model, level, k, estimate)
+        end do
         if (.not. wants_profile) return
         do k = 1, n
             call find_interval(model, minimum, jacobian, level, k, estimate)
@@ -108,14 +112,14 @@ contains
         end do
     end subroutine describe_minimum
 
-    !> The standard deviation of the residuals, and the share of those below Huber's bound. With his loss the covariance of
-    !> the estimates is that of Huber and Ronchetti (Robust Statistics, 2009, section 7.6, with the factor K^2).
-    pure subroutine find_deviation(bound, minimum, knows_deviation, deviation, share)
-        real(dp), intent(in) :: bound
+    !> The standard deviation of the residuals, and the mean slope of their influence, 1 for least squares. With a robust loss the
+    !> covariance of the estimates is that of Huber and Ronchetti (Robust Statistics, 2009, section 7.6, with the factor K^2).
+    pure subroutine find_deviation(loss, minimum, knows_deviation, deviation, share)
+        type(loss_t), intent(in) :: loss
         type(minimum_t), intent(in) :: minimum
         logical, intent(in) :: knows_deviation
         real(dp), intent(out) :: deviation, share
-        real(dp) :: freedom
+        real(dp) :: freedom, slopes(size(minimum%residuals)), scatter
         integer :: m, n
 
         m = size(minimum%residuals)
@@ -123,10 +127,12 @@ contains
         freedom = max(m - n, 1)
         share = 1
         deviation = 1
-        if (bound < huge(bound)) then
-            share = real(max(count(abs(minimum%residuals) <= bound), 1), dp) / m
-            deviation = (1 + n * (1 - share) / (m * share)) / share * &
-                        sqrt(sum(min(abs(minimum%residuals), bound)**2) / freedom)
+        if (loss%is_robust()) then
+            slopes = loss%influence_slope(minimum%residuals)
+            share = max(sum(slopes), 1.0_dp) / m
+            scatter = sum((slopes - share)**2) / m
+            deviation = (1 + n * scatter / (m * share**2)) / share * &
+                        sqrt(sum(loss%influence(minimum%residuals)**2) / freedom)
         else if (.not. knows_deviation) then
             deviation = sqrt(minimum%sum_of_squares / freedom)
         end if
@@ -178,6 +184,18 @@ contains
         end subroutine judge
 
     end subroutine find_derivatives
+
+    !> The interval of a parameter by the linear model, in the range of the parameter.
+    subroutine take_linear_ends(model, level, k, estimate)
+        class(residuals_t), intent(in) :: model
+        real(dp), intent(in) :: level
+        integer, intent(in) :: k
+        type(estimate_t), intent(inout) :: estimate
+        real(dp) :: range(2)
+        range = model%ends(k)
+        estimate%lower(k) = max(estimate%x(k) - level * estimate%standard_error(k), range(1))
+        estimate%upper(k) = min(estimate%x(k) + level * estimate%standard_error(k), range(2))
+    end subroutine take_linear_ends
 
     !> The interval of a parameter.
     subroutine find_interval(model, minimum, jacobian, level, k, estimate)

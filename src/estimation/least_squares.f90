@@ -6,7 +6,7 @@ module spintop_least_squares
     use spintop_jacobian, only: find_jacobian
     use spintop_kinds, only: dp
     use spintop_minpack, only: lmpar, qrfac
-    use spintop_residuals, only: bend, bend_slope, residuals_t
+    use spintop_residuals, only: residuals_t
     implicit none
     private
     public :: residuals_t, minimum_t, minimize, find_jacobian
@@ -18,7 +18,7 @@ module spintop_least_squares
 
     !> Where the search ended.
     type :: minimum_t
-        !> The parameters, the residuals there, and the sum of their squares (Huber's loss: of bent residuals).
+        !> The parameters, the residuals there, and the sum of their squares (of a robust loss: those of bent residuals).
         real(dp), allocatable :: x(:), residuals(:)
         real(dp) :: sum_of_squares = huge(1.0_dp)
         !> Number of evaluations of the residuals, and of steps of the search.
@@ -57,7 +57,7 @@ contains
         allocate (minimum%residuals(m))
         call model%evaluate(x, minimum%residuals, is_valid)
         minimum%evaluations = 1
-        if (is_valid) minimum%sum_of_squares = sum(bend(minimum%residuals, model%bound)**2)
+        if (is_valid) minimum%sum_of_squares = sum(model%loss%bend(minimum%residuals)**2)
         if (.not. (is_valid .and. is_finite(minimum%sum_of_squares))) return
         sought = pack([(i, i=1, size(x))], free)
         minimum%has_converged = size(sought) == 0
@@ -71,9 +71,9 @@ contains
                 minimum%evaluations = minimum%evaluations + size(sought)
             end if
             if (.not. is_valid) return
-            search%bent = bend(minimum%residuals, model%bound)
-            if (model%bound < huge(model%bound)) then
-                slopes = slopes * spread(bend_slope(minimum%residuals, model%bound), 2, size(sought))
+            search%bent = model%loss%bend(minimum%residuals)
+            if (model%loss%is_robust()) then
+                slopes = slopes * spread(model%loss%bend_slope(minimum%residuals), 2, size(sought))
             end if
             call choose_moving(model, sought, slopes, minimum, search)
             minimum%has_converged = search%n == 0
@@ -171,7 +171,7 @@ contains
                 call model%evaluate(x, residuals, exists)
                 minimum%evaluations = minimum%evaluations + 1
                 new_norm = huge(norm)
-                if (exists) new_norm = norm2(bend(residuals, model%bound))
+                if (exists) new_norm = norm2(model%loss%bend(residuals))
                 actual = -1
                 if (0.1_dp * new_norm < norm) actual = 1 - (new_norm / norm)**2
                 predicted = (norm2(times_r(search, step)) / norm)**2

@@ -1,9 +1,10 @@
-!> Residuals as a function of parameters: what is fitted. And Huber's loss, under which large residuals count less.
+!> Residuals as a function of parameters: what is fitted.
 module spintop_residuals
     use spintop_kinds, only: dp
+    use spintop_losses, only: loss_t
     implicit none
     private
-    public :: residuals_t, bend, bend_slope
+    public :: residuals_t
 
     !> Residuals as a function of parameters.
     type, abstract :: residuals_t
@@ -11,8 +12,8 @@ module spintop_residuals
         real(dp) :: precision = 0
         !> What the residuals are differences from, in their unit: the measurements. Not allocated where that is unknown.
         real(dp), allocatable :: data(:)
-        !> Size of a residual beyond which its loss is linear (Huber), in their unit.
-        real(dp) :: bound = huge(1.0_dp)
+        !> Their loss, of which the sum is made as small as possible.
+        type(loss_t) :: loss
     contains
         procedure(evaluate_i), deferred :: evaluate
         procedure(scale_i), deferred :: step_scale
@@ -80,21 +81,5 @@ contains
         size_of_data = 0
         if (allocated(self%data)) size_of_data = norm2(self%data)
     end function size_of_data
-
-    !> The number whose square is twice Huber's loss of a residual: the residual itself up to the bound (Huber 1964).
-    elemental real(dp) function bend(residual, bound)
-        real(dp), intent(in) :: residual !! the residual
-        real(dp), intent(in) :: bound !! beyond which its loss is linear
-        bend = residual
-        if (abs(residual) > bound) bend = sign(sqrt(bound) * sqrt(2 * abs(residual) - bound), residual)
-    end function bend
-
-    !> The derivative of `bend`.
-    elemental real(dp) function bend_slope(residual, bound)
-        real(dp), intent(in) :: residual !! the residual
-        real(dp), intent(in) :: bound !! beyond which its loss is linear
-        bend_slope = 1
-        if (abs(residual) > bound) bend_slope = bound / abs(bend(residual, bound))
-    end function bend_slope
 
 end module spintop_residuals

@@ -152,12 +152,13 @@ contains
     end function words
 
     !> The numbers of a column, or an error: there is no such column, or a cell is not a number.
-    subroutine read_column(self, name, values, error)
+    subroutine read_column(self, name, values, error, takes_empty)
         class(table_t), intent(in) :: self
         character(*), intent(in) :: name !! its name
         real(dp), allocatable, intent(out) :: values(:) !! `nan` and `inf` are numbers, as tables contain them
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        logical :: is_number
+        logical, intent(in), optional :: takes_empty !! whether an empty cell is NaN, and no error
+        logical :: is_number, takes
         integer :: column, row
 
         column = self%index_of(name)
@@ -168,11 +169,13 @@ contains
                 escaped(abbreviate(name)) // ': ' // suggest_word(name, self%names))
             return
         end if
+        takes = .false.
+        if (present(takes_empty)) takes = takes_empty
         allocate (values(size(self%lines)))
         do row = 1, size(values)
             associate (cell => self%cells(column, row))
                 call read_cell(cell%text, values(row), is_number)
-                if (is_number .or. allocated(error)) cycle
+                if (is_number .or. allocated(error) .or. (takes .and. cell%text == '')) cycle
                 error = input_error(escaped(self%path) // ':' // to_text(self%lines(row)) // ": '" // &
                                     escaped(abbreviate(cell%text)) // "' in column " // name // ' is not a number')
             end associate

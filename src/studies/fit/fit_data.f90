@@ -1,9 +1,11 @@
-!> Measurements of a motion: times, and values of columns of trajectories, from a CSV table.
+!> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table.
 module spintop_fit_data
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, pi
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
@@ -16,17 +18,35 @@ module spintop_fit_data
     private
     public :: measurements_t, read_measurements
 
+    character(*), parameter :: key = 'fit.data'
+    !> What follows the name of a column in that of its standard deviations, row by row.
+    character(*), parameter :: sigma_mark = '_sigma'
+
     !> Measurements, row by row.
     type :: measurements_t
-        !> The columns, and their standard deviations, which are 1 where they are not known.
+        !> The measured columns, and the angle by whose multiples their readings are not known; 0 for none.
         type(trajectory_column_t), allocatable :: columns(:)
-        real(dp), allocatable :: sigma(:)
-        logical :: knows_sigma = .false.
-        !> Times, s, increasing from 0 or later, and the values: columns, times.
+        real(dp), allocatable :: turn(:)
+        !> The number of the group &sensor that describes each column; 0 for none.
+        integer, allocatable :: sensor(:)
+        !> Times, s, increasing, and the readings: columns, times.
         real(dp), allocatable :: t(:), values(:, :)
+        !> Which of the readings there are.
+        logical, allocatable :: is_there(:, :)
+        !> Their standard deviations, which are 1 where they are not known.
+        real(dp), allocatable :: sigma(:, :)
+        logical :: knows_sigma = .false.
+    contains
+        procedure :: size => count_readings
     end type measurements_t
 
 contains
+
+    !> Number of readings.
+    pure integer function count_readings(self) result(n)
+        class(measurements_t), intent(in) :: self
+        n = count(self%is_there)
+    end function count_readings
 
     !> Reads the measurements of a scene; what is wrong with them is a problem.
     subroutine read_measurements(input, scene, measured, problems)
@@ -34,7 +54,6 @@ contains
         type(fit_scene_t), intent(in) :: scene !! the group of the input
         type(measurements_t), intent(out) :: measured !! the measurements; without columns if there is a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        character(*), parameter :: key = 'fit.data'
         type(trajectory_column_t), allocatable :: columns(:)
         type(error_t), allocatable :: error
         type(table_t) :: table
@@ -53,42 +72,66 @@ contains
             call problems%add(key, error%message, 'its path is relative to the folder of the input')
             return
         end if
-        if (size(measured%t) == 0) then
-            call problems%add(key, escaped(path) // ': the table has no rows', 'give measurements')
-            return
-        end if
-        if (.not. all(is_finite(measured%t)) .or. measured%t(1) < 0) then
-            call problems%add(key, escaped(path) // ': a time is before the start of the motion at 0, or not a number', &
-                              'shift the times')
-            return
-        end if
-        do i = 2, size(measured%t)
-            if (measured%t(i) > measured%t(i - 1)) cycle
-            call problems%add(key, escaped(path) // ': the times do not increase: ' // to_text(measured%t(i)) // ' s is after ' &
-                              // to_text(measured%t(i - 1)) // ' s', 'sort the rows, one per time')
-            return
-        end do
+        call check_times(escaped(path), scene, measured%t, problems)
+        if (problems%any()) return
         call choose_columns(scene, table, columns, problems)
         if (problems%any()) return
         allocate (measured%values(size(columns), size(measured%t)))
         do i = 1, size(columns)
-            call table%read_column(trim(columns(i)%name), values, error)
+            call table%read_column(trim(columns(i)%name), values, error, takes_empty=.true.)
             if (.not. allocated(error)) then
-                if (all(is_finite(values))) then
-                    measured%values(i, :) = values
-                    cycle
-                end if
-                error = input_error(escaped(path) // ': column ' // trim(columns(i)%name) // ' has cells without a number')
+                measured%values(i, :) = values
+                if (any(is_finite(values)) .and. all(is_finite(values) .or. ieee_is_nan(values))) cycle
+                error = input_error(escaped(path) // ': column ' // trim(columns(i)%name) // ' has an infinite reading')
+                if (.not. any(is_finite(values))) error%message = escaped(path) // ': column ' // trim(columns(i)%name) // &
+                                                                  ' has no reading'
             end if
-            call problems%add(key, error%message, 'omit the rows without a measurement, or the column')
+            call problems%add(key, error%message, 'leave the cell empty or nan where there is no reading')
             return
         end do
-        call take_deviations(scene, columns, measured, problems)
+        allocate (measured%is_there, source=is_finite(measured%values))
+        call find_sensors(scene, columns, measured, problems)
+        if (.not. problems%any()) call find_deviations(scene, table, columns, measured, problems)
         if (.not. problems%any()) call check_sizes(measured, problems)
         if (.not. problems%any()) call move_alloc(columns, measured%columns)
     end subroutine read_measurements
 
-    !> The measured columns: those named, or all but the time.
+    !> Checks the times of the rows.
+    subroutine check_times(path, scene, t, problems)
+        character(*), intent(in) :: path
+        type(fit_scene_t), intent(in) :: scene
+        real(dp), intent(in) :: t(:)
+        type(problems_t), intent(inout) :: problems
+        integer :: i
+
+        if (size(t) == 0) then
+            call problems%add(key, path // ': the table has no rows', 'give measurements')
+            return
+        end if
+        if (.not. all(is_finite(t))) then
+            call problems%add(key, path // ': a time is not a number', 'omit the row')
+            return
+        end if
+        if (t(1) + scene%time_offset - scene%averaged / 2 < 0) then
+            call problems%add(key, path // ': a time is before the start of the motion at 0', 'shift the times, or give &
+                &fit.time_offset')
+            return
+        end if
+        if (size(t) > 1) then
+            if (scene%averaged > minval(t(2:) - t(:size(t) - 1)) .and. minval(t(2:) - t(:size(t) - 1)) > 0) then
+                call problems%add('fit.averaged', 'the intervals of averages overlap', 'average over the time between rows at most')
+                return
+            end if
+        end if
+        do i = 2, size(t)
+            if (t(i) > t(i - 1)) cycle
+            call problems%add(key, path // ': the times do not increase: ' // to_text(t(i)) // ' s is after ' // &
+                              to_text(t(i - 1)) // ' s', 'sort the rows, one per time')
+            return
+        end do
+    end subroutine check_times
+
+    !> The measured columns: those named, or all but the time and standard deviations.
     subroutine choose_columns(scene, table, columns, problems)
         type(fit_scene_t), intent(in) :: scene
         type(table_t), intent(in) :: table
@@ -101,13 +144,14 @@ contains
         if (any(scene%columns /= '')) then
             do i = 1, size(scene%columns)
                 if (scene%columns(i) == '') cycle
-                call take_column(trim(scene%columns(i)), 'fit.columns(' // to_text(i) // ')')
+                call add_column(trim(scene%columns(i)), 'fit.columns(' // to_text(i) // ')')
             end do
         else
             do i = 1, size(table%names)
-                if (table%names(i)%text /= 't') call take_column(table%names(i)%text, 'fit.data')
+                if (table%names(i)%text == 't' .or. is_deviation(table%names(i)%text)) cycle
+                call add_column(table%names(i)%text, key)
             end do
-            if (size(table%names) < 2) call problems%add('fit.data', 'the table has no column of measurements', &
+            if (size(table%names) < 2) call problems%add(key, 'the table has no column of measurements', &
                                                          'give columns of trajectories, such as theta, beside t')
         end if
         columns = trajectory_columns(places)
@@ -115,7 +159,7 @@ contains
     contains
 
         !> Adds a column of that name.
-        subroutine take_column(name, key)
+        subroutine add_column(name, key)
             character(*), intent(in) :: name, key
             character(:), allocatable :: hint
             integer :: place
@@ -138,46 +182,123 @@ contains
             else
                 places = [places, place]
             end if
-        end subroutine take_column
+        end subroutine add_column
+
+        !> Whether a column has the standard deviations of another one.
+        logical function is_deviation(name)
+            character(*), intent(in) :: name
+            is_deviation = .false.
+            if (len(name) > len(sigma_mark)) then
+                if (name(len(name) - len(sigma_mark) + 1:) == sigma_mark) &
+                    is_deviation = place_of(known, name(:len(name) - len(sigma_mark))) > 0
+            end if
+        end function is_deviation
 
     end subroutine choose_columns
 
-    !> The standard deviations of the columns.
-    subroutine take_deviations(scene, columns, measured, problems)
+    !> The groups &sensor of the columns, and the turns by which wrapped angles are not known.
+    subroutine find_sensors(scene, columns, measured, problems)
         type(fit_scene_t), intent(in) :: scene
         type(trajectory_column_t), intent(in) :: columns(:)
         type(measurements_t), intent(inout) :: measured
         type(problems_t), intent(inout) :: problems
-        integer :: given
+        integer :: i, k
+
+        allocate (measured%sensor(size(columns)), source=0)
+        allocate (measured%turn(size(columns)), source=0.0_dp)
+        do i = 1, size(scene%sensors%column)
+            if (scene%sensors%column(i) == '') cycle
+            k = findloc(columns%name, scene%sensors%column(i), dim=1)
+            if (k == 0) then
+                call problems%add('sensor.column(' // to_text(i) // ')', trim(scene%sensors%column(i)) // ' is not measured', &
+                                  'name a column of the table')
+            else if (measured%sensor(k) > 0) then
+                call problems%add('sensor.column(' // to_text(i) // ')', "column '" // trim(scene%sensors%column(i)) // &
+                                  "' is named twice", 'give one group per column')
+            else
+                measured%sensor(k) = i
+            end if
+        end do
+        do i = 1, size(scene%wrapped)
+            if (scene%wrapped(i) == '') cycle
+            k = findloc(columns%name, scene%wrapped(i), dim=1)
+            if (k > 0) then
+                if (columns(k)%unit == 'rad') then
+                    measured%turn(k) = 2 * pi
+                    cycle
+                end if
+            end if
+            call problems%add('fit.wrapped(' // to_text(i) // ')', trim(scene%wrapped(i)) // ' is not a measured angle', &
+                              'name phi, psi or theta, if it is measured')
+        end do
+    end subroutine find_sensors
+
+    !> The standard deviations of the readings: of each row, if the table has them, or of columns.
+    subroutine find_deviations(scene, table, columns, measured, problems)
+        type(fit_scene_t), intent(in) :: scene
+        type(table_t), intent(in) :: table
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(measurements_t), intent(inout) :: measured
+        type(problems_t), intent(inout) :: problems
+        type(error_t), allocatable :: error
+        real(dp), allocatable :: sigma(:)
+        logical :: is_known(size(columns))
+        integer :: given, i, k
 
         given = count(is_set(scene%sigma))
-        allocate (measured%sigma(size(columns)), source=1.0_dp)
-        if (given == 0) return
-        measured%knows_sigma = .true.
+        allocate (measured%sigma(size(columns), size(measured%t)), source=1.0_dp)
+        is_known = given > 0
         if (given == 1) then
             measured%sigma = scene%sigma(1)
         else if (given == size(columns)) then
-            measured%sigma = scene%sigma(:given)
-        else
+            measured%sigma = spread(scene%sigma(:given), 2, size(measured%t))
+        else if (given > 0) then
             call problems%add('fit.sigma', to_text(given) // ' standard deviations for ' // to_text(size(columns)) // ' columns', &
                               'give one, or one per column')
+            return
         end if
-    end subroutine take_deviations
+        do i = 1, size(columns)
+            if (measured%sensor(i) > 0) then
+                if (is_set(scene%sensors%sigma(measured%sensor(i)))) then
+                    measured%sigma(i, :) = scene%sensors%sigma(measured%sensor(i))
+                    is_known(i) = .true.
+                end if
+            end if
+            if (.not. any([(table%names(k)%text == trim(columns(i)%name) // sigma_mark, k=1, size(table%names))])) cycle
+            call table%read_column(trim(columns(i)%name) // sigma_mark, sigma, error, takes_empty=.true.)
+            if (.not. allocated(error)) then
+                measured%is_there(i, :) = measured%is_there(i, :) .and. .not. ieee_is_nan(sigma)
+                measured%sigma(i, :) = merge(sigma, 1.0_dp, measured%is_there(i, :))
+                is_known(i) = .true.
+                if (all(measured%sigma(i, :) > 0 .and. is_finite(measured%sigma(i, :)))) cycle
+                error = input_error('column ' // trim(columns(i)%name) // sigma_mark // ' has a cell that is not above 0')
+            end if
+            call problems%add(key, error%message, 'leave it empty or nan where the reading does not count')
+            return
+        end do
+        measured%knows_sigma = all(is_known)
+        if (any(is_known) .and. .not. all(is_known)) then
+            call problems%add('fit', 'the standard deviation of ' // trim(columns(findloc(is_known, .false., dim=1))%name) // &
+                              ' is not known', 'give sigma for all columns, or for none')
+        end if
+    end subroutine find_deviations
 
-    !> Checks that squares of the measurements over their standard deviations, and of small parts of them, are numbers.
+    !> Checks that squares of the readings over their standard deviations, and of small parts of them, are numbers.
     subroutine check_sizes(measured, problems)
         type(measurements_t), intent(in) :: measured
         type(problems_t), intent(inout) :: problems
         real(dp), parameter :: most = 1.0e100_dp
-        real(dp) :: largest
+        real(dp) :: largest, least_sigma, most_sigma
         integer :: i
 
-        do i = 1, size(measured%sigma)
-            largest = maxval(abs(measured%values(i, :)))
-            if (largest / most <= measured%sigma(i) .and. measured%sigma(i) <= most * max(largest, 1 / most)) cycle
+        do i = 1, size(measured%sigma, 1)
+            largest = maxval(abs(measured%values(i, :)), mask=measured%is_there(i, :))
+            least_sigma = minval(measured%sigma(i, :))
+            most_sigma = maxval(measured%sigma(i, :))
+            if (largest / most <= least_sigma .and. most_sigma <= most * max(largest, 1 / most)) cycle
             call problems%add(merge('fit.sigma', 'fit.data ', measured%knows_sigma), 'the largest measurement, ' // &
                               to_text(largest) // ', is not comparable with a standard deviation of ' // &
-                              to_text(measured%sigma(i)), 'use the unit of the column')
+                              to_text(least_sigma), 'use the unit of the column')
             return
         end do
     end subroutine check_sizes

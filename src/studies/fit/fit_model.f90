@@ -1,11 +1,13 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use spintop_attitude, only: rotation_minus_one, to_space
+    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_fit_data, only: measurements_t
-    use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number
     use spintop_least_squares, only: residuals_t
@@ -16,17 +18,42 @@ module spintop_fit_model
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: describe_scene, scene_t
+    use spintop_scene, only: scene_t
+    use spintop_scene_fit, only: fit_scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, status_ok
+    use spintop_study_column, only: place_of
+    use spintop_text, only: to_text
+    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: fit_model_t
 
-    !> Measurements, and the motion that is to explain them. It must not be copied.
+    !> The key of the mounting of a sensor.
+    character(*), parameter :: mounting = 'fit.mounting'
+
+    !> Nodes and weights of a mean over an interval, of half width 1: those of Gauss and Legendre.
+    real(dp), parameter :: gauss_nodes(5) = [-0.9061798459386640_dp, -0.5384693101056831_dp, 0.0_dp, 0.5384693101056831_dp, &
+                                             0.9061798459386640_dp]
+    real(dp), parameter :: gauss_weights(5) = [0.1184634425280945_dp, 0.2393143352496832_dp, 0.2844444444444444_dp, &
+                                               0.2393143352496832_dp, 0.1184634425280945_dp]
+
+    !> Measurements, and the motion that is to explain them. It must stay where it was prepared, and be a target there.
     type, extends(residuals_t) :: fit_model_t
         type(measurements_t) :: measured
+        !> Number of leading rows that are explained.
+        integer :: rows = 0
+        !> Ranges in which the numbers are sought, (:, 1) to (:, 2), if they are set.
+        real(dp), allocatable :: ranges(:, :)
+        !> Where rows are few, what holds the numbers: their values, and the size of a residual per change that matters.
+        real(dp), allocatable, private :: held_at(:)
+        real(dp), private :: hold = 0
+        !> The columns of the motion: those that are measured, and what the mounting of a sensor mixes with them.
+        type(trajectory_column_t), allocatable, private :: columns(:)
+        !> Places of the components of vectors that the mounting turns.
+        integer, allocatable, private :: turned(:, :)
         !> The scene of the last evaluation, and what it means.
         type(scene_t), allocatable, private :: scene
         type(case_t), private :: case
@@ -35,16 +62,18 @@ module spintop_fit_model
         !> sign cannot change, where those in proportion to the value do.
         type(number_slot_t), allocatable, private :: slots(:)
         real(dp), allocatable, private :: scales(:)
-        !> In equations of a symmetric top the sought I1 is also I2.
+        !> Where the body is symmetric, and I2 is not sought, the sought I1 is also I2.
         logical, private :: ties_inertia = .false.
         !> Absolute tolerance of the plan.
         real(dp), private :: absolute_tolerance = 0
         type(row_maker_t), private :: maker
     contains
         procedure :: prepare
+        procedure :: use_rows
         procedure :: plan_with_another
         procedure :: evaluate
         procedure :: predict
+        procedure :: differences
         procedure :: step_scale
         procedure :: limited
         procedure :: ends
@@ -61,17 +90,16 @@ contains
         type(case_t), intent(in) :: case !! body, start and span of the scene
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
-        type(formulation_info_t) :: form
-        type(parameter_table_t) :: table
-        character(:), allocatable :: problem
         real(dp) :: value
         integer :: seeks(size(keys)), i
 
         seeks = 0
         self%measured = measured
-        self%data = reshape(measured%values / spread(measured%sigma, 2, size(measured%t)), [size(measured%values)])
+        call self%use_rows(size(measured%t))
         self%scene = scene
+        call choose_columns(self, any([(index(keys(i)%name, mounting) == 1, i=1, size(keys))]))
         self%scene%certified = .false.
+        self%ranges = reshape([scene%fit%from(:size(keys)), scene%fit%to(:size(keys))], [size(keys), 2])
         self%case = case
         self%plan = plan
         call describe_scene(self%scene, table)
@@ -88,48 +116,148 @@ contains
         end do
         self%ties_inertia = any(seeks == 1) .and. all(seeks /= 2) .and. is_equal(scene%inertia(1), scene%inertia(2))
         if (.not. plan%exact) then
-            form = plan%formulation%info()
-            self%ties_inertia = self%ties_inertia .and. form%symmetric_only
             self%precision = plan%stepper%controls%relative_tolerance
             self%absolute_tolerance = plan%stepper%controls%absolute_tolerance
         end if
-        call self%maker%set(measured%columns, case)
+        call self%maker%set(self%columns, case)
     end subroutine prepare
 
-    !> The residuals at some values of the sought numbers, in units of the standard deviations: column by column in time.
+    !> Takes the columns of the motion: if a sensor of a vector is mounted at an angle, all components of the vector.
+    subroutine choose_columns(self, seeks_mounting)
+        class(fit_model_t), intent(inout) :: self
+        logical, intent(in) :: seeks_mounting
+        character(*), parameter :: vectors(2) = [character(13) :: 'omega', 'accelerometer']
+        type(trajectory_column_t), allocatable :: known(:)
+        character(:), allocatable :: name
+        integer :: places(3), i, k
+
+        self%columns = self%measured%columns
+        allocate (self%turned(3, 0))
+        if (.not. (seeks_mounting .or. norm2(self%scene%fit%mounting) > 0)) return
+        allocate (known, source=trajectory_columns())
+        do i = 1, size(vectors)
+            if (.not. any([(any(self%measured%columns%name == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
+            do k = 1, 3
+                name = trim(vectors(i)) // to_text(k)
+                places(k) = findloc(self%columns%name, name, dim=1)
+                if (places(k) > 0) cycle
+                self%columns = [self%columns, known(place_of(known, name))]
+                places(k) = size(self%columns)
+            end do
+            self%turned = reshape([self%turned, places], [3, size(self%turned, 2) + 1])
+        end do
+    end subroutine choose_columns
+
+    !> Explains so many of the leading rows only. The sought numbers may be held near some values, by a residual each, so that
+    !> rows which do not determine them do not lead them astray.
+    subroutine use_rows(self, rows, held_at, hold)
+        class(fit_model_t), intent(inout) :: self
+        integer, intent(in) :: rows !! number of rows, all at most
+        real(dp), intent(in), optional :: held_at(:) !! the values
+        real(dp), intent(in), optional :: hold !! size of the residual of a change that matters, in units of the others
+        self%rows = rows
+        associate (measured => self%measured)
+            self%data = pack(measured%values(:, :rows) / measured%sigma(:, :rows), measured%is_there(:, :rows))
+        end associate
+        if (allocated(self%held_at)) deallocate (self%held_at)
+        if (.not. present(held_at)) return
+        self%held_at = held_at
+        self%hold = hold
+        self%data = [self%data, 0 * held_at]
+    end subroutine use_rows
+
+    !> The residuals at some values of the sought numbers, in units of the standard deviations: row by row.
     subroutine evaluate(self, x, residuals, is_valid)
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(in) :: x(:) !! the values
         real(dp), intent(out) :: residuals(:) !! the residuals
         logical, intent(out) :: is_valid !! whether there is such a motion
-        real(dp) :: values(size(self%measured%columns), size(self%measured%t))
+        real(dp) :: readings(size(self%measured%columns), self%rows)
+        integer :: i, n
 
-        call self%predict(x, values, is_valid)
-        associate (measured => self%measured)
-            residuals = reshape((values - measured%values) / spread(measured%sigma, 2, size(measured%t)), [size(residuals)])
+        call self%predict(x, readings, is_valid)
+        n = size(residuals)
+        if (allocated(self%held_at)) n = n - size(x)
+        associate (measured => self%measured, rows => self%rows)
+            residuals(:n) = pack(-self%differences(readings) / measured%sigma(:, :rows), measured%is_there(:, :rows))
         end associate
+        if (n == size(residuals)) return
+        do i = 1, size(x)
+            residuals(n + i) = self%hold * (x(i) - self%held_at(i)) / self%step_scale(i, self%held_at(i))
+        end do
     end subroutine evaluate
 
-    !> The values of the measured columns at the measured times.
-    subroutine predict(self, x, values, is_valid)
+    !> The measured readings less others, those of wrapped angles to the nearest turn; 0 where there is no reading.
+    pure function differences(self, readings)
+        class(fit_model_t), intent(in) :: self
+        real(dp), intent(in) :: readings(:, :) !! columns, leading rows
+        real(dp) :: differences(size(readings, 1), size(readings, 2))
+        integer :: i
+        associate (measured => self%measured, rows => size(readings, 2))
+            differences = merge(measured%values(:, :rows) - readings, 0.0_dp, measured%is_there(:, :rows))
+            do i = 1, size(readings, 1)
+                if (measured%turn(i) > 0) differences(i, :) = modulo(differences(i, :) + measured%turn(i) / 2, measured%turn(i)) &
+                                                              - measured%turn(i) / 2
+            end do
+        end associate
+    end function differences
+
+    !> The readings of the sensors in the leading rows.
+    subroutine predict(self, x, readings, is_valid)
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(in) :: x(:) !! values of the sought numbers
-        real(dp), intent(out) :: values(:, :) !! columns, times
+        real(dp), intent(out) :: readings(:, :) !! columns, leading rows
         logical, intent(out) :: is_valid !! whether there is such a motion
+        real(dp), allocatable :: t(:), quantities(:, :)
         type(problems_t) :: problems
+        real(dp) :: to_sensor(4)
+        integer :: i, k, nodes
 
-        values = no_number
+        readings = no_number
         is_valid = .false.
         if (.not. accepts(self, x)) return
         call put(self, x, problems)
         if (problems%any()) return
+        call find_instants(self%scene%fit, self%measured%t(:size(readings, 2)), t)
+        if (t(1) < 0) return
+        self%case%t_end = t(size(t))
+        allocate (quantities(size(self%columns), size(t)), source=no_number)
         if (self%plan%exact) then
-            if (self%case%body%has_closed_form()) call take_exactly(self, values)
+            if (self%case%body%has_closed_form()) call take_exactly(self, t, quantities)
         else
-            call integrate_to_times(self, values)
+            call integrate_to_times(self, t, quantities)
         end if
-        is_valid = all(is_finite(values))
+        is_valid = all(is_finite(quantities))
+        if (.not. is_valid) return
+        to_sensor = rotation_minus_one(-self%scene%fit%mounting) + [1, 0, 0, 0]
+        do i = 1, size(self%turned, 2)
+            do k = 1, size(t)
+                quantities(self%turned(:, i), k) = to_space(to_sensor, quantities(self%turned(:, i), k))
+            end do
+        end do
+        nodes = size(t) / size(readings, 2)
+        do i = 1, size(readings, 1)
+            readings(i, :) = quantities(i, ::nodes)
+            if (nodes > 1) readings(i, :) = matmul(gauss_weights, reshape(quantities(i, :), [nodes, size(readings, 2)]))
+            if (self%measured%sensor(i) == 0) cycle
+            associate (sensors => self%scene%fit%sensors, k => self%measured%sensor(i))
+                readings(i, :) = sensors%offset(k) + sensors%scale(k) * readings(i, :)
+            end associate
+        end do
     end subroutine predict
+
+    !> The instants of the motion at which the readings of some rows are those of the motion, or over which they are averaged.
+    pure subroutine find_instants(settings, t, instants)
+        type(fit_scene_t), intent(in) :: settings
+        real(dp), intent(in) :: t(:)
+        real(dp), allocatable, intent(out) :: instants(:)
+        integer :: i
+        if (settings%averaged > 0) then
+            instants = [(settings%time_offset + t(i) + settings%averaged / 2 * gauss_nodes, i=1, size(t))]
+        else
+            instants = settings%time_offset + t
+        end if
+    end subroutine find_instants
 
     !> Whether all numbers are in their ranges.
     pure logical function accepts(self, x)
@@ -182,43 +310,44 @@ contains
         if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)
     end subroutine plan_with
 
-    !> The values of the exact solution.
-    subroutine take_exactly(self, values)
+    !> The quantities of the exact solution.
+    subroutine take_exactly(self, t, quantities)
         class(fit_model_t), intent(inout) :: self
-        real(dp), intent(inout) :: values(:, :)
+        real(dp), intent(in) :: t(:)
+        real(dp), intent(inout) :: quantities(:, :)
         type(exact_path_t) :: path
         type(motion_t) :: motion
         integer :: i, status
 
-        call path%begin(self%case, looks_per_step * self%plan%max_steps + size(values, 2), status)
+        call path%begin(self%case, looks_per_step * self%plan%max_steps + size(t), status)
         if (status /= status_ok) return
-        call self%maker%set(self%measured%columns, self%case)
-        do i = 1, size(values, 2)
+        call self%maker%set(self%columns, self%case)
+        do i = 1, size(t)
             if (self%maker%wants_angles_of(path%exact)) then
-                call self%maker%put_exact_row(path%exact, self%measured%t(i), values(:, i))
+                call self%maker%put_exact_row(path%exact, t(i), quantities(:, i))
                 cycle
             end if
-            call path%at(self%measured%t(i), motion)
+            call path%at(t(i), motion)
             if (path%is_spent()) return
-            values(:, i) = self%maker%row(motion)
+            quantities(:, i) = self%maker%row(motion)
         end do
     end subroutine take_exactly
 
-    !> The values of a motion that is integrated.
-    subroutine integrate_to_times(self, values)
+    !> The quantities of a motion that is integrated.
+    subroutine integrate_to_times(self, t, quantities)
         class(fit_model_t), intent(inout) :: self
-        real(dp), intent(inout) :: values(:, :)
+        real(dp), intent(inout) :: t(:)
+        real(dp), intent(inout) :: quantities(:, :)
         type(writer_t), allocatable :: writer
         type(event_recorder_t), allocatable :: no_watch
         type(outcome_t) :: outcome
-        real(dp) :: times(size(self%measured%t))
 
         allocate (writer)
-        call writer%take_columns(self%measured%columns, self%case, self%scene)
-        allocate (writer%kept(size(values, 1), size(values, 2)), source=no_number)
-        times = self%measured%t
-        call compute_motion(self%scene, self%case, self%plan, times, writer, outcome, no_watch)
-        if (is_good_end(outcome%status)) values = writer%kept
+        call writer%take_columns(self%columns, self%case, self%scene)
+        allocate (writer%kept, mold=quantities)
+        writer%kept = no_number
+        call compute_motion(self%scene, self%case, self%plan, t, writer, outcome, no_watch)
+        if (is_good_end(outcome%status)) quantities = writer%kept
     end subroutine integrate_to_times
 
     !> A change of a sought number that matters.
@@ -236,6 +365,8 @@ contains
         integer, intent(in) :: i !! which number
         real(dp), intent(in) :: x !! a value
         limited = self%slots(i)%nearest(x)
+        if (is_set(self%ranges(i, 1))) limited = max(limited, self%ranges(i, 1))
+        if (is_set(self%ranges(i, 2))) limited = min(limited, self%ranges(i, 2))
     end function limited
 
     !> The ends of the range of a number.
@@ -244,6 +375,8 @@ contains
         integer, intent(in) :: i !! which number
         real(dp) :: ends(2)
         ends = self%slots(i)%ends()
+        if (is_set(self%ranges(i, 1))) ends(1) = max(ends(1), self%ranges(i, 1))
+        if (is_set(self%ranges(i, 2))) ends(2) = min(ends(2), self%ranges(i, 2))
     end function ends
 
     !> Multiplies the tolerances of the plan by a factor; 1 restores them.

@@ -4,21 +4,25 @@ module spintop_fit_study
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements
+    use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
+    use spintop_fit_search, only: period_of, search_minimum, search_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
-    use spintop_fit_warnings, only: find_warnings, warn_of_measurements
+    use spintop_fit_warnings, only: check_measurements
+    use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
+    use spintop_losses, only: loss_names, loss_squares, loss_t
     use spintop_least_squares, only: minimum_t
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
-    use spintop_robust, only: huber_bound, minimize_loss, robust_deviation
+    use spintop_robust, only: minimize_loss, robust_deviation
     use spintop_scene, only: scene_t
-    use spintop_scene_fit, only: fit_scene_t, loss_huber, loss_names
+    use spintop_scene_fit, only: most_unknown
     use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t
@@ -80,19 +84,20 @@ contains
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
         if (problems%any()) return
-        call take_span(self%measured%t, job%scene, problems)
+        call take_span(self%measured%t + job%scene%fit%time_offset + job%scene%fit%averaged / 2, job%scene, problems)
         call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
         call plan_for_all(self, job, problems)
         if (problems%any()) return
-        call warn_of_measurements(self%measured, job%case, problems)
+        call check_measurements(self%measured, job%case, job%scene%fit%time_offset, problems)
+        if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
                 &measurements', 'use an adaptive method')
         end if
         unknown = size(self%sought%keys)
-        if (size(self%measured%values) <= unknown) then
-            call problems%add('fit.data', to_text(size(self%measured%values)) // ' measurements do not determine ' // &
+        if (self%measured%size() <= unknown) then
+            call problems%add('fit.data', to_text(self%measured%size()) // ' measurements do not determine ' // &
                               to_text(unknown) // ' parameters and their errors', 'give more measurements')
         end if
     end subroutine check
@@ -141,26 +146,92 @@ contains
     !> Finds the sought numbers.
     subroutine find_unknown(self, job, problems)
         class(fit_study_t), intent(inout) :: self
-        type(job_t), target, intent(in) :: job
+        type(job_t), target, intent(inout) :: job
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: problem, hint
         integer :: i, key, found
 
         found = 0
-        associate (names => job%scene%fit%unknown)
-            do i = 1, size(names)
-                if (names(i) == '') cycle
-                call self%sought%find_key(trim(names(i)), job%table, job%axes, key, problem, hint)
+        associate (fit => job%scene%fit)
+            do i = 1, size(fit%unknown)
+                if (fit%unknown(i) == '') cycle
+                if (is_of_sensor(fit%unknown(i))) then
+                    call find_sensor_number(self, trim(fit%unknown(i)), job, key, problem, hint)
+                else
+                    call self%sought%find_key(trim(fit%unknown(i)), job%scene, job%table, job%axes, key, problem, hint)
+                end if
                 if (problem == '' .and. key <= found) then
-                    problem = trim(names(i)) // ' is named twice'
+                    problem = trim(fit%unknown(i)) // ' is named twice'
                     hint = 'name it once'
                 end if
+                if (problem == '') call check_range(fit%from(i), fit%to(i), self%sought%keys(key)%slot%get(), problem, hint)
                 if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
                 found = max(found, key)
             end do
-            if (all(names == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the like")
+            if (all(fit%unknown == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the &
+                &like")
         end associate
     end subroutine find_unknown
+
+    !> Whether a name is that of a number of a sensor.
+    pure logical function is_of_sensor(name)
+        character(*), intent(in) :: name
+        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
+    end function is_of_sensor
+
+    !> Adds a number of a sensor to those that are sought: `offset.theta`, `scale.theta`, `offset.t`, `mounting(1)`.
+    subroutine find_sensor_number(self, name, job, key, problem, hint)
+        class(fit_study_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        type(job_t), target, intent(inout) :: job
+        integer, intent(out) :: key !! its index
+        character(:), allocatable, intent(out) :: problem, hint
+        type(sensitive_key_t) :: found
+        character(:), allocatable :: column
+        integer :: place, k
+
+        key = 0
+        hint = 'name a measured column, as in offset.theta'
+        found%name = name
+        column = name(index(name, '.') + 1:)
+        if (index(name, 'mounting(') == 1) then
+            found%unit = 'rad'
+            call job%table%find_number('fit.' // name, found%slot, problem)
+        else if (name == 'offset.t') then
+            found%unit = 's'
+            call job%table%find_number('fit.time_offset', found%slot, problem)
+        else
+            problem = column // ' is not measured'
+            k = 0
+            if (allocated(self%measured%columns)) k = findloc(self%measured%columns%name, column, dim=1)
+            if (k == 0) return
+            found%unit = ''
+            if (index(name, 'offset.') == 1) found%unit = trim(self%measured%columns(k)%unit)
+            place = job%scene%fit%sensors%place_of(column)
+            self%measured%sensor(k) = place
+            call job%table%find_number('sensor.' // name(:index(name, '.') - 1) // '(' // to_text(place) // ')', found%slot, &
+                                       problem)
+        end if
+        if (problem /= '') return
+        if (.not. allocated(self%sought%keys)) allocate (self%sought%keys(0))
+        do key = 1, size(self%sought%keys)
+            if (self%sought%keys(key)%slot%is_same(found%slot)) return
+        end do
+        self%sought%keys = [self%sought%keys, found]
+    end subroutine find_sensor_number
+
+    !> Checks the range of a sought number.
+    subroutine check_range(from, to, value, problem, hint)
+        real(dp), intent(in) :: from, to, value
+        character(:), allocatable, intent(inout) :: problem, hint
+        if (is_set(from) .neqv. is_set(to)) then
+            problem = 'the range has one end only'
+            hint = 'give both from and to'
+        else if (is_set(from) .and. .not. (from <= value .and. value <= to)) then
+            problem = 'the value where the search begins is not in its range'
+            hint = 'give a value from ' // to_text(from) // ' to ' // to_text(to)
+        end if
+    end subroutine check_range
 
     !> Numbers of parameters and measurements.
     function explain(self, job) result(phrase)
@@ -170,7 +241,7 @@ contains
         associate (unused => job)
         end associate
         phrase = 'a fit of ' // counted(size(self%sought%keys), 'parameter') // ' to ' // &
-                 counted(size(self%measured%values), 'measurement') // ' at ' // counted(size(self%measured%t), 'time')
+                 counted(self%measured%size(), 'measurement') // ' at ' // counted(size(self%measured%t), 'time')
     end function explain
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
@@ -182,8 +253,10 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(fit_model_t), allocatable, target :: model
+        type(search_t) :: search
         type(minimum_t) :: minimum
         type(estimate_t) :: estimate
+        type(judgement_t) :: judgement
         type(string_t), allocatable :: warnings(:)
         real(dp), allocatable :: start(:), values(:, :)
         character(:), allocatable :: ending
@@ -199,15 +272,19 @@ contains
         associate (keys => self%sought%keys, measured => self%measured)
             call model%prepare(job%scene, keys, job%case, job%plan, measured)
             start = [(keys(i)%slot%get(), i=1, size(keys))]
-            call search(self, job%scene%fit, model, start, minimum, estimate)
-            ending = end_of_search(minimum, estimate, keys)
-            if (ending /= 'ok') code = exit_failed
+            search%kind = max(loss_squares, findloc(loss_names, job%scene%fit%loss, dim=1))
+            search%most = job%scene%fit%searches
+            search%has_windows = job%scene%fit%windows
+            search%period = period_of(job%case)
+            call find_minimum(self, job%scene%fit%profile, model, start, search, minimum, estimate)
             allocate (values, mold=measured%values)
             call model%predict(minimum%x, values, is_valid)
             is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
                        estimate%error_of_model
-            call find_warnings(measured, measured%values - values, size(keys), is_noisy, job%scene%fit%loss == &
-                               loss_names(loss_huber), warnings)
+            call judge(measured, model%differences(values), minimum, model%loss, is_noisy, .true., judgement)
+            ending = end_of_search(minimum, estimate, judgement, keys)
+            if (ending /= 'ok') code = exit_failed
+            call move_alloc(judgement%warnings, warnings)
             do i = 1, size(keys)
                 if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // keys(i)%name // ' could not be &
                     &followed: an end of its interval is that of the linear model')
@@ -217,51 +294,45 @@ contains
                 job%late_warnings = job%late_warnings // escaped(job%input) // ': warning: ' // warnings(i)%text
             end do
             call write_estimates(job, keys, start, estimate, warnings, ending, error)
-            if (.not. allocated(error)) call write_residuals(job, measured, values, ending, error)
+            if (.not. allocated(error)) call write_residuals(job, measured, values, model%differences(values), ending, error)
         end associate
         if (allocated(error)) return
-        call describe_fit(self, job, minimum, estimate, ending, seconds() - began, summary)
+        call describe_fit(self, job, search, model%loss, minimum, estimate, judgement, ending, seconds() - began, summary)
     end subroutine run
 
     !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
-    subroutine search(self, settings, model, start, minimum, estimate)
+    subroutine find_minimum(self, wants_profile, model, start, search, minimum, estimate)
         class(fit_study_t), intent(in) :: self
-        type(fit_scene_t), intent(in) :: settings
+        logical, intent(in) :: wants_profile
         type(fit_model_t), target, intent(inout) :: model
         real(dp), intent(in) :: start(:)
+        type(search_t), intent(inout) :: search
         type(minimum_t), intent(out) :: minimum
         type(estimate_t), intent(out) :: estimate
         integer, parameter :: most_searches = 10
-        real(dp), allocatable :: from(:)
         real(dp) :: level
-        integer :: i, m, evaluations, steps
-        logical :: is_huber
+        integer :: i, m
 
-        m = size(self%measured%values)
-        is_huber = settings%loss == loss_names(loss_huber)
+        m = self%measured%size()
         level = normal_quantile
-        if (is_huber .or. .not. self%measured%knows_sigma) level = student_quantile(tail, m - size(start))
-        allocate (from, source=start)
-        evaluations = 0
-        steps = 0
+        if (search%kind /= loss_squares .or. .not. self%measured%knows_sigma) level = student_quantile(tail, m - size(start))
+        call search_minimum(model, start, search, minimum)
         do i = 1, most_searches
-            call minimize_loss(model, from, m, is_huber, self%measured%knows_sigma, minimum)
-            evaluations = evaluations + minimum%evaluations
-            steps = steps + minimum%steps
-            call describe_minimum(model, minimum, self%measured%knows_sigma, settings%profile .and. minimum%has_converged, &
+            call describe_minimum(model, minimum, self%measured%knows_sigma, wants_profile .and. minimum%has_converged, &
                                   level, estimate)
             if (.not. allocated(estimate%better)) exit
-            from(:) = estimate%better
+            call minimize_loss(model, estimate%better, m, search%kind, self%measured%knows_sigma, minimum)
+            search%evaluations = search%evaluations + minimum%evaluations
+            search%steps = search%steps + minimum%steps
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
-        minimum%evaluations = evaluations
-        minimum%steps = steps
-    end subroutine search
+    end subroutine find_minimum
 
     !> How the search ended.
-    function end_of_search(minimum, estimate, keys) result(ending)
+    function end_of_search(minimum, estimate, judgement, keys) result(ending)
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
+        type(judgement_t), intent(in) :: judgement
         type(sensitive_key_t), intent(in) :: keys(:)
         character(:), allocatable :: ending
         character(:), allocatable :: names
@@ -276,6 +347,8 @@ contains
         end do
         if (.not. minimum%has_converged) then
             ending = 'not_converged: the search ended elsewhere than at a minimum'
+        else if (judgement%is_poor) then
+            ending = 'poor_fit: ' // judgement%reason
         else if (.not. estimate%is_identifiable) then
             ending = 'not_identifiable: the measurements do not determine ' // names
             if (.not. all(estimate%is_bounded)) ending = 'not_identifiable: the measurements give no bound for ' // names
@@ -283,40 +356,48 @@ contains
     end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
-    subroutine describe_fit(self, job, minimum, estimate, ending, time, summary)
+    subroutine describe_fit(self, job, search, loss, minimum, estimate, judgement, ending, time, summary)
         type(fit_study_t), intent(in) :: self
         type(job_t), intent(in) :: job
+        type(search_t), intent(in) :: search
+        type(loss_t), intent(in) :: loss
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
+        type(judgement_t), intent(in) :: judgement
         character(*), intent(in) :: ending
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
-        real(dp) :: bound
+        character(:), allocatable :: interval
         integer :: i, m, n
 
-        m = size(self%measured%values)
+        m = size(minimum%residuals)
         n = size(minimum%x)
-        bound = huber_bound
-        if (.not. self%measured%knows_sigma) bound = huber_bound * robust_deviation(minimum%residuals, n)
         call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // residual_path(job%output))
         call summary%describe_plan(job%plan)
         do i = 1, n
+            interval = ''
+            if (job%scene%fit%profile) interval = ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
+                                                  rounded(estimate%upper(i), 9)
             call summary%add(self%sought%keys(i)%name, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
-                             rounded(estimate%standard_error(i), 3) // ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
-                             rounded(estimate%upper(i), 9))
+                             rounded(estimate%standard_error(i), 3) // interval)
         end do
-        if (job%scene%fit%loss == loss_names(loss_huber)) then
+        if (self%measured%knows_sigma) then
+            call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
+                             ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
+        else if (loss%is_robust()) then
             call summary%add('residuals', 'median standard deviation ' // rounded(robust_deviation(minimum%residuals, n), 6) // &
                              ', ' // to_text(m - n) // ' degrees of freedom')
-            call summary%add('loss', 'huber: ' // to_text(count(abs(minimum%residuals) > bound)) // ' of ' // to_text(m) // &
-                             ' residuals are beyond ' // to_text(huber_bound) // ' standard deviations')
-        else if (self%measured%knows_sigma) then
-            call summary%add('chi2', rounded(minimum%sum_of_squares, 6) // ' for ' // to_text(m - n) // ' degrees of freedom')
         else
             call summary%add('residuals', 'standard deviation ' // rounded(estimate%deviation, 6) // ', ' // to_text(m - n) // &
                              ' degrees of freedom')
         end if
-        call summary%add('search', to_text(minimum%steps) // ' steps, ' // to_text(minimum%evaluations) // ' evaluations')
+        if (loss%is_robust()) then
+            call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // to_text(count(abs(minimum%residuals) > loss%bound)) // &
+                             ' of ' // to_text(m) // ' residuals are beyond its bound')
+        end if
+        call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // ' evaluations from ' // &
+                         counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // ' from ' // &
+                         rounded(search%first_span, 3) // ' s')
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit

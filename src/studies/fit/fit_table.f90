@@ -1,10 +1,11 @@
 !> The tables of a fit: the sought parameters with their uncertainty, and the residuals.
 module spintop_fit_table
+    use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
     use spintop_fit_data, only: measurements_t
     use spintop_intervals, only: estimate_t
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, no_number
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -79,10 +80,11 @@ contains
     end subroutine write_estimates
 
     !> Writes the table of residuals: the measurements, the values of the fitted motion, and their differences.
-    subroutine write_residuals(job, measured, values, ending, error)
+    subroutine write_residuals(job, measured, values, differences, ending, error)
         type(job_t), intent(in) :: job !! the job
         type(measurements_t), intent(in) :: measured !! the measurements
-        real(dp), intent(in) :: values(:, :) !! those of the fitted motion
+        real(dp), intent(in) :: values(:, :) !! the readings of the fitted motion
+        real(dp), intent(in) :: differences(:, :) !! measured less fitted
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
@@ -103,20 +105,20 @@ contains
         call file%create(residual_path(job%output), study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(measured%t)
-            call file%add_row([measured%t(i), cells_of(measured%values(:, i), values(:, i))], error)
+            call file%add_row([measured%t(i), cells_of(measured%values(:, i), values(:, i), differences(:, i))], error)
             if (allocated(error)) exit
         end do
         if (.not. allocated(error)) call file%finish(trailer, error)
         if (allocated(error)) call file%discard()
     end subroutine write_residuals
 
-    !> The cells of the columns at a time.
-    pure function cells_of(measured, fitted) result(cells)
-        real(dp), intent(in) :: measured(:), fitted(:)
+    !> The cells of the columns at a time; where there is no reading there is no residual.
+    pure function cells_of(measured, fitted, difference) result(cells)
+        real(dp), intent(in) :: measured(:), fitted(:), difference(:)
         real(dp) :: cells(3 * size(measured))
         cells(1::3) = measured
         cells(2::3) = fitted
-        cells(3::3) = measured - fitted
+        cells(3::3) = merge(difference, no_number, is_finite(measured))
     end function cells_of
 
 end module spintop_fit_table

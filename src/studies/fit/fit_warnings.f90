@@ -1,64 +1,79 @@
-!> What is odd about measurements, and about the residuals of a fit.
+!> What is odd about measurements, before a fit.
 module spintop_fit_warnings
     use spintop_case, only: case_t
     use spintop_fit_data, only: measurements_t
+    use spintop_fit_search, only: period_of
     use spintop_kinds, only: dp, pi
     use spintop_problems, only: problems_t
-    use spintop_robust, only: robust_deviation
     use spintop_summary, only: rounded
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: to_text
     implicit none
     private
-    public :: warn_of_measurements, find_warnings
+    public :: check_measurements
 
     !> Periods of the motion between rows, and radians in all of them, beyond and below which the unit of time is doubted;
     !> spans of the rows before the first.
     real(dp), parameter :: most_periods = 3, least_turn = 0.1_dp, most_spans = 100
-    !> A row stands out by so many standard deviations, and more where few rows give them.
-    real(dp), parameter :: standing_out = 6
-    !> Residuals are no noise where the ratio of von Neumann is so far from its mean, 2, and this number of its standard
-    !> deviations.
-    real(dp), parameter :: far = 1, significant = 4
+    !> An angle theta may be so far outside of [0, pi], by noise or an offset.
+    real(dp), parameter :: slack_of_theta = 0.5_dp
 
 contains
 
-    !> Warns of measurements that are not what they should be: wrapped angles, and times in another unit.
-    subroutine warn_of_measurements(measured, case, problems)
+    !> Checks that measurements are what they should be: angles in radians with all their turns, times in s from the start.
+    subroutine check_measurements(measured, case, time_offset, problems)
         type(measurements_t), intent(in) :: measured !! the measurements
         type(case_t), intent(in) :: case !! body and start, where the search begins
-        type(problems_t), intent(inout) :: problems !! warnings are added
-        real(dp) :: rate, interval
-        integer :: i, row, n
+        real(dp), intent(in) :: time_offset !! time of the motion at t = 0 of the measurements, s
+        type(problems_t), intent(inout) :: problems !! errors and warnings are added
+        integer, allocatable :: rows(:)
+        real(dp) :: period, interval
+        integer :: i, k, n
 
         n = size(measured%t)
         do i = 1, size(measured%columns)
-            associate (column => measured%columns(i))
-                if (all(column%name /= ['phi', 'psi'])) cycle
-                row = wrapped_at(measured%values(i, :))
-                if (row > 0) call problems%warn('fit.data', trim(column%name) // ' jumps by almost a turn from row ' // &
-                    to_text(row - 1) // ' to row ' // to_text(row) // ', as a wrapped angle does', &
-                    'give it with all its turns (in Python numpy.unwrap)')
-            end associate
+            rows = pack([(k, k=1, n)], measured%is_there(i, :))
+            call check_angles(trim(measured%columns(i)%name), rows, measured%values(i, rows), measured%turn(i) > 0, problems)
         end do
         if (n < 2) return
+        period = period_of(case)
         associate (t => measured%t)
             interval = (t(n) - t(1)) / (n - 1)
-            rate = max(norm2(case%start%omega), sqrt(norm2(case%body%weight_moment()) / minval(case%body%inertia)))
-            if (rate * interval > 2 * pi * most_periods) then
+            if (interval > most_periods * period) then
                 call problems%warn('fit.data', 'the rows are ' // rounded(interval) // ' s apart, which are ' // &
-                                   rounded(rate * interval / (2 * pi)) // ' periods of the motion, of ' // &
-                                   rounded(2 * pi / rate) // ' s', 'give the times in s')
-            else if (rate * (t(n) - t(1)) < least_turn) then
+                                   rounded(interval / period) // ' periods of the motion, of ' // &
+                                   rounded(period) // ' s', 'give the times in s')
+            else if (2 * pi * (t(n) - t(1)) < least_turn * period) then
                 call problems%warn('fit.data', 'all rows are within ' // rounded(t(n) - t(1)) // &
-                                   ' s, in which the motion hardly begins: it has a period of ' // rounded(2 * pi / rate) // &
+                                   ' s, in which the motion hardly begins: it has a period of ' // rounded(period) // &
                                    ' s', 'give the times in s')
             end if
-            if (t(1) > most_spans * (t(n) - t(1))) then
-                call problems%warn('fit.data', 'the first row is at t = ' // rounded(t(1)) // ' s, but the motion starts at 0', &
-                                   'give times since the start')
+            if (t(1) + time_offset > most_spans * (t(n) - t(1))) then
+                call problems%add('fit.data', 'the first row is at t = ' // rounded(t(1)) // ' s, but the motion starts at 0', &
+                                  'give times since the start, or fit.time_offset')
             end if
         end associate
-    end subroutine warn_of_measurements
+    end subroutine check_measurements
+
+    !> Checks that the readings of an angle are in radians, and have all turns.
+    subroutine check_angles(name, rows, values, is_wrapped, problems)
+        character(*), intent(in) :: name
+        integer, intent(in) :: rows(:) !! those with a reading
+        real(dp), intent(in) :: values(:)
+        logical, intent(in) :: is_wrapped !! whether turns are not needed
+        type(problems_t), intent(inout) :: problems
+        integer :: k
+
+        if (name == 'theta') then
+            k = findloc(values < -slack_of_theta .or. values > pi + slack_of_theta, .true., dim=1)
+            if (k > 0) call problems%add('fit.data', 'theta = ' // rounded(values(k)) // ' in row ' // to_text(rows(k)) // &
+                                         ' is outside of [0, pi]', 'give it in radians')
+        else if ((name == 'phi' .or. name == 'psi') .and. .not. is_wrapped) then
+            k = wrapped_at(values)
+            if (k > 1) call problems%add('fit.data', name // ' jumps by almost a turn from row ' // to_text(rows(k - 1)) // &
+                                         ' to row ' // to_text(rows(k)) // ', as a wrapped angle does', &
+                                         "give fit.wrapped = '" // name // "', or all its turns (in Python numpy.unwrap)")
+        end if
+    end subroutine check_angles
 
     !> The row at which an angle was wrapped: where all values are within a turn, but steps are longer than a half, or where a
     !> step differs by a turn from its neighbours. 0 if there is none.
@@ -69,6 +84,7 @@ contains
 
         row = 0
         n = size(step)
+        if (n < 1) return
         step = angle(2:) - angle(:n)
         if (maxval(angle) - minval(angle) <= 2.1_dp * pi .and. (count(abs(step) > pi) > 1 .or. any(abs(step) > 1.6_dp * pi))) then
             row = maxloc(abs(step), dim=1) + 1
@@ -82,69 +98,5 @@ contains
             return
         end do
     end function wrapped_at
-
-    !> What is odd about residuals: rows that stand out, and those that follow each other, as the errors of the motion itself do.
-    subroutine find_warnings(measured, residuals, parameters, is_noisy, is_robust, warnings)
-        type(measurements_t), intent(in) :: measured !! the measurements
-        real(dp), intent(in) :: residuals(:, :) !! measured less fitted: columns, times
-        integer, intent(in) :: parameters !! number of sought parameters
-        logical, intent(in) :: is_noisy !! whether the residuals are larger than the errors of the motion
-        logical, intent(in) :: is_robust !! whether the loss is robust
-        type(string_t), allocatable, intent(out) :: warnings(:) !! one sentence each
-        integer :: i
-
-        allocate (warnings(0))
-        if (.not. is_noisy) return
-        do i = 1, size(measured%columns)
-            call add_outliers(trim(measured%columns(i)%name), measured%t, residuals(i, :), parameters, is_robust, warnings)
-            call add_correlation(trim(measured%columns(i)%name), residuals(i, :), warnings)
-        end do
-    end subroutine find_warnings
-
-    !> Names the row of a column with the largest residual, where it stands out of the others.
-    subroutine add_outliers(name, t, residuals, parameters, is_robust, warnings)
-        character(*), intent(in) :: name
-        real(dp), intent(in) :: t(:), residuals(:)
-        integer, intent(in) :: parameters
-        logical, intent(in) :: is_robust
-        type(string_t), allocatable, intent(inout) :: warnings(:)
-        character(:), allocatable :: others, hint
-        real(dp) :: deviation, limit
-        integer :: row, more
-
-        if (size(t) <= parameters + 3) return
-        deviation = robust_deviation(residuals, parameters)
-        limit = standing_out * (1 + 5.0_dp / (size(t) - parameters)) * deviation
-        row = maxloc(abs(residuals), dim=1)
-        if (.not. (abs(residuals(row)) > limit .and. deviation > 0)) return
-        more = count(abs(residuals) > limit) - 1
-        others = ''
-        hint = "; remove what is wrong, or use loss = 'huber'"
-        if (is_robust) hint = ''
-        if (more > 0) others = ', and ' // to_text(more) // merge(' more row stands', ' more rows stand', more == 1) // ' out'
-        call append(warnings, name // ' in row ' // to_text(row) // ', t = ' // to_text(t(row)) // &
-                    ' s, is ' // rounded(abs(residuals(row)) / deviation, 3) // ' standard deviations from the motion' // &
-                    others // hint)
-    end subroutine add_outliers
-
-    !> Warns of residuals that follow each other: by the ratio of the mean square of their differences to their mean square
-    !> (von Neumann 1941), which is 2 for noise, with a standard deviation of 2/sqrt(m).
-    subroutine add_correlation(name, residuals, warnings)
-        character(*), intent(in) :: name
-        real(dp), intent(in) :: residuals(:)
-        type(string_t), allocatable, intent(inout) :: warnings(:)
-        real(dp) :: ratio, size_of_residuals
-        integer :: m
-
-        m = size(residuals)
-        size_of_residuals = norm2(residuals)
-        if (m < 3 .or. .not. size_of_residuals > 0) return
-        ratio = (norm2(residuals(2:) - residuals(:m - 1)) / size_of_residuals)**2
-        if (abs(ratio - 2) <= max(far, significant * 2 / sqrt(real(m, dp)))) return
-        call append(warnings, 'the residuals of ' // name // ' are no noise: each is like ' // &
-                    trim(merge('the one before      ', 'minus the one before', ratio < 2)) // ' (ratio of von Neumann ' // &
-                    rounded(ratio, 3) // ', 2 for noise); the model, the unit of a column or the start of the search may be &
-                    &wrong, and the intervals do not hold')
-    end subroutine add_correlation
 
 end module spintop_fit_warnings

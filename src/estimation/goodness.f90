@@ -1,0 +1,113 @@
+!> Whether residuals are noise: the probability of their squares, whether each is like the one before, a period, a drift.
+module spintop_goodness
+    use spintop_kinds, only: dp, pi
+    implicit none
+    private
+    public :: chi_square_tail, von_neumann_ratio, find_period, find_drift
+
+contains
+
+    !> The probability that a sum of squares of so many Gaussian numbers of deviation 1 exceeds a value: the incomplete gamma
+    !> function Q(freedom/2, x/2), by its series or its continued fraction (Abramowitz and Stegun 6.5.29 and 6.5.31).
+    pure real(dp) function chi_square_tail(x, freedom) result(tail)
+        real(dp), intent(in) :: x !! the value, at least 0
+        integer, intent(in) :: freedom !! degrees of freedom, at least 1
+        real(dp) :: a, z, term, total, b, c, d, factor, scale
+        integer :: i
+
+        a = freedom / 2.0_dp
+        z = x / 2
+        tail = 1
+        if (.not. z > 0) return
+        scale = exp(a * log(z) - z - log_gamma(a))
+        if (z < a + 1) then
+            term = 1 / a
+            total = term
+            do i = 1, huge(i) - 1
+                term = term * z / (a + i)
+                total = total + term
+                if (term <= epsilon(term) * total) exit
+            end do
+            tail = max(1 - scale * total, 0.0_dp)
+        else ! by the method of Lentz
+            b = z + 1 - a
+            c = 1 / tiny(c)
+            d = 1 / b
+            total = d
+            do i = 1, huge(i) - 1
+                b = b + 2
+                d = 1 / (b - i * (i - a) * d)
+                c = b - i * (i - a) / c
+                factor = c * d
+                total = total * factor
+                if (abs(factor - 1) <= 2 * epsilon(factor)) exit
+            end do
+            tail = scale * total
+        end if
+    end function chi_square_tail
+
+    !> The ratio of the mean square of the differences of neighbours to the mean square (von Neumann 1941): 2 for noise, with a
+    !> standard deviation of 2/sqrt(m); 2 also where there are too few residuals, or none but 0.
+    pure real(dp) function von_neumann_ratio(residuals) result(ratio)
+        real(dp), intent(in) :: residuals(:) !! in the order of time
+        real(dp) :: size_of_residuals
+        integer :: m
+        m = size(residuals)
+        ratio = 2
+        size_of_residuals = norm2(residuals)
+        if (m < 3 .or. .not. size_of_residuals > 0) return
+        ratio = (norm2(residuals(2:) - residuals(:m - 1)) / size_of_residuals)**2
+    end function von_neumann_ratio
+
+    !> The period that stands out of residuals, by the periodogram for any times (Scargle 1982).
+    pure subroutine find_period(t, residuals, period, amplitude, probability)
+        real(dp), intent(in) :: t(:) !! increasing times, s
+        real(dp), intent(in) :: residuals(:) !! the residuals
+        real(dp), intent(out) :: period, amplitude !! s; in the unit of the residuals
+        real(dp), intent(out) :: probability !! that noise has such a period
+        integer, parameter :: most_terms = 4000000 ! of all sums
+        real(dp) :: variance, rate, shift, power, highest, c(size(t)), s(size(t))
+        integer :: i, m, rates
+
+        m = size(t)
+        period = 0
+        amplitude = 0
+        probability = 1
+        variance = sum(residuals**2) / max(m, 1)
+        if (m < 8 .or. .not. variance > 0) return
+        rates = min(m / 2, most_terms / m + 1)
+        highest = 0
+        do i = 1, rates
+            rate = 2 * pi * i / (t(m) - t(1))
+            shift = atan2(sum(sin(2 * rate * (t - t(1)))), sum(cos(2 * rate * (t - t(1))))) / 2
+            c = cos(rate * (t - t(1)) - shift)
+            s = sin(rate * (t - t(1)) - shift)
+            power = (sum(residuals * c)**2 / sum(c**2) + sum(residuals * s)**2 / max(sum(s**2), tiny(power))) / (2 * variance)
+            if (power <= highest) cycle
+            highest = power
+            period = 2 * pi / rate
+            amplitude = 2 * sqrt(power * variance / m)
+        end do
+        probability = min(rates * exp(-highest), 1.0_dp)
+    end subroutine find_period
+
+    !> The drift of residuals: the change of the line through them over all times.
+    pure subroutine find_drift(t, residuals, drift, significance)
+        real(dp), intent(in) :: t(:) !! times, s
+        real(dp), intent(in) :: residuals(:) !! the residuals
+        real(dp), intent(out) :: drift !! in the unit of the residuals
+        real(dp), intent(out) :: significance !! the drift in its standard errors
+        real(dp) :: place(size(t)), slope, scatter
+        integer :: m
+        m = size(t)
+        drift = 0
+        significance = 0
+        if (m < 4) return
+        place = t - sum(t) / m
+        slope = sum(place * residuals) / sum(place**2)
+        scatter = sum((residuals - sum(residuals) / m - slope * place)**2) / (m - 2)
+        drift = slope * (t(m) - t(1))
+        if (scatter > 0) significance = abs(slope) * norm2(place) / sqrt(scatter)
+    end subroutine find_drift
+
+end module spintop_goodness

@@ -1,0 +1,184 @@
+!> The search of a fit. A sum of squares over many turns of a motion has many minima, and only a start that predicts the turns
+!> within half of one leads to the right one. So the search begins with the first rows, whose minimum is wide, and doubles their
+!> span: each fit predicts the turns of the next. Where the end of it does not explain the measurements, it begins elsewhere.
+module spintop_fit_search
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_body_of_scene, only: is_set
+    use spintop_case, only: case_t
+    use spintop_fit_judgement, only: judge, judgement_t
+    use spintop_fit_model, only: fit_model_t
+    use spintop_kinds, only: dp, pi
+    use spintop_least_squares, only: minimize, minimum_t
+    use spintop_losses, only: loss_huber, loss_t
+    use spintop_robust, only: minimize_loss, robust_deviation
+    use spintop_sobol_sequence, only: sobol_sequence_t
+    implicit none
+    private
+    public :: search_t, search_minimum, period_of
+
+    !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
+    !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
+    real(dp), parameter :: first_periods = 2
+    integer, parameter :: readings_per_parameter = 3, rounds = 2
+    real(dp), parameter :: window_goal = 1.0e-3_dp
+    !> In a window the parameters are held within about this part of where the search began.
+    real(dp), parameter :: held_within = 0.05_dp
+    !> Other starts are within these parts of the values, in turn, if no range is given.
+    real(dp), parameter :: widths(3) = [0.02_dp, 0.05_dp, 0.1_dp]
+    !> Residuals that are so far above the errors of the motion are those of the measurements.
+    real(dp), parameter :: far_above = 1.0e3_dp
+
+    !> A search, and what it did.
+    type :: search_t
+        !> The loss, the largest number of starts, and whether it begins with the first rows.
+        integer :: kind = 1, most = 1
+        logical :: has_windows = .true.
+        !> Period of the motion where the search begins, s.
+        real(dp) :: period = 0
+        !> Starts and windows that were tried, and all evaluations and steps.
+        integer :: searches = 0, windows = 0, evaluations = 0, steps = 0
+        !> Span of the first window, s.
+        real(dp) :: first_span = 0
+    end type search_t
+
+contains
+
+    !> A period of the motion: that of the rotation or of small oscillations, the smaller one, s.
+    real(dp) function period_of(case) result(period)
+        type(case_t), intent(in) :: case !! body and start
+        period = 2 * pi / max(norm2(case%start%omega), sqrt(norm2(case%body%weight_moment()) / minval(case%body%inertia)), &
+                              tiny(period))
+    end function period_of
+
+    !> Finds the parameters that explain the measurements.
+    subroutine search_minimum(model, start, search, minimum)
+        type(fit_model_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: start(:) !! where the search begins
+        type(search_t), intent(inout) :: search !! how to search; what was tried
+        type(minimum_t), intent(out) :: minimum !! the best that was found
+        type(minimum_t) :: other
+        type(sobol_sequence_t) :: sequence
+        type(loss_t) :: loss
+        real(dp) :: fractions(size(start)), x(size(start)), width
+        integer :: i, k
+
+        call search_from(model, start, search, minimum)
+        loss = model%loss
+        if (explains(model, minimum)) return
+        call sequence%start(size(start), 0_int64)
+        do i = 1, search%most - 1
+            call sequence%find_point(int(i, int64), fractions)
+            width = widths(1 + mod(i - 1, size(widths)))
+            do k = 1, size(x)
+                x(k) = start(k) + width * (2 * fractions(k) - 1) * model%step_scale(k, start(k))
+                associate (range => model%ranges(k, :))
+                    if (all(is_set(range))) x(k) = range(1) + fractions(k) * (range(2) - range(1))
+                end associate
+                x(k) = model%limited(k, x(k))
+            end do
+            call search_from(model, x, search, other)
+            if (.not. other%has_converged .or. (minimum%has_converged .and. .not. is_less(other, minimum))) cycle
+            minimum = other
+            loss = model%loss
+            if (explains(model, minimum)) exit
+        end do
+        model%loss = loss
+    end subroutine search_minimum
+
+    !> Whether one minimum is less than another: by the median of the residuals, since the scale of a robust loss is its own.
+    pure logical function is_less(one, other)
+        type(minimum_t), intent(in) :: one, other
+        is_less = robust_deviation(one%residuals, size(one%x)) < robust_deviation(other%residuals, size(other%x))
+    end function is_less
+
+    !> Whether a minimum explains the measurements.
+    logical function explains(model, minimum)
+        type(fit_model_t), intent(inout) :: model
+        type(minimum_t), intent(in) :: minimum
+        type(judgement_t) :: judgement
+        real(dp) :: readings(size(model%measured%columns), size(model%measured%t))
+        logical :: is_valid, is_noisy
+
+        explains = .false.
+        if (.not. minimum%has_converged) return
+        call model%predict(minimum%x, readings, is_valid)
+        if (.not. is_valid) return
+        is_noisy = norm2(minimum%residuals) > far_above * max(model%precision, epsilon(1.0_dp)) * norm2(model%data)
+        call judge(model%measured, model%differences(readings), minimum, model%loss, is_noisy, .false., judgement)
+        explains = .not. judgement%is_poor
+    end function explains
+
+    !> Searches from one start: window by window, then all rows.
+    subroutine search_from(model, start, search, minimum)
+        type(fit_model_t), intent(inout) :: model
+        real(dp), intent(in) :: start(:)
+        type(search_t), intent(inout) :: search
+        type(minimum_t), intent(out) :: minimum
+        real(dp) :: x(size(start))
+        integer :: rows
+
+        search%searches = search%searches + 1
+        x = start
+        associate (t => model%measured%t, all_rows => size(model%measured%t))
+            rows = all_rows
+            if (search%has_windows) rows = first_rows(model, search%period, size(start))
+            search%first_span = t(rows) - t(1)
+            do while (rows < all_rows)
+                call search_in_window(model, rows, start, x, search)
+                rows = min(max(count(t - t(1) <= 2 * (t(rows) - t(1))), rows + 1), all_rows)
+            end do
+            call model%use_rows(all_rows)
+        end associate
+        call minimize_loss(model, x, model%measured%size(), search%kind, model%measured%knows_sigma, minimum)
+        search%evaluations = search%evaluations + minimum%evaluations
+        search%steps = search%steps + minimum%steps
+    end subroutine search_from
+
+    !> Number of rows in the first window.
+    integer function first_rows(model, period, parameters) result(rows)
+        type(fit_model_t), intent(in) :: model
+        real(dp), intent(in) :: period
+        integer, intent(in) :: parameters
+        associate (measured => model%measured)
+            rows = count(measured%t - measured%t(1) <= first_periods * period)
+            do while (rows < size(measured%t))
+                if (count(measured%is_there(:, :rows)) >= readings_per_parameter * parameters) exit
+                rows = rows + 1
+            end do
+            rows = min(max(rows, 2), size(measured%t))
+        end associate
+    end function first_rows
+
+    !> Moves the parameters to the minimum in a window, roughly, with a loss that wrong rows do not spoil.
+    subroutine search_in_window(model, rows, start, x, search)
+        type(fit_model_t), intent(inout) :: model
+        integer, intent(in) :: rows
+        real(dp), intent(in) :: start(:)
+        real(dp), intent(inout) :: x(:)
+        type(search_t), intent(inout) :: search
+        real(dp), allocatable :: residuals(:)
+        real(dp) :: deviation
+        type(minimum_t) :: minimum
+        logical :: is_valid
+        integer :: i
+
+        search%windows = search%windows + 1
+        do i = 1, rounds
+            call model%use_rows(rows)
+            if (allocated(residuals)) deallocate (residuals)
+            allocate (residuals(size(model%data)))
+            call model%evaluate(x, residuals, is_valid)
+            search%evaluations = search%evaluations + 1
+            if (.not. is_valid) return
+            deviation = robust_deviation(residuals, size(x))
+            if (.not. deviation > 0) return
+            model%loss = loss_t(loss_huber, deviation)
+            call model%use_rows(rows, start, deviation / held_within)
+            call minimize(model, x, size(model%data), spread(.true., 1, size(x)), minimum, window_goal)
+            search%evaluations = search%evaluations + minimum%evaluations
+            search%steps = search%steps + minimum%steps
+            if (minimum%sum_of_squares < huge(deviation)) x = minimum%x
+        end do
+    end subroutine search_in_window
+
+end module spintop_fit_search

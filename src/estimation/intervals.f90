@@ -19,6 +19,8 @@ module spintop_intervals
     !> first few are short.
     real(dp), parameter :: end_slack = 1.0e-4_dp
     integer, parameter :: most_steps = 30, most_short_steps = 10
+    !> It is given up after so many evaluations per parameter: where parameters are hardly told apart it is long and bent.
+    integer, parameter :: most_evaluations = 80
     !> The search ended at another minimum where the profile has a sum of squares that is smaller by this part of the rise at
     !> an end.
     real(dp), parameter :: better_slack = 1.0e-2_dp
@@ -258,6 +260,8 @@ contains
         free = .true.
         free(k) = .false.
         start = minimum%x + direction * (value - minimum%x(k))
+        ! A curved profile is followed from its last point.
+        if (abs(last(k) - minimum%x(k)) > 0) start = last + (last - minimum%x) * ((value - last(k)) / (last(k) - minimum%x(k)))
         start(k) = value
         start(:) = [(model%limited(i, start(i)), i=1, size(start))]
         call minimize(model, start, m, free, point, end_slack * rise_at_end / (minimum%sum_of_squares + rise_at_end), jacobian)
@@ -284,10 +288,11 @@ contains
         type(minimum_t) :: point
         real(dp) :: last(size(minimum%x))
         real(dp) :: inside, outside, excess_inside, excess_outside, next, excess, root, rise_at_end
-        integer :: i, n
+        integer :: i, n, evaluations
         logical :: is_at_end, exists
 
         outcome = end_lost
+        evaluations = 0
         last = minimum%x
         associate (best => minimum%x(k), width => level * estimate%standard_error(k))
             inside = 0
@@ -302,6 +307,7 @@ contains
                 place = best + next
                 call minimize_others(model, minimum, jacobian, estimate%covariance(:, k) / estimate%covariance(k, k), k, place, &
                                      rise_at_end, last, point)
+                evaluations = evaluations + point%evaluations
                 root = no_number
                 exists = point%sum_of_squares < huge(root)
                 associate (rise => point%sum_of_squares - minimum%sum_of_squares)
@@ -314,7 +320,7 @@ contains
                 end associate
                 excess = root - abs(level)
                 if (abs(excess) <= end_slack * abs(level) .or. (is_at_end .and. excess < 0)) outcome = end_met
-                if (outcome == end_met) return
+                if (outcome == end_met .or. evaluations > most_evaluations * size(minimum%x)) return
                 if (.not. is_finite(excess)) then
                     if (excess_outside > 0) return
                     next = (inside + next) / 2

@@ -77,8 +77,10 @@ contains
     integer function place_of(self, column) result(place)
         class(sensors_t), intent(inout) :: self
         character(*), intent(in) :: column !! name of a measured column
-        place = findloc(self%column, column, dim=1)
-        if (place == 0) place = findloc(self%column, '', dim=1)
+        do place = 1, size(self%column)
+            if (self%column(place) == column .or. self%column(place) == '') exit
+        end do
+        if (place > size(self%column)) place = 0
         if (place > 0) self%column(place) = column
     end function place_of
 

@@ -208,7 +208,7 @@ contains
         allocate (measured%turn(size(columns)), source=0.0_dp)
         do i = 1, size(scene%sensors%column)
             if (scene%sensors%column(i) == '') cycle
-            k = findloc(columns%name, scene%sensors%column(i), dim=1)
+            k = place_of(columns, scene%sensors%column(i))
             if (k == 0) then
                 call problems%add('sensor.column(' // to_text(i) // ')', trim(scene%sensors%column(i)) // ' is not measured', &
                                   'name a column of the table')
@@ -221,7 +221,7 @@ contains
         end do
         do i = 1, size(scene%wrapped)
             if (scene%wrapped(i) == '') cycle
-            k = findloc(columns%name, scene%wrapped(i), dim=1)
+            k = place_of(columns, scene%wrapped(i))
             if (k > 0) then
                 if (columns(k)%unit == 'rad') then
                     measured%turn(k) = 2 * pi

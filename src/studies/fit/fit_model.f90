@@ -31,8 +31,8 @@ module spintop_fit_model
     private
     public :: fit_model_t
 
-    !> The key of the mounting of a sensor.
-    character(*), parameter :: mounting = 'fit.mounting'
+    !> Names of sought numbers of sensors: what those of a mounting begin with, and the time of the motion at t = 0.
+    character(*), parameter :: mounting = 'mounting(', time_offset = 'offset.t'
 
     !> Nodes and weights of a mean over an interval, of half width 1: those of Gauss and Legendre.
     real(dp), parameter :: gauss_nodes(5) = [-0.9061798459386640_dp, -0.5384693101056831_dp, 0.0_dp, 0.5384693101056831_dp, &
@@ -111,6 +111,7 @@ contains
             if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then
                 self%scales(i) = merge(value, 0.0_dp, keys(i)%slot%accepts(0.0_dp))
             end if
+            if (keys(i)%name == time_offset) self%ranges(i, 1) = scene%fit%averaged / 2 - measured%t(1)
             if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
             if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
         end do
@@ -139,7 +140,7 @@ contains
             if (.not. any([(any(self%measured%columns%name == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
             do k = 1, 3
                 name = trim(vectors(i)) // to_text(k)
-                places(k) = findloc(self%columns%name, name, dim=1)
+                places(k) = place_of(self%columns, name)
                 if (places(k) > 0) cycle
                 self%columns = [self%columns, known(place_of(known, name))]
                 places(k) = size(self%columns)

@@ -26,7 +26,7 @@ module spintop_fit_study
     use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: listed_column_t, place_of
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, string_t, to_text
     implicit none
@@ -203,7 +203,7 @@ contains
         else
             problem = column // ' is not measured'
             k = 0
-            if (allocated(self%measured%columns)) k = findloc(self%measured%columns%name, column, dim=1)
+            if (allocated(self%measured%columns)) k = place_of(self%measured%columns, column)
             if (k == 0) return
             found%unit = ''
             if (index(name, 'offset.') == 1) found%unit = trim(self%measured%columns(k)%unit)

@@ -32,7 +32,9 @@ contains
         n = size(measured%t)
         do i = 1, size(measured%columns)
             rows = pack([(k, k=1, n)], measured%is_there(i, :))
-            call check_angles(trim(measured%columns(i)%name), rows, measured%values(i, rows), measured%turn(i) > 0, problems)
+            if (size(rows) < 2) cycle
+            call check_angles(trim(measured%columns(i)%name), rows, measured%t(rows), measured%values(i, rows), &
+                              measured%turn(i) > 0, problems)
         end do
         if (n < 2) return
         period = period_of(case)
@@ -55,10 +57,10 @@ contains
     end subroutine check_measurements
 
     !> Checks that the readings of an angle are in radians, and have all turns.
-    subroutine check_angles(name, rows, values, is_wrapped, problems)
+    subroutine check_angles(name, rows, t, values, is_wrapped, problems)
         character(*), intent(in) :: name
         integer, intent(in) :: rows(:) !! those with a reading
-        real(dp), intent(in) :: values(:)
+        real(dp), intent(in) :: t(:), values(:)
         logical, intent(in) :: is_wrapped !! whether turns are not needed
         type(problems_t), intent(inout) :: problems
         integer :: k
@@ -68,7 +70,7 @@ contains
             if (k > 0) call problems%add('fit.data', 'theta = ' // rounded(values(k)) // ' in row ' // to_text(rows(k)) // &
                                          ' is outside of [0, pi]', 'give it in radians')
         else if ((name == 'phi' .or. name == 'psi') .and. .not. is_wrapped) then
-            k = wrapped_at(values)
+            k = wrapped_at(t, values)
             if (k > 1) call problems%add('fit.data', name // ' jumps by almost a turn from row ' // to_text(rows(k - 1)) // &
                                          ' to row ' // to_text(rows(k)) // ', as a wrapped angle does', &
                                          "give fit.wrapped = '" // name // "', or all its turns (in Python numpy.unwrap)")
@@ -76,21 +78,25 @@ contains
     end subroutine check_angles
 
     !> The row at which an angle was wrapped: where all values are within a turn, but steps are longer than a half, or where a
-    !> step differs by a turn from its neighbours. 0 if there is none.
-    pure integer function wrapped_at(angle) result(row)
-        real(dp), intent(in) :: angle(:)
+    !> step differs by a turn from its neighbours. Over gaps of the rows an angle may step by anything. 0 if there is none.
+    pure integer function wrapped_at(t, angle) result(row)
+        real(dp), intent(in) :: t(:), angle(:)
+        real(dp), parameter :: gap = 1.5_dp ! in mean intervals
         real(dp) :: step(size(angle) - 1), near
+        logical :: is_gap(size(angle) - 1)
         integer :: i, n
 
         row = 0
         n = size(step)
         if (n < 1) return
-        step = angle(2:) - angle(:n)
+        is_gap = t(2:) - t(:n) > gap * (t(n + 1) - t(1)) / n
+        step = merge(0.0_dp, angle(2:) - angle(:n), is_gap)
         if (maxval(angle) - minval(angle) <= 2.1_dp * pi .and. (count(abs(step) > pi) > 1 .or. any(abs(step) > 1.6_dp * pi))) then
             row = maxloc(abs(step), dim=1) + 1
             return
         end if
         do i = 2, n - 1
+            if (any(is_gap(i - 1:i + 1))) cycle
             near = (step(i - 1) + step(i + 1)) / 2
             if (abs(step(i + 1) - step(i - 1)) > 1) cycle
             if (abs(abs(step(i) - near) - 2 * pi) > 0.5_dp) cycle

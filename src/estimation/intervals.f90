@@ -10,7 +10,7 @@ module spintop_intervals
     use spintop_residuals, only: residuals_t
     implicit none
     private
-    public :: estimate_t, describe_minimum, student_quantile
+    public :: estimate_t, describe_minimum, compare_with, student_quantile
 
     !> Derivatives of a few differences will do where the singular values exceed their errors by this factor, and where they
     !> exceed the relative error of an integration by the other: its derivatives may have a larger one.
@@ -113,6 +113,29 @@ contains
             estimate%covariance(:, k) = no_number
         end do
     end subroutine describe_minimum
+
+    !> Compares the intervals with parameters elsewhere. If these explain the measurements as well as the ends of the intervals
+    !> do, but are far outside, the profiles did not find their way there, and the parameters are not determined.
+    subroutine compare_with(model, x, minimum, level, estimate)
+        class(residuals_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the other parameters
+        type(minimum_t), intent(in) :: minimum !! where the sum of squares is least
+        real(dp), intent(in) :: level !! quantile that belongs to the intervals
+        type(estimate_t), intent(inout) :: estimate !! parameters that are not determined are marked
+        real(dp), parameter :: far = 2 ! in half widths of the interval
+        real(dp) :: residuals(size(minimum%residuals)), rise
+        logical :: is_valid
+
+        call model%evaluate(x, residuals, is_valid)
+        if (.not. is_valid) return
+        rise = sum(model%loss%bend(residuals)**2) - minimum%sum_of_squares
+        if (rise > (level * estimate%rise)**2) return
+        associate (width => max(estimate%upper - estimate%lower, 2 * level * estimate%standard_error), &
+                   centre => (estimate%upper + estimate%lower) / 2)
+            estimate%is_undetermined = estimate%is_undetermined .or. abs(x - centre) > far * width / 2
+        end associate
+        estimate%is_identifiable = .not. any(estimate%is_undetermined)
+    end subroutine compare_with
 
     !> The standard deviation of the residuals, and the mean slope of their influence, 1 for least squares. With a robust loss the
     !> covariance of the estimates is that of Huber and Ronchetti (Robust Statistics, 2009, section 7.6, with the factor K^2).

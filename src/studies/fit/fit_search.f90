@@ -37,6 +37,8 @@ module spintop_fit_search
         real(dp) :: period = 0
         !> Starts and windows that were tried, and all evaluations and steps.
         integer :: searches = 0, windows = 0, evaluations = 0, steps = 0
+        !> The parameters that explain the measurements where they are held near the start.
+        real(dp), allocatable :: held(:)
         !> Span of the first window, s.
         real(dp) :: first_span = 0
     end type search_t
@@ -123,11 +125,13 @@ contains
             rows = all_rows
             if (search%has_windows) rows = first_rows(model, search%period, size(start))
             search%first_span = t(rows) - t(1)
-            do while (rows < all_rows)
+            do while (search%has_windows)
                 call search_in_window(model, rows, start, x, search)
+                if (rows == all_rows) exit
                 rows = min(max(count(t - t(1) <= 2 * (t(rows) - t(1))), rows + 1), all_rows)
             end do
             call model%use_rows(all_rows)
+            search%held = x
         end associate
         call minimize_loss(model, x, model%measured%size(), search%kind, model%measured%knows_sigma, minimum)
         search%evaluations = search%evaluations + minimum%evaluations

@@ -10,7 +10,7 @@ module spintop_fit_study
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_warnings, only: check_measurements
     use spintop_body_of_scene, only: is_set
-    use spintop_intervals, only: describe_minimum, estimate_t, student_quantile
+    use spintop_intervals, only: compare_with, describe_minimum, estimate_t, student_quantile
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_losses, only: loss_names, loss_squares, loss_t
@@ -326,6 +326,7 @@ contains
             search%steps = search%steps + minimum%steps
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
+        if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%held, minimum, level, estimate)
     end subroutine find_minimum
 
     !> How the search ended.

@@ -1,9 +1,10 @@
-!> Whether residuals are noise: the probability of their squares, whether each is like the one before, a period, a drift.
+!> Whether residuals are noise: the probability of their squares, whether each is like the one before or like others far from
+!> it, a period, a drift.
 module spintop_goodness
     use spintop_kinds, only: dp, pi
     implicit none
     private
-    public :: chi_square_tail, von_neumann_ratio, find_period, find_drift
+    public :: chi_square_tail, von_neumann_ratio, find_correlation, find_period, find_drift
 
 contains
 
@@ -58,6 +59,37 @@ contains
         if (m < 3 .or. .not. size_of_residuals > 0) return
         ratio = (norm2(residuals(2:) - residuals(:m - 1)) / size_of_residuals)**2
     end function von_neumann_ratio
+
+    !> The correlation of residuals over many rows, which the short memory of a sensor does not have, but the period of a motion
+    !> that is not explained: by the statistic of Ljung and Box (1978) of far neighbours.
+    pure subroutine find_correlation(residuals, bound, strength, probability)
+        real(dp), intent(in) :: residuals(:) !! in the order of time
+        real(dp), intent(in) :: bound !! beyond which a residual is cut
+        real(dp), intent(out) :: strength !! root mean square of the correlations, 0 to 1
+        real(dp), intent(out) :: probability !! that noise has these correlations
+        integer, parameter :: nearest = 11, farthest = 50, part = 4
+        real(dp) :: r(size(residuals)), correlation, total, squares
+        integer :: k, m, first, last
+
+        m = size(residuals)
+        strength = 0
+        probability = 1
+        last = min(farthest, m / part)
+        first = min(nearest, last / 2)
+        if (first < 1) return
+        r = max(-bound, min(residuals, bound))
+        r = r - sum(r) / m
+        squares = sum(r**2)
+        if (.not. squares > 0) return
+        total = 0
+        do k = first, last
+            correlation = dot_product(r(:m - k), r(1 + k:)) / squares
+            total = total + correlation**2 * (m * (m + 2.0_dp) / (m - k))
+            strength = strength + correlation**2
+        end do
+        strength = sqrt(strength / (last - first + 1))
+        probability = chi_square_tail(total, last - first + 1)
+    end subroutine find_correlation
 
     !> The period that stands out of residuals, by the periodogram for any times (Scargle 1982).
     pure subroutine find_period(t, residuals, period, amplitude, probability)

@@ -114,22 +114,23 @@ contains
         end do
     end subroutine describe_minimum
 
-    !> Compares the intervals with parameters elsewhere. If these explain the measurements as well as the ends of the intervals
-    !> do, but are far outside, the profiles did not find their way there, and the parameters are not determined.
+    !> Compares the intervals with parameters elsewhere. If these explain the measurements almost as well, but are far outside, the
+    !> profiles did not find their way there, and the parameters are not determined. Almost: a minimum that noise alone makes is
+    !> the best of many, and looks better than it is.
     subroutine compare_with(model, x, minimum, level, estimate)
         class(residuals_t), intent(inout) :: model !! the residuals
         real(dp), intent(in) :: x(:) !! the other parameters
         type(minimum_t), intent(in) :: minimum !! where the sum of squares is least
         real(dp), intent(in) :: level !! quantile that belongs to the intervals
         type(estimate_t), intent(inout) :: estimate !! parameters that are not determined are marked
-        real(dp), parameter :: far = 2 ! in half widths of the interval
+        real(dp), parameter :: far = 2, almost = 6 ! in half widths of the interval; in standard errors
         real(dp) :: residuals(size(minimum%residuals)), rise
         logical :: is_valid
 
         call model%evaluate(x, residuals, is_valid)
         if (.not. is_valid) return
         rise = sum(model%loss%bend(residuals)**2) - minimum%sum_of_squares
-        if (rise > (level * estimate%rise)**2) return
+        if (rise > (almost * estimate%rise)**2) return
         associate (width => max(estimate%upper - estimate%lower, 2 * level * estimate%standard_error), &
                    centre => (estimate%upper + estimate%lower) / 2)
             estimate%is_undetermined = estimate%is_undetermined .or. abs(x - centre) > far * width / 2

@@ -2,7 +2,7 @@
 !> and rows that stand out.
 module spintop_fit_judgement
     use spintop_fit_data, only: measurements_t
-    use spintop_goodness, only: chi_square_tail, find_drift, find_period, von_neumann_ratio
+    use spintop_goodness, only: chi_square_tail, find_correlation, find_drift, find_period, von_neumann_ratio
     use spintop_kinds, only: dp
     use spintop_least_squares, only: minimum_t
     use spintop_losses, only: loss_t
@@ -19,6 +19,8 @@ module spintop_fit_judgement
     !> Residuals are no noise where the ratio of von Neumann is so far from its mean, 2, and this number of its standard
     !> deviations.
     real(dp), parameter :: far = 1, significant = 4
+    !> Nor where far neighbours are correlated by so much, and not by chance. Residuals are cut at so many standard deviations.
+    real(dp), parameter :: correlated = 0.04_dp, cut = 3
     !> The sum of squares is too large where it is so many times what is expected and has at most this probability; the
     !> probability below which standard deviations are doubted.
     real(dp), parameter :: too_large = 1.1_dp, impossible = 1.0e-6_dp, doubtful = 1.0e-3_dp
@@ -105,22 +107,28 @@ contains
         end if
     end subroutine judge_size
 
-    !> Residuals that are no noise: each like the one before, or minus that.
+    !> Residuals that are no noise: each like the one before, or minus that, or like others far from it.
     subroutine judge_order(name, t, residuals, with_words, judgement)
         character(*), intent(in) :: name
         real(dp), intent(in) :: t(:), residuals(:)
         logical, intent(in) :: with_words
         type(judgement_t), intent(inout) :: judgement
-        real(dp) :: ratio, period, amplitude, probability, drift, significance
+        real(dp) :: ratio, strength, chance, period, amplitude, probability, drift, significance
         character(:), allocatable :: text
 
         ratio = von_neumann_ratio(residuals)
-        if (abs(ratio - 2) <= max(far, significant * 2 / sqrt(real(size(residuals), dp)))) return
+        call find_correlation(residuals, cut * robust_deviation(residuals, 0), strength, chance)
+        text = ''
+        if (abs(ratio - 2) > max(far, significant * 2 / sqrt(real(size(residuals), dp)))) then
+            text = 'each is like ' // trim(merge('the one before      ', 'minus the one before', ratio < 2)) // &
+                   ' (ratio of von Neumann ' // rounded(ratio, 3) // ', 2 for noise)'
+        else if (strength > correlated .and. chance < impossible) then
+            text = 'they repeat themselves (far neighbours have a correlation of ' // rounded(strength, 2) // ')'
+        end if
+        if (text == '') return
         judgement%is_poor = .true.
         if (.not. with_words) return
-        text = 'the residuals of ' // name // ' are no noise: each is like ' // &
-               trim(merge('the one before      ', 'minus the one before', ratio < 2)) // &
-               ' (ratio of von Neumann ' // rounded(ratio, 3) // ', 2 for noise)'
+        text = 'the residuals of ' // name // ' are no noise: ' // text
         call find_period(t, residuals, period, amplitude, probability)
         call find_drift(t, residuals, drift, significance)
         if (probability < seldom) text = text // ', with a period of ' // rounded(period, 3) // ' s'

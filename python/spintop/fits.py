@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.inputs import names_in, numbers, read_input
+from spintop.inputs import names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
 from spintop.results import Figures, Result
 from spintop.runs import call_run, figures_of
@@ -20,23 +20,26 @@ def fit(
     unknown: str | Sequence[str],
     given: Mapping[str, Mapping[str, Any]],
     *,
-    sigma: float | Sequence[float] | None = None,
+    sigma: float | Sequence[float] | Mapping[str, ArrayLike] | None = None,
     profile: bool = True,
 ) -> Result:
     """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
 
     `data` has the times (s) and columns of trajectories, in their units; a pandas frame will do.
-    `unknown` names the sought numbers, as `top.inertia(3)`; their values in `given`, the groups of
-    the input, are where the search begins. `sigma` is the standard deviation of all columns or of
-    each, in their units; without it one that is common to all is estimated. The tables of the
-    result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
-    not `ok` if the search does not converge, or if the data do not determine the parameters.
-    Other keys of the group `fit`, as `loss`, may stand in `given`. The `warnings` of the result
-    say what is odd about the data and the residuals.
+    `nan` is no reading. `unknown` names the sought numbers, as `top.inertia(3)` or `offset.theta`;
+    their values in `given`, the groups of the input, are where the search begins. `sigma` is the
+    standard deviation of all columns or of each, in their units, in their order or by their names,
+    where an array has one per row; without it one that is common to all is estimated. The tables of
+    the result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws.
+    It is not `ok` if the search does not converge, the data do not determine the parameters, or
+    the motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups
+    `sensor` may stand in `given`. The `warnings` of the result say what is odd about the data and
+    the residuals.
     """
-    columns = {name: numbers(values, name) for name, values in data.items()}
-    if "t" not in columns or len({column.shape for column in columns.values()}) != 1:
-        raise InputError("the measurements need `t`, and columns of its length", code=2)
+    columns = measurements(data)
+    if isinstance(sigma, Mapping):
+        columns |= deviations(sigma, columns)
+        sigma = None
     wanted = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
 
     def draw(*names: str) -> Figures:
@@ -45,7 +48,43 @@ def fit(
             return figures_of(read_input(scene), 0, *names)
 
     with written_input(columns, wanted, given) as scene:
-        return Result(call_run(*read_input(scene), None, 0), draw)
+        path = str(scene["fit"]["data"])
+        with without_places(scene, path):
+            result = Result(call_run(*read_input(scene), None, 0), draw)
+        result.warnings = plain(result.warnings, path)
+        return result
+
+
+def measurements(data: Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
+    """The columns of measurements, of one length, with their times."""
+    if "t" not in data:
+        raise InputError("the measurements have no times: give t, in s from the start", code=2)
+    columns = {name: numbers(values, name) for name, values in data.items()}
+    lengths = {name: column.shape for name, column in columns.items()}
+    for name, shape in lengths.items():
+        if len(shape) != 1 or shape != lengths["t"]:
+            raise InputError(f"{name} has the shape {shape}, but t {lengths['t']}", code=2)
+    return columns
+
+
+def deviations(
+    sigma: Mapping[str, ArrayLike], columns: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Standard deviations by the names of columns, as columns with one per row."""
+    measured = [name for name in columns if name != "t"]
+    for name in [*sigma, *measured]:
+        if name not in measured:
+            raise InputError(f"sigma: {name} is not measured", code=2)
+        if name not in sigma:
+            raise InputError(f"sigma: that of {name} is missing", code=2)
+    given = {name: numbers(values, f"sigma of {name}") for name, values in sigma.items()}
+    for name, values in given.items():
+        if values.shape not in ((), columns["t"].shape):
+            raise InputError(f"sigma: {name} has the shape {values.shape}", code=2)
+    return {
+        f"{name}_sigma": np.broadcast_to(values, columns["t"].shape)
+        for name, values in given.items()
+    }
 
 
 @contextmanager

@@ -1,7 +1,8 @@
 """Inputs of the program as dictionaries: groups of keys with their values."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from decimal import Decimal
 from itertools import chain
 from numbers import Real
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from spintop.library import InputError
+from spintop.library import InputError, SpintopError
 
 Group = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """Keys with their values; a group that stands more than once, as `part`, is a list of such."""
@@ -22,6 +23,10 @@ NAME = re.compile(r"[a-z]\w*", re.ASCII | re.IGNORECASE)
 """A group of an input."""
 KEY = re.compile(r"[a-z]\w*( *\([\d:, ]*\))?", re.ASCII | re.IGNORECASE)
 """A key of an input, or elements of it: `inertia`, `values(1,:)`."""
+PLACED = re.compile(r"input(?::\d+:\d+)?: ((?:error|warning): .*)")
+"""The first line of a message of the program with its place."""
+SHOWN = re.compile(r" *\d* \|(?: *\^+(\.\.\.)?)?(?P<hint> .*)?")
+"""A line of a message that shows the text of the input, or marks the place, with a hint."""
 
 
 def frozen(value: Any) -> Any:
@@ -41,6 +46,9 @@ def numbers(values: Any, what: str) -> np.ndarray:
     is_real = array.dtype.kind in "biuf"
     if array.dtype.kind == "O":
         is_real = all(isinstance(value, Real | Decimal) for value in array.flat)
+    if array.dtype.kind in "mM":
+        hint = "give seconds as numbers: (x - x[0]) / numpy.timedelta64(1, 's')"
+        raise InputError(f"{what}: dates and times are no numbers; {hint}", code=2)
     if not is_real:
         raise InputError(f"{what}: real numbers are wanted, not {array.dtype}", code=2)
     return np.asarray(array, dtype=np.float64)
@@ -118,6 +126,31 @@ def namelist(groups: Mapping[str, Group]) -> str:
         for each in keys if is_list(keys) else [keys]:
             lines += lines_of(group, each)
     return "\n".join(lines) + "\n"
+
+
+def plain(report: str, path: str = "") -> str:
+    """Messages without lines of a text that was made of groups, and without the path of a file."""
+    lines = []
+    for line in report.replace(f"{path}: ", "").splitlines() if path else report.splitlines():
+        if placed := PLACED.fullmatch(line):
+            lines.append(placed[1])
+        elif not (shown := SHOWN.fullmatch(line)):
+            lines.append(line)
+        elif "^" in line and shown["hint"]:
+            lines.append(f"  {shown['hint'].strip()}")
+    return "\n".join(lines)
+
+
+@contextmanager
+def without_places(given: Input, path: str = "") -> Iterator[None]:
+    """Raise errors without places in a text that nobody wrote, if an input is given by groups."""
+    try:
+        yield
+    except SpintopError as error:
+        if isinstance(given, Mapping):
+            error.args = (plain(str(error), path),)
+            error.source, error.line, error.column = "", 0, 0
+        raise
 
 
 def read_input(given: Input) -> tuple[str, str]:

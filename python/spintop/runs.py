@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.animation import Animation, animate
-from spintop.inputs import Input, numbers, read_input, thread_count
+from spintop.inputs import Input, numbers, plain, read_input, thread_count, without_places
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
 from spintop.results import Figures, Result
 
@@ -28,8 +28,12 @@ def run(given: Input, *, folder: str | Path | None = None, threads: int = 0) -> 
     line and column; a motion that ends early is a result that is not `ok`.
     """
     read = read_input(given)
-    result = call_run(*read, None if folder is None else str(folder), threads)
-    return Result(result, partial(figures_of, read, threads), partial(animation_of, read, threads))
+    with without_places(given):
+        place = call_run(*read, None if folder is None else str(folder), threads)
+    result = Result(place, partial(figures_of, read, threads), partial(animation_of, read, threads))
+    if isinstance(given, Mapping):
+        result.warnings = plain(result.warnings)
+    return result
 
 
 def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes._Pointer[CResult]":
@@ -65,7 +69,8 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
         (ctypes.c_void_p * count)(*(array.ctypes.data for array in arrays)),
         *(arrays[0].size if arrays else 0, thread_count(threads), place),
     )
-    raise_error(place)
+    with without_places(given):
+        raise_error(place)
     return Result(result, grid=grid)
 
 

@@ -11,7 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.animation import Animation
-from spintop.inputs import Group, frozen, namelist, names_in, numbers, thread_count
+from spintop.inputs import (
+    Group,
+    frozen,
+    namelist,
+    names_in,
+    numbers,
+    plain,
+    thread_count,
+    without_places,
+)
 from spintop.library import (
     InputError,
     InputWarning,
@@ -93,19 +102,20 @@ class Motion(Columns):
 class Handle:
     """A top of the library: one input, whose method and columns are chosen."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, groups: Mapping[str, Group]) -> None:
         """Read an input."""
         calls = library()
         place = new_place()
         self.delete = calls.spintop_top_delete
-        self.top = calls.spintop_top_new(bytes_of(text), None, place)
-        raise_error(place)
+        self.top = calls.spintop_top_new(bytes_of(namelist(groups)), None, place)
+        with without_places(groups):
+            raise_error(place)
         columns = calls.spintop_top_columns(self.top)
         count = calls.spintop_top_column_count(self.top)
         names = [text_of(columns[i].name) for i in range(count)]
         self.units = {name: text_of(columns[i].unit) for i, name in enumerate(names)}
         self.meanings = {name: text_of(columns[i].what) for i, name in enumerate(names)}
-        self.warnings = text_of(calls.spintop_top_warnings(self.top))
+        self.warnings = plain(text_of(calls.spintop_top_warnings(self.top)))
         self.at, self.find_events = calls.spintop_top_at, calls.spintop_top_events
 
     def __del__(self) -> None:
@@ -146,7 +156,7 @@ class Body:
         self._keys, self._parts = frozen(keys), frozen(parts)
         groups = {"part": self._parts} if self._parts else {}
         some = {"initial": {"theta": 1.0}, "span": {"t_end": 1.0}}
-        Handle(namelist({"top": self._keys, **groups, **some}))
+        Handle({"top": self._keys, **groups, **some})
 
     @property
     def keys(self) -> dict[str, Any]:
@@ -225,7 +235,7 @@ class Top:
         if known is None:
             output = {"columns": columns, "events": events or None}
             groups = self.input(integration=integration, span=span, output=output)
-            known = Handle(namelist(groups))
+            known = Handle(groups)
             with self._lock:
                 if len(self._handles) >= MOST_HANDLES:
                     self._handles.pop(next(iter(self._handles)))

@@ -123,7 +123,7 @@ contains
         type(minimum_t), intent(in) :: minimum !! where the sum of squares is least
         real(dp), intent(in) :: level !! quantile that belongs to the intervals
         type(estimate_t), intent(inout) :: estimate !! parameters that are not determined are marked
-        real(dp), parameter :: far = 2, almost = 6 ! in half widths of the interval; in standard errors
+        real(dp), parameter :: far = 4, almost = 6 ! in half widths of the interval; in standard errors
         real(dp) :: residuals(size(minimum%residuals)), rise
         logical :: is_valid
 

@@ -59,7 +59,7 @@ def fit(
 def late(result: spintop.Result) -> str:
     """The warnings of the run, without those of the input."""
     lines = result.warnings.splitlines()
-    return "\n".join(line for line in lines if line.startswith("input: warning"))
+    return "\n".join(line for line in lines if line.startswith("warning: "))
 
 
 @pytest.mark.parametrize("window", WINDOWS)
@@ -143,15 +143,16 @@ def test_wrapped_angles() -> None:
         t = np.linspace(0.05, 6.0, rows)
         for name in ("phi", "psi"):
             data = measure(ANGLES, t, MOVING, 1e-3)
-            assert "jumps" not in fit(data, ["initial.psi_rate"], MOVING).warnings
+            assert fit(data, ["initial.psi_rate"], MOVING).ok
             for angle in (wrapped(data[name]), wrapped(data[name] - np.pi) + np.pi):
                 if np.ptp(data[name]) < 2 * np.pi or np.abs(np.diff(angle)).max() < 1:
                     continue
-                found = fit({**data, name: angle}, ["initial.psi_rate"], MOVING).warnings
-                assert f"{name} jumps by almost a turn" in found, (name, rows)
+                with pytest.raises(spintop.InputError, match=f"{name} jumps by almost a turn"):
+                    fit({**data, name: angle}, ["initial.psi_rate"], MOVING)
     # A single turn that was missed when the angle was unwrapped.
     data["psi"] = data["psi"] + 2 * np.pi * (t > 3)
-    assert "psi jumps" in fit(data, ["initial.psi_rate"], MOVING).warnings
+    with pytest.raises(spintop.InputError, match="psi jumps"):
+        fit(data, ["initial.psi_rate"], MOVING)
 
 
 @pytest.mark.parametrize(
@@ -160,11 +161,10 @@ def test_wrapped_angles() -> None:
         (lambda t: 1e3 * t, "periods of the motion"),
         (lambda t: 1e6 * t, "periods of the motion"),
         (lambda t: t / 3600, "hardly begins"),
-        (lambda t: t + 1.7e9, "starts at 0"),
     ],
 )
 def test_times_in_another_unit(change: object, words: str) -> None:
-    """Milliseconds, microseconds, hours, the time of a clock."""
+    """Milliseconds, microseconds, hours."""
     t = np.linspace(0.1, 6.0, 60)
     data = measure(("theta",), t, MOVING, 1e-3)
     assert fit(data, ["top.length"], MOVING).warnings == ""
@@ -177,8 +177,10 @@ def test_residuals_that_are_no_noise() -> None:
     """A drag that the model does not know."""
     t = np.linspace(0.05, 6.0, 120)
     data = measure(("theta", "omega3"), t, MOVING, 1e-4, effects={"drag_moment": (0, 0, 0.01)})
-    found = late(fit(data, ["top.length", "initial.psi_rate"], MOVING))
-    assert "the residuals of omega3 are no noise" in found
+    found = fit(data, ["top.length", "initial.psi_rate"], MOVING)
+    assert not found.ok
+    assert "poor_fit: the residuals of" in found.summary
+    assert "the residuals of omega3 are no noise" in found.summary
 
 
 @pytest.mark.parametrize("sigma", [None, 1e-3])
@@ -191,7 +193,8 @@ def test_rows_that_stand_out(sigma: float | None) -> None:
     data["theta"][16] = 100.0
     data["psi"][::25] += 0.3
     squares = fit(data, list(truth), MOVING, sigma=sigma)
-    assert "theta in row 17, t = 0.528" in late(squares)
+    assert not squares.ok
+    assert "theta in row 17, t = 0.528" in squares.summary
     robust = fit(data, list(truth), MOVING, loss="huber", sigma=sigma)
     assert robust.ok, robust.summary
     assert "9 of 600" in robust.summary or int(robust.summary.split("huber: ")[1].split()[0]) > 9

@@ -112,7 +112,7 @@ class FitTest(unittest.TestCase):
 
     def test_measurements_without_times(self) -> None:
         """They are refused with a reason."""
-        with self.assertRaisesRegex(spintop.InputError, "`t`"):
+        with self.assertRaisesRegex(spintop.InputError, "no times"):
             spintop.fit({"theta": [0.1, 0.2]}, list(TRUTH), GIVEN)
 
 

@@ -102,6 +102,7 @@ contains
         type(fit_scene_t), intent(in) :: scene
         real(dp), intent(in) :: t(:)
         type(problems_t), intent(inout) :: problems
+        real(dp), parameter :: slack = 1.01_dp
         integer :: i
 
         if (size(t) == 0) then
@@ -118,7 +119,7 @@ contains
             return
         end if
         if (size(t) > 1) then
-            if (scene%averaged > minval(t(2:) - t(:size(t) - 1)) .and. minval(t(2:) - t(:size(t) - 1)) > 0) then
+            if (scene%averaged > slack * minval(t(2:) - t(:size(t) - 1)) .and. minval(t(2:) - t(:size(t) - 1)) > 0) then
                 call problems%add('fit.averaged', 'the intervals of averages overlap', 'average over the time between rows at most')
                 return
             end if

@@ -17,6 +17,7 @@ module spintop_fit_model
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
+    use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
     use spintop_scene_fit, only: fit_scene_t
@@ -70,6 +71,7 @@ module spintop_fit_model
     contains
         procedure :: prepare
         procedure :: use_rows
+        procedure :: weigh
         procedure :: plan_with_another
         procedure :: evaluate
         procedure :: predict
@@ -166,6 +168,43 @@ contains
         self%hold = hold
         self%data = [self%data, 0 * held_at]
     end subroutine use_rows
+
+    !> Estimates the standard deviation of each column, where they are not known, from the residuals at some values of the sought
+    !> numbers, if all columns have enough readings; `change` is the largest relative change of one.
+    subroutine weigh(self, x, is_robust, change)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(in) :: x(:) !! the values
+        logical, intent(in) :: is_robust !! whether by the median, which wrong readings do not spoil
+        real(dp), intent(out) :: change !! 0 where the standard deviations stay
+        real(dp), parameter :: least = 1.0e-13_dp, same = 1.0e-4_dp ! of the readings; of a standard deviation
+        real(dp) :: readings(size(self%measured%columns), self%rows), differences(size(self%measured%columns), self%rows)
+        real(dp) :: deviations(size(self%measured%columns))
+        real(dp), allocatable :: residuals(:)
+        logical :: is_valid
+        integer :: i, enough
+
+        change = 0
+        if (self%measured%knows_sigma .or. size(deviations) == 1) return
+        enough = 2 * size(x) + 10
+        associate (measured => self%measured, rows => self%rows)
+            if (any(count(measured%is_there(:, :rows), dim=2) < enough)) return
+            call self%predict(x, readings, is_valid)
+            if (.not. is_valid) return
+            differences = self%differences(readings)
+            do i = 1, size(deviations)
+                residuals = pack(differences(i, :), measured%is_there(i, :rows))
+                deviations(i) = norm2(residuals) / sqrt(real(size(residuals), dp))
+                if (is_robust) deviations(i) = robust_deviation(residuals, size(x))
+                deviations(i) = max(deviations(i), least * maxval(abs(measured%values(i, :)), mask=measured%is_there(i, :)), &
+                                    tiny(change))
+            end do
+            change = maxval(abs(deviations / measured%sigma(:, 1) - 1))
+            if (change < same) change = 0
+            if (.not. change > 0) return
+            measured%sigma = spread(deviations, 2, size(measured%t))
+        end associate
+        call self%use_rows(self%rows)
+    end subroutine weigh
 
     !> The residuals at some values of the sought numbers, in units of the standard deviations: row by row.
     subroutine evaluate(self, x, residuals, is_valid)

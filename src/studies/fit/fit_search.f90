@@ -9,17 +9,19 @@ module spintop_fit_search
     use spintop_fit_model, only: fit_model_t
     use spintop_kinds, only: dp, pi
     use spintop_least_squares, only: minimize, minimum_t
-    use spintop_losses, only: loss_huber, loss_t
+    use spintop_losses, only: loss_huber, loss_squares, loss_t
     use spintop_robust, only: minimize_loss, robust_deviation
     use spintop_sobol_sequence, only: sobol_sequence_t
     implicit none
     private
-    public :: search_t, search_minimum, period_of
+    public :: search_t, search_minimum, finish_search, period_of
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
     real(dp), parameter :: first_periods = 2
     integer, parameter :: readings_per_parameter = 3, rounds = 2
+    !> The standard deviations of the columns are found in so many searches at most.
+    integer, parameter :: most_weighings = 10
     real(dp), parameter :: window_goal = 1.0e-3_dp
     !> In a window the parameters are held within about this part of where the search began.
     real(dp), parameter :: held_within = 0.05_dp
@@ -61,12 +63,16 @@ contains
         type(minimum_t) :: other
         type(sobol_sequence_t) :: sequence
         type(loss_t) :: loss
-        real(dp) :: fractions(size(start)), x(size(start)), width
+        real(dp), allocatable :: sigma(:, :)
+        real(dp) :: fractions(size(start)), x(size(start)), width, least_misfit, other_misfit
         integer :: i, k
 
         call search_from(model, start, search, minimum)
-        loss = model%loss
         if (explains(model, minimum)) return
+        loss = model%loss
+        sigma = model%measured%sigma
+        least_misfit = huge(least_misfit)
+        if (minimum%has_converged) least_misfit = misfit(model, minimum%x)
         call sequence%start(size(start), 0_int64)
         do i = 1, search%most - 1
             call sequence%find_point(int(i, int64), fractions)
@@ -79,19 +85,42 @@ contains
                 x(k) = model%limited(k, x(k))
             end do
             call search_from(model, x, search, other)
-            if (.not. other%has_converged .or. (minimum%has_converged .and. .not. is_less(other, minimum))) cycle
+            if (.not. other%has_converged) cycle
+            other_misfit = misfit(model, other%x)
+            if (minimum%has_converged .and. .not. other_misfit < least_misfit) cycle
             minimum = other
+            least_misfit = other_misfit
             loss = model%loss
+            sigma = model%measured%sigma
             if (explains(model, minimum)) exit
         end do
         model%loss = loss
+        model%measured%sigma = sigma
+        call model%use_rows(size(model%measured%t))
     end subroutine search_minimum
 
-    !> Whether one minimum is less than another: by the median of the residuals, since the scale of a robust loss is its own.
-    pure logical function is_less(one, other)
-        type(minimum_t), intent(in) :: one, other
-        is_less = robust_deviation(one%residuals, size(one%x)) < robust_deviation(other%residuals, size(other%x))
-    end function is_less
+    !> How badly parameters explain the measurements: the logarithm of the deviation of each reading, by the median, so that
+    !> minima with other weights of the columns can be compared.
+    real(dp) function misfit(model, x)
+        type(fit_model_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:)
+        real(dp) :: readings(size(model%measured%columns), size(model%measured%t))
+        real(dp) :: differences(size(readings, 1), size(readings, 2))
+        logical :: is_valid
+        integer :: i
+
+        misfit = huge(misfit)
+        call model%predict(x, readings, is_valid)
+        if (.not. is_valid) return
+        differences = model%differences(readings)
+        misfit = 0
+        do i = 1, size(readings, 1)
+            associate (residuals => pack(differences(i, :) / model%measured%sigma(i, :)**merge(1, 0, model%measured%knows_sigma), &
+                                         model%measured%is_there(i, :)))
+                misfit = misfit + size(residuals) * log(max(robust_deviation(residuals, 0), tiny(misfit)))
+            end associate
+        end do
+    end function misfit
 
     !> Whether a minimum explains the measurements.
     logical function explains(model, minimum)
@@ -133,10 +162,30 @@ contains
             call model%use_rows(all_rows)
             search%held = x
         end associate
-        call minimize_loss(model, x, model%measured%size(), search%kind, model%measured%knows_sigma, minimum)
-        search%evaluations = search%evaluations + minimum%evaluations
-        search%steps = search%steps + minimum%steps
+        call finish_search(model, x, search, minimum)
     end subroutine search_from
+
+    !> Finds the minimum of all rows from a place near it, and the standard deviation of each column, if they are not known.
+    subroutine finish_search(model, x, search, minimum)
+        type(fit_model_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the place
+        type(search_t), intent(inout) :: search !! how to search; what was tried
+        type(minimum_t), intent(out) :: minimum !! the minimum
+        real(dp) :: from(size(x)), change
+        integer :: i
+
+        from = x
+        call model%weigh(from, search%kind /= loss_squares, change)
+        do i = 1, most_weighings
+            call minimize_loss(model, from, model%measured%size(), search%kind, model%measured%knows_sigma, minimum)
+            search%evaluations = search%evaluations + minimum%evaluations
+            search%steps = search%steps + minimum%steps
+            if (.not. minimum%has_converged) exit
+            from = minimum%x
+            call model%weigh(from, search%kind /= loss_squares, change)
+            if (.not. change > 0) exit
+        end do
+    end subroutine finish_search
 
     !> Number of rows in the first window.
     integer function first_rows(model, period, parameters) result(rows)
@@ -161,7 +210,7 @@ contains
         real(dp), intent(inout) :: x(:)
         type(search_t), intent(inout) :: search
         real(dp), allocatable :: residuals(:)
-        real(dp) :: deviation
+        real(dp) :: deviation, change
         type(minimum_t) :: minimum
         logical :: is_valid
         integer :: i
@@ -169,6 +218,7 @@ contains
         search%windows = search%windows + 1
         do i = 1, rounds
             call model%use_rows(rows)
+            call model%weigh(x, .true., change)
             if (allocated(residuals)) deallocate (residuals)
             allocate (residuals(size(model%data)))
             call model%evaluate(x, residuals, is_valid)

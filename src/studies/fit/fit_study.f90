@@ -6,7 +6,7 @@ module spintop_fit_study
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_search, only: period_of, search_minimum, search_t
+    use spintop_fit_search, only: finish_search, period_of, search_minimum, search_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_warnings, only: check_measurements
     use spintop_body_of_scene, only: is_set
@@ -20,7 +20,7 @@ module spintop_fit_study
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
-    use spintop_robust, only: minimize_loss, robust_deviation
+    use spintop_robust, only: robust_deviation
     use spintop_scene, only: scene_t
     use spintop_scene_fit, only: most_unknown
     use spintop_scene_words, only: kind_fit, study_kinds
@@ -321,9 +321,7 @@ contains
             call describe_minimum(model, minimum, self%measured%knows_sigma, wants_profile .and. minimum%has_converged, &
                                   level, estimate)
             if (.not. allocated(estimate%better)) exit
-            call minimize_loss(model, estimate%better, m, search%kind, self%measured%knows_sigma, minimum)
-            search%evaluations = search%evaluations + minimum%evaluations
-            search%steps = search%steps + minimum%steps
+            call finish_search(model, [estimate%better], search, minimum)
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
         if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%held, minimum, level, estimate)

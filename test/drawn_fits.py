@@ -1,0 +1,138 @@
+"""Drawn measurements of spin-downs, toy tops and gyroscopes, with what sensors do to them.
+
+Each case has an offset of one sensor, 1 % of wrong readings, 2 % of readings and two parts of the
+time missing, and starts of the search that are up to 2 % off.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import spintop
+
+KINDS = ("spin-down", "toy", "gyroscope")
+OFF = 0.02
+WRONG, MISSING, GAP = 0.01, 0.02, 0.05
+
+
+@dataclass
+class Drawn:
+    """A case: measurements, what is sought with its true values, and where the search begins."""
+
+    kind: str
+    data: dict[str, np.ndarray]
+    sigma: dict[str, float]
+    truth: dict[str, float]
+    given: dict[str, Any]
+
+    def fit(self, *, loss: str = "tukey", knows_sigma: bool = True) -> spintop.Result:
+        """The fit of the case."""
+        sigma = self.sigma if knows_sigma else None
+        given = {**self.given, "fit": {"loss": loss}}
+        return spintop.fit(self.data, list(self.truth), given, sigma=sigma)
+
+
+def draw(number: int, seed: int = 1) -> Drawn:
+    """A case by its number."""
+    rng = np.random.default_rng([seed, number])
+    kind = KINDS[number % len(KINDS)]
+    top, start, sigma, sought, offsets = {
+        "spin-down": spin_down,
+        "toy": toy,
+        "gyroscope": gyroscope,
+    }[kind](rng)
+    t_end = rng.uniform(5, 30)
+    t = np.linspace(0, t_end, int(t_end * rng.uniform(40, 110)))
+    motion = spintop.Top(spintop.Body(**top), **start).integrate(
+        t, list(sigma), relative_tolerance=1e-12
+    )
+    for begin in rng.uniform(0.1, 0.9, 2) * t_end:
+        t = t[(t < begin) | (t > begin + GAP * t_end)]
+    kept = np.searchsorted(np.linspace(0, t_end, motion[next(iter(sigma))].size), t - 1e-12)
+    data = {"t": t}
+    for name, deviation in sigma.items():
+        readings = motion[name][kept] + rng.normal(0, deviation, t.size) + offsets.get(name, 0)
+        wrong = rng.random(t.size) < WRONG
+        readings[wrong] += (
+            rng.choice([-1, 1], wrong.sum()) * rng.uniform(10, 100, wrong.sum()) * deviation
+        )
+        readings[rng.random(t.size) < MISSING] = np.nan
+        data[name] = readings
+    truth, given = {}, {"top": dict(top), "initial": dict(start)}
+    for name in sought:
+        group, key = name.split(".")
+        if group == "offset":
+            truth[name] = offsets[key]
+            continue
+        truth[name] = value_of(given[group], key)
+        set_value(given[group], key, truth[name] * (1 + rng.uniform(-OFF, OFF)))
+    return Drawn(kind, data, sigma, truth, given)
+
+
+def value_of(keys: dict[str, Any], key: str) -> float:
+    """A number of a group: `omega3`, `inertia(1)`."""
+    name, _, index = key.partition("(")
+    return keys[name][int(index[0]) - 1] if index else keys[name]
+
+
+def set_value(keys: dict[str, Any], key: str, value: float) -> None:
+    """Set a number of a group; `inertia(1)` is both moments across the axis."""
+    name, _, index = key.partition("(")
+    if not index:
+        keys[name] = value
+        return
+    places = (0, 1) if key == "inertia(1)" else (int(index[0]) - 1,)
+    keys[name] = tuple(value if i in places else old for i, old in enumerate(keys[name]))
+
+
+def spin_down(rng: np.random.Generator) -> tuple:
+    """A balanced rotor that a bearing slows, with a tachometer."""
+    inertia3 = 3e-4
+    top = {
+        "mass": 0.2,
+        "inertia": (2e-4, 2e-4, inertia3),
+        "centre_of_mass": (0.0, 0.0, 0.0),
+        "damping": (0.0, 0.0, inertia3 / rng.uniform(5, 30)),
+    }
+    start = {"theta": 0.5, "omega3": rng.uniform(50, 300)}
+    sought = ("initial.omega3", "top.damping(3)", "offset.omega3")
+    return top, start, {"omega3": 0.3}, sought, {"omega3": rng.uniform(-1, 1)}
+
+
+def toy(rng: np.random.Generator) -> tuple:
+    """A toy top with friction about its axis, whose inclination and precession a film gives."""
+    mass, length, across = 0.08, 0.04, rng.uniform(1e-4, 3e-4)
+    along = across * rng.uniform(0.3, 1)
+    threshold = math.sqrt(4 * across * mass * 9.81 * length) / along
+    top = {
+        "mass": mass,
+        "inertia": (across, across, along),
+        "length": length,
+        "damping": (0.0, 0.0, along / rng.uniform(20, 100)),
+    }
+    start = {"theta": rng.uniform(0.15, 0.9), "omega3": threshold * rng.uniform(1.3, 4)}
+    sought = ("top.inertia(1)", "initial.omega3", "top.damping(3)", "initial.theta", "offset.theta")
+    return top, start, {"theta": 0.004, "phi": 0.004}, sought, {"theta": rng.uniform(-0.02, 0.02)}
+
+
+def gyroscope(rng: np.random.Generator) -> tuple:
+    """A gyroscope that nutates, with an inclinometer, an encoder and a tachometer."""
+    across = rng.uniform(2e-4, 6e-4)
+    along = across * rng.uniform(0.8, 1.6)
+    top = {"mass": 0.15, "inertia": (across, across, along), "length": 0.03}
+    start = {
+        "theta": rng.uniform(0.5, 1.8),
+        "omega3": rng.uniform(60, 400),
+        "phi_rate": rng.uniform(3, 8),
+    }
+    sought = (
+        "top.inertia(1)",
+        "top.inertia(3)",
+        "initial.omega3",
+        "initial.phi_rate",
+        "offset.theta",
+    )
+    sigma = {"theta": 0.004, "phi": 0.004, "omega3": 0.5}
+    return top, start, sigma, sought, {"theta": rng.uniform(-0.02, 0.02)}

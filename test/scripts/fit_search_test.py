@@ -1,0 +1,263 @@
+"""Fits that reach the truth from afar, by sensors as they are; and those that say they do not."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
+
+subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
+
+import spintop  # noqa: E402
+from drawn_fits import draw  # noqa: E402
+
+TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
+START = {"theta": 1.0, "omega3": 80.0}
+BESIDE = {"top": TOP, "initial": {"theta": 1.01, "omega3": 81.0}}
+
+
+def motion(t: np.ndarray, *columns: str) -> spintop.Motion:
+    """Columns of the true motion."""
+    return spintop.Top(spintop.Body(**TOP), **START).exact(t, columns)
+
+
+def noise(t: np.ndarray, deviation: float, seed: int = 0) -> np.ndarray:
+    """Noise at some times."""
+    return np.random.default_rng([5, seed]).normal(0, deviation, t.size)
+
+
+def estimates(result: spintop.Result) -> dict[str, tuple[float, float]]:
+    """Estimates and standard errors by the names of the parameters."""
+    rows = result.rows
+    values = zip(rows["estimate"].tolist(), rows["standard_error"].tolist(), strict=True)
+    return dict(zip(rows["parameter"].tolist(), values, strict=True))
+
+
+def check(result: spintop.Result, **truth: float) -> None:
+    """The fit is ok, and each number within 4 of its standard errors."""
+    assert result.ok, result.summary
+    found = estimates(result)
+    for name, value in truth.items():
+        estimate, error = found[name.replace("__", ".")]
+        assert abs(estimate - value) < 4 * error, (name, estimate, value, error)
+        assert np.isfinite(error)
+
+
+@pytest.mark.parametrize("off", [-0.016, -0.008, 0.003, 0.008, 0.016])
+def test_a_long_motion_from_afar(off: float) -> None:
+    """Over 500 nutations a start 0.2 % off is a whole one late at the end; windows lead there."""
+    t = np.linspace(0, 30, 3001)
+    data = {"t": t, "theta": motion(t, "theta").theta + noise(t, 0.01)}
+    given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 80.0 * (1 + off)}}
+    result = spintop.fit(data, ["initial.omega3", "initial.theta"], given, sigma=0.01)
+    check(result, initial__omega3=80.0, initial__theta=1.0)
+    assert "probability" in result.summary
+    assert "windows" in result.summary
+    without = {**given, "fit": {"windows": False, "searches": 1}}
+    alone = spintop.fit(data, ["initial.omega3", "initial.theta"], without, sigma=0.01)
+    if abs(off) > 0.005:
+        assert not alone.ok
+        assert "poor_fit" in alone.summary or "not_converged" in alone.summary
+
+
+def test_a_range_is_searched() -> None:
+    """Where the value is far off, starts within a given range find it, and that is reported."""
+    t = np.linspace(0, 4, 401)
+    data = {"t": t, "theta": motion(t, "theta").theta + noise(t, 0.003)}
+    given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 140.0}}
+    given["fit"] = {"from": [40.0], "to": [160.0], "searches": 40}
+    result = spintop.fit(data, ["initial.omega3"], given)
+    check(result, initial__omega3=80.0)
+    for wrong in ({"from": [90.0], "to": [120.0]}, {"from": [90.0]}):
+        with pytest.raises(spintop.InputError, match="range"):
+            spintop.fit(data, ["initial.omega3"], {**given, "fit": wrong})
+
+
+def test_a_camera() -> None:
+    """The tip in pixels: scale, centre and the time of its clock are unknown."""
+    t = np.linspace(0.1, 3, 291)
+    axis = motion(t, "axis_x", "axis_y")
+    data = {
+        "t": t + 0.05,
+        "axis_x": 320 + 200 * axis.axis_x + noise(t, 0.5),
+        "axis_y": 240 - 200 * axis.axis_y + noise(t, 0.5, 1),
+    }
+    sensors = [
+        {"column": "axis_x", "offset": 310.0, "scale": 190.0},
+        {"column": "axis_y", "offset": 250.0, "scale": -190.0},
+    ]
+    given = {**BESIDE, "sensor": sensors, "fit": {"time_offset": -0.04}}
+    of_sensors = ["offset.axis_x", "scale.axis_x", "offset.axis_y", "scale.axis_y", "offset.t"]
+    result = spintop.fit(data, ["initial.omega3", "initial.theta", *of_sensors], given)
+    check(
+        result,
+        initial__omega3=80.0,
+        initial__theta=1.0,
+        offset__axis_x=320.0,
+        scale__axis_x=200.0,
+        offset__axis_y=240.0,
+        scale__axis_y=-200.0,
+        offset__t=-0.05,
+    )
+
+
+def test_a_mounted_sensor() -> None:
+    """A gyroscope and an accelerometer whose axes are turned by an unknown rotation."""
+    t = np.linspace(0, 3, 301)
+    vector = np.array([0.1, -0.05, 0.2])
+    angle = np.linalg.norm(vector)
+    k = np.cross(np.eye(3), vector / angle)
+    turned = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+    names = [[f"{what}{i}" for i in (1, 2, 3)] for what in ("omega", "accelerometer")]
+    found = motion(t, *names[0], *names[1])
+    data = {"t": t}
+    for j, vectors in enumerate(names):
+        readings = turned.T @ np.array([found[name] for name in vectors])
+        for i in (0, 1):
+            data[vectors[i]] = readings[i] + noise(t, 0.1, 3 * j + i)
+    unknown = ["initial.omega3", "mounting(1)", "mounting(2)", "mounting(3)"]
+    result = spintop.fit(
+        data, unknown, {**BESIDE, "initial": {"theta": 1.0, "omega3": 81.0}}, sigma=0.1
+    )
+    expected = dict(zip(unknown[1:], vector, strict=True))
+    check(result, **expected, initial__omega3=80.0)
+
+
+def test_wrapped_angles_and_missing_readings() -> None:
+    """psi modulo a turn, and cells without a reading that leave the others of their row."""
+    t = np.linspace(0, 3, 301)
+    found = motion(t, "psi", "theta")
+    theta = found.theta + noise(t, 0.01)
+    theta[::7] = np.nan
+    data = {"t": t, "psi": np.mod(found.psi + noise(t, 0.01, 1), 2 * np.pi), "theta": theta}
+    unknown = ["initial.omega3", "initial.theta"]
+    result = spintop.fit(data, unknown, {**BESIDE, "fit": {"wrapped": ["psi"]}})
+    check(result, initial__omega3=80.0, initial__theta=1.0)
+    residuals = result.tables["residuals"]
+    assert np.isnan(residuals["theta_residual"][::7]).all()
+    assert np.nanmax(np.abs(residuals["psi_residual"])) < 0.1
+    with pytest.raises(spintop.InputError, match=r"fit\.wrapped = 'psi'"):
+        spintop.fit(data, unknown, BESIDE)
+
+
+def test_averaged_readings() -> None:
+    """Each is the mean over the time between rows; as values at an instant they do not fit."""
+    t, width = np.arange(0.02, 3, 0.02), 0.02
+    fine = width * ((np.arange(40) + 0.5) / 40 - 0.5)
+    theta = motion(np.ravel(t[:, None] + fine), "theta").theta.reshape(-1, 40).mean(axis=1)
+    data = {"t": t, "theta": theta + noise(t, 2e-4)}
+    unknown = ["initial.omega3", "initial.theta", "top.inertia(1)"]
+    averaged = spintop.fit(data, unknown, {**BESIDE, "fit": {"averaged": width}})
+    check(averaged, initial__omega3=80.0, initial__theta=1.0)
+
+
+def test_sigma_per_row_and_column() -> None:
+    """By names, a number or an array; columns of other noise count less."""
+    t = np.linspace(0, 3, 301)
+    found = motion(t, "psi", "theta")
+    sigma = np.where(t < 1, 0.002, 0.05)
+    data = {
+        "t": t,
+        "psi": found.psi + noise(t, 0.02),
+        "theta": found.theta + noise(t, 1.0, 1) * sigma,
+    }
+    unknown = ["initial.omega3", "initial.theta"]
+    result = spintop.fit(data, unknown, BESIDE, sigma={"psi": 0.02, "theta": sigma})
+    check(result, initial__omega3=80.0, initial__theta=1.0)
+    for wrong in ({"psi": 0.02}, {"psi": 0.02, "theta": 1.0, "phi": 1.0}):
+        with pytest.raises(spintop.InputError, match="sigma"):
+            spintop.fit(data, unknown, BESIDE, sigma=wrong)
+
+
+def test_columns_of_other_units() -> None:
+    """Without sigma each column has its own deviation: rad and rad/s are not mixed."""
+    t = np.linspace(0, 3, 301)
+    found = motion(t, "theta", "omega1")
+    data = {
+        "t": t,
+        "theta": found.theta + noise(t, 0.001),
+        "omega1": found.omega1 + noise(t, 1.0, 1),
+    }
+    unknown = ["initial.omega3", "initial.theta"]
+    both = estimates(spintop.fit(data, unknown, BESIDE))
+    alone = estimates(spintop.fit({"t": t, "theta": data["theta"]}, unknown, BESIDE))
+    for name in unknown:
+        assert both[name][1] < 1.05 * alone[name][1]
+
+
+@pytest.mark.parametrize("loss", ["squares", "huber", "tukey"])
+def test_one_wrong_row(loss: str) -> None:
+    """Of 10,000: least squares say that they are spoiled, robust losses reach the truth."""
+    t = np.linspace(0, 20, 10_000)
+    theta = motion(t, "theta").theta + noise(t, 0.003)
+    theta[1234] += 1e3
+    unknown = ["initial.omega3", "initial.theta"]
+    result = spintop.fit({"t": t, "theta": theta}, unknown, {**BESIDE, "fit": {"loss": loss}})
+    if loss == "squares":
+        assert not result.ok
+        assert "poor_fit" in result.summary
+        assert "row 1235" in result.summary
+    else:
+        check(result, initial__omega3=80.0, initial__theta=1.0)
+
+
+def test_a_motion_that_does_not_explain() -> None:
+    """Friction that the model has not: residuals that repeat, or a drift, are named."""
+    t = np.linspace(0, 10, 1001)
+    body = spintop.Body(**TOP, damping=(0, 0, 2e-6))
+    data = {
+        "t": t,
+        "theta": spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002),
+    }
+    result = spintop.fit(data, ["initial.omega3", "initial.theta"], BESIDE)
+    assert not result.ok
+    assert "poor_fit: the residuals of theta are no noise" in result.summary
+
+
+def test_no_profile() -> None:
+    """Standard errors and the ends of the linear model, and nothing that is no number."""
+    t = np.linspace(0, 3, 301)
+    data = {"t": t, "theta": motion(t, "theta").theta + noise(t, 0.003)}
+    result = spintop.fit(data, ["initial.omega3"], BESIDE, profile=False)
+    assert "nan" not in result.summary.lower()
+    assert np.isfinite([result.rows["lower"], result.rows["upper"]]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
+        (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
+        (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
+        (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
+        (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
+        (lambda data: data.pop("t"), "no times"),
+    ],
+)
+def test_mistakes_are_named(change, message: str) -> None:
+    """What is no measurement of a motion is refused by name, without a file of the package."""
+    t = np.linspace(0, 3, 301)
+    data = {"t": t, "theta": motion(t, "theta").theta}
+    change(data)
+    with pytest.raises(spintop.InputError, match=message) as caught:
+        spintop.fit(data, ["initial.omega3"], BESIDE)
+    assert "/tmp" not in str(caught.value)
+
+
+def test_drawn_motions() -> None:
+    """Most reach the truth within 4 standard errors, and what does not is not ok."""
+    reached = 0
+    for number in range(18):
+        case = draw(number, seed=3)
+        result = case.fit(knows_sigma=number % 2 == 0)
+        away = [
+            abs(estimate - case.truth[name]) / error
+            for name, (estimate, error) in estimates(result).items()
+        ]
+        reached += result.ok and max(away) < 4
+        assert not result.ok or max(away) < 5, (number, case.kind, away)
+    assert reached >= 16

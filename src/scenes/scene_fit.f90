@@ -16,10 +16,11 @@ module spintop_scene_fit
         character(32) :: column(most_columns) = ''
         real(dp) :: sigma(most_columns) = unset
         !> The reading is the offset and the scale times the quantity.
-        real(dp) :: offset(most_columns) = 0
-        real(dp) :: scale(most_columns) = 1
+        real(dp) :: offset(most_columns) = unset
+        real(dp) :: scale(most_columns) = unset
     contains
         procedure :: place_of
+        procedure :: set_defaults
     end type sensors_t
 
     !> The contents of the group &fit.
@@ -67,8 +68,8 @@ contains
                            elements=one_per_group)
             call table%add('sensor.sigma', sensors%sigma, '', '> 0', 'standard deviation of its readings, in their unit', &
                            elements=one_per_group)
-            call table%add('sensor.offset', sensors%offset, '', '', 'reading where the quantity is 0', elements=one_per_group)
-            call table%add('sensor.scale', sensors%scale, '', '', 'change of the reading with the quantity', &
+            call table%add('sensor.offset', sensors%offset, '', '', 'reading where the quantity is 0 (0)', elements=one_per_group)
+            call table%add('sensor.scale', sensors%scale, '', '', 'change of the reading with the quantity (1)', &
                            elements=one_per_group)
         end associate
     end subroutine describe_fit
@@ -83,5 +84,12 @@ contains
         if (place > size(self%column)) place = 0
         if (place > 0) self%column(place) = column
     end function place_of
+
+    !> Sets what is not given.
+    subroutine set_defaults(self)
+        class(sensors_t), intent(inout) :: self
+        where (.not. self%offset > unset) self%offset = 0
+        where (.not. self%scale > unset) self%scale = 1
+    end subroutine set_defaults
 
 end module spintop_scene_fit

@@ -78,6 +78,7 @@ contains
 
         associate (unused => diagnostics)
         end associate
+        call job%scene%fit%sensors%set_defaults()
         call read_measurements(job%input, job%scene%fit, self%measured, problems)
         call find_unknown(self, job, problems)
         if (any(is_set([job%scene%nutations, job%scene%precessions])) .or. job%scene%stop_at /= '') then

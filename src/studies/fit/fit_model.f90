@@ -1,13 +1,13 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
     use, intrinsic :: iso_c_binding, only: c_loc
-    use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_fit_data, only: measurements_t
+    use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number
     use spintop_least_squares, only: residuals_t
@@ -20,26 +20,13 @@ module spintop_fit_model
     use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
-    use spintop_scene_fit, only: fit_scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, status_ok
-    use spintop_study_column, only: place_of
-    use spintop_text, only: to_text
     use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: fit_model_t
-
-    !> Names of sought numbers of sensors: what those of a mounting begin with, and the time of the motion at t = 0.
-    character(*), parameter :: mounting = 'mounting(', time_offset = 'offset.t'
-
-    !> Nodes and weights of a mean over an interval, of half width 1: those of Gauss and Legendre.
-    real(dp), parameter :: gauss_nodes(5) = [-0.9061798459386640_dp, -0.5384693101056831_dp, 0.0_dp, 0.5384693101056831_dp, &
-                                             0.9061798459386640_dp]
-    real(dp), parameter :: gauss_weights(5) = [0.1184634425280945_dp, 0.2393143352496832_dp, 0.2844444444444444_dp, &
-                                               0.2393143352496832_dp, 0.1184634425280945_dp]
 
     !> Measurements, and the motion that is to explain them. It must stay where it was prepared, and be a target there.
     type, extends(residuals_t) :: fit_model_t
@@ -99,7 +86,8 @@ contains
         self%measured = measured
         call self%use_rows(size(measured%t))
         self%scene = scene
-        call choose_columns(self, any([(index(keys(i)%name, mounting) == 1, i=1, size(keys))]))
+        call columns_of_motion(measured%columns, scene%fit%mounting, [(keys(i)%name(:min(8, len(keys(i)%name))) == 'mounting', &
+                               i=1, size(keys))], self%columns, self%turned)
         self%scene%certified = .false.
         self%ranges = reshape([scene%fit%from(:size(keys)), scene%fit%to(:size(keys))], [size(keys), 2])
         self%case = case
@@ -113,7 +101,7 @@ contains
             if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then
                 self%scales(i) = merge(value, 0.0_dp, keys(i)%slot%accepts(0.0_dp))
             end if
-            if (keys(i)%name == time_offset) self%ranges(i, 1) = scene%fit%averaged / 2 - measured%t(1)
+            if (keys(i)%name == 'offset.t') self%ranges(i, 1) = scene%fit%averaged / 2 - measured%t(1)
             if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
             if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
         end do
@@ -124,32 +112,6 @@ contains
         end if
         call self%maker%set(self%columns, case)
     end subroutine prepare
-
-    !> Takes the columns of the motion: if a sensor of a vector is mounted at an angle, all components of the vector.
-    subroutine choose_columns(self, seeks_mounting)
-        class(fit_model_t), intent(inout) :: self
-        logical, intent(in) :: seeks_mounting
-        character(*), parameter :: vectors(2) = [character(13) :: 'omega', 'accelerometer']
-        type(trajectory_column_t), allocatable :: known(:)
-        character(:), allocatable :: name
-        integer :: places(3), i, k
-
-        self%columns = self%measured%columns
-        allocate (self%turned(3, 0))
-        if (.not. (seeks_mounting .or. norm2(self%scene%fit%mounting) > 0)) return
-        allocate (known, source=trajectory_columns())
-        do i = 1, size(vectors)
-            if (.not. any([(any(self%measured%columns%name == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
-            do k = 1, 3
-                name = trim(vectors(i)) // to_text(k)
-                places(k) = place_of(self%columns, name)
-                if (places(k) > 0) cycle
-                self%columns = [self%columns, known(place_of(known, name))]
-                places(k) = size(self%columns)
-            end do
-            self%turned = reshape([self%turned, places], [3, size(self%turned, 2) + 1])
-        end do
-    end subroutine choose_columns
 
     !> Explains so many of the leading rows only. The sought numbers may be held near some values, by a residual each, so that
     !> rows which do not determine them do not lead them astray.
@@ -250,8 +212,6 @@ contains
         logical, intent(out) :: is_valid !! whether there is such a motion
         real(dp), allocatable :: t(:), quantities(:, :)
         type(problems_t) :: problems
-        real(dp) :: to_sensor(4)
-        integer :: i, k, nodes
 
         readings = no_number
         is_valid = .false.
@@ -269,35 +229,8 @@ contains
         end if
         is_valid = all(is_finite(quantities))
         if (.not. is_valid) return
-        to_sensor = rotation_minus_one(-self%scene%fit%mounting) + [1, 0, 0, 0]
-        do i = 1, size(self%turned, 2)
-            do k = 1, size(t)
-                quantities(self%turned(:, i), k) = to_space(to_sensor, quantities(self%turned(:, i), k))
-            end do
-        end do
-        nodes = size(t) / size(readings, 2)
-        do i = 1, size(readings, 1)
-            readings(i, :) = quantities(i, ::nodes)
-            if (nodes > 1) readings(i, :) = matmul(gauss_weights, reshape(quantities(i, :), [nodes, size(readings, 2)]))
-            if (self%measured%sensor(i) == 0) cycle
-            associate (sensors => self%scene%fit%sensors, k => self%measured%sensor(i))
-                readings(i, :) = sensors%offset(k) + sensors%scale(k) * readings(i, :)
-            end associate
-        end do
+        call read_sensors(self%scene%fit, self%measured%sensor, self%turned, quantities, readings)
     end subroutine predict
-
-    !> The instants of the motion at which the readings of some rows are those of the motion, or over which they are averaged.
-    pure subroutine find_instants(settings, t, instants)
-        type(fit_scene_t), intent(in) :: settings
-        real(dp), intent(in) :: t(:)
-        real(dp), allocatable, intent(out) :: instants(:)
-        integer :: i
-        if (settings%averaged > 0) then
-            instants = [(settings%time_offset + t(i) + settings%averaged / 2 * gauss_nodes, i=1, size(t))]
-        else
-            instants = settings%time_offset + t
-        end if
-    end subroutine find_instants
 
     !> Whether all numbers are in their ranges.
     pure logical function accepts(self, x)

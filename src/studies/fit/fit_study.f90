@@ -8,6 +8,7 @@ module spintop_fit_study
     use spintop_fit_model, only: fit_model_t
     use spintop_fit_search, only: finish_search, period_of, search_minimum, search_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
+    use spintop_fit_unknown, only: find_unknown
     use spintop_fit_warnings, only: check_measurements
     use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t, student_quantile
@@ -22,13 +23,13 @@ module spintop_fit_study
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_scene, only: scene_t
-    use spintop_scene_fit, only: most_unknown
     use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t, place_of
+    use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, string_t, to_text
+    use spintop_trajectory_column, only: trajectory_column_t
     implicit none
     private
     public :: fit_study_t
@@ -80,7 +81,7 @@ contains
         end associate
         call job%scene%fit%sensors%set_defaults()
         call read_measurements(job%input, job%scene%fit, self%measured, problems)
-        call find_unknown(self, job, problems)
+        call find_unknown(job, self%measured, self%sought, problems)
         if (any(is_set([job%scene%nutations, job%scene%precessions])) .or. job%scene%stop_at /= '') then
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
@@ -143,96 +144,6 @@ contains
                                                       'omit t_end')
         end associate
     end subroutine take_span
-
-    !> Finds the sought numbers.
-    subroutine find_unknown(self, job, problems)
-        class(fit_study_t), intent(inout) :: self
-        type(job_t), target, intent(inout) :: job
-        type(problems_t), intent(inout) :: problems
-        character(:), allocatable :: problem, hint
-        integer :: i, key, found
-
-        found = 0
-        associate (fit => job%scene%fit)
-            do i = 1, size(fit%unknown)
-                if (fit%unknown(i) == '') cycle
-                if (is_of_sensor(fit%unknown(i))) then
-                    call find_sensor_number(self, trim(fit%unknown(i)), job, key, problem, hint)
-                else
-                    call self%sought%find_key(trim(fit%unknown(i)), job%scene, job%table, job%axes, key, problem, hint)
-                end if
-                if (problem == '' .and. key <= found) then
-                    problem = trim(fit%unknown(i)) // ' is named twice'
-                    hint = 'name it once'
-                end if
-                if (problem == '') call check_range(fit%from(i), fit%to(i), self%sought%keys(key)%slot%get(), problem, hint)
-                if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
-                found = max(found, key)
-            end do
-            if (all(fit%unknown == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the &
-                &like")
-        end associate
-    end subroutine find_unknown
-
-    !> Whether a name is that of a number of a sensor.
-    pure logical function is_of_sensor(name)
-        character(*), intent(in) :: name
-        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
-    end function is_of_sensor
-
-    !> Adds a number of a sensor to those that are sought: `offset.theta`, `scale.theta`, `offset.t`, `mounting(1)`.
-    subroutine find_sensor_number(self, name, job, key, problem, hint)
-        class(fit_study_t), intent(inout) :: self
-        character(*), intent(in) :: name
-        type(job_t), target, intent(inout) :: job
-        integer, intent(out) :: key !! its index
-        character(:), allocatable, intent(out) :: problem, hint
-        type(sensitive_key_t) :: found
-        character(:), allocatable :: column
-        integer :: place, k
-
-        key = 0
-        hint = 'name a measured column, as in offset.theta'
-        found%name = name
-        column = name(index(name, '.') + 1:)
-        if (index(name, 'mounting(') == 1) then
-            found%unit = 'rad'
-            call job%table%find_number('fit.' // name, found%slot, problem)
-        else if (name == 'offset.t') then
-            found%unit = 's'
-            call job%table%find_number('fit.time_offset', found%slot, problem)
-        else
-            problem = column // ' is not measured'
-            k = 0
-            if (allocated(self%measured%columns)) k = place_of(self%measured%columns, column)
-            if (k == 0) return
-            found%unit = ''
-            if (index(name, 'offset.') == 1) found%unit = trim(self%measured%columns(k)%unit)
-            place = job%scene%fit%sensors%place_of(column)
-            self%measured%sensor(k) = place
-            call job%table%find_number('sensor.' // name(:index(name, '.') - 1) // '(' // to_text(place) // ')', found%slot, &
-                                       problem)
-        end if
-        if (problem /= '') return
-        if (.not. allocated(self%sought%keys)) allocate (self%sought%keys(0))
-        do key = 1, size(self%sought%keys)
-            if (self%sought%keys(key)%slot%is_same(found%slot)) return
-        end do
-        self%sought%keys = [self%sought%keys, found]
-    end subroutine find_sensor_number
-
-    !> Checks the range of a sought number.
-    subroutine check_range(from, to, value, problem, hint)
-        real(dp), intent(in) :: from, to, value
-        character(:), allocatable, intent(inout) :: problem, hint
-        if (is_set(from) .neqv. is_set(to)) then
-            problem = 'the range has one end only'
-            hint = 'give both from and to'
-        else if (is_set(from) .and. .not. (from <= value .and. value <= to)) then
-            problem = 'the value where the search begins is not in its range'
-            hint = 'give a value from ' // to_text(from) // ' to ' // to_text(to)
-        end if
-    end subroutine check_range
 
     !> Numbers of parameters and measurements.
     function explain(self, job) result(phrase)
@@ -298,7 +209,8 @@ contains
             if (.not. allocated(error)) call write_residuals(job, measured, values, model%differences(values), ending, error)
         end associate
         if (allocated(error)) return
-        call describe_fit(self, job, search, model%loss, minimum, estimate, judgement, ending, seconds() - began, summary)
+        call describe_fit(self, job, search, model%loss, model%measured%sigma(:, 1), minimum, estimate, judgement, ending, &
+                          seconds() - began, summary)
     end subroutine run
 
     !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
@@ -356,11 +268,12 @@ contains
     end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
-    subroutine describe_fit(self, job, search, loss, minimum, estimate, judgement, ending, time, summary)
+    subroutine describe_fit(self, job, search, loss, sigma, minimum, estimate, judgement, ending, time, summary)
         type(fit_study_t), intent(in) :: self
         type(job_t), intent(in) :: job
         type(search_t), intent(in) :: search
         type(loss_t), intent(in) :: loss
+        real(dp), intent(in) :: sigma(:) !! by which the residuals of each column were divided
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
         type(judgement_t), intent(in) :: judgement
@@ -384,12 +297,10 @@ contains
         if (self%measured%knows_sigma) then
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
-        else if (loss%is_robust()) then
-            call summary%add('residuals', 'median standard deviation ' // rounded(robust_deviation(minimum%residuals, n), 6) // &
-                             ', ' // to_text(m - n) // ' degrees of freedom')
         else
-            call summary%add('residuals', 'standard deviation ' // rounded(estimate%deviation, 6) // ', ' // to_text(m - n) // &
-                             ' degrees of freedom')
+            call summary%add('residuals', 'standard deviation ' // deviations_of(self%measured%columns, sigma, estimate, minimum, &
+                                                                                 loss) // &
+                             ', ' // to_text(m - n) // ' degrees of freedom')
         end if
         if (loss%is_robust()) then
             call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // to_text(count(abs(minimum%residuals) > loss%bound)) // &
@@ -401,5 +312,30 @@ contains
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit
+
+    !> The standard deviations of the residuals, in the units of their columns.
+    function deviations_of(columns, sigma, estimate, minimum, loss) result(text)
+        type(trajectory_column_t), intent(in) :: columns(:)
+        real(dp), intent(in) :: sigma(:) !! by which the residuals were divided
+        type(estimate_t), intent(in) :: estimate
+        type(minimum_t), intent(in) :: minimum
+        type(loss_t), intent(in) :: loss
+        character(:), allocatable :: text
+        real(dp) :: deviation
+        integer :: i
+
+        deviation = estimate%deviation
+        if (loss%is_robust()) deviation = robust_deviation(minimum%residuals, size(minimum%x))
+        if (all(.not. abs(sigma - sigma(1)) > 0)) then
+            text = rounded(deviation * sigma(1), 6)
+            return
+        end if
+        text = ''
+        do i = 1, size(columns)
+            if (i > 1) text = text // ', '
+            text = text // trim(columns(i)%name) // ' ' // rounded(deviation * sigma(i), 4)
+            if (columns(i)%unit /= '') text = text // ' ' // trim(columns(i)%unit)
+        end do
+    end function deviations_of
 
 end module spintop_fit_study

@@ -83,16 +83,21 @@ contains
         type(loss_t), intent(in) :: loss
         logical, intent(in) :: with_words
         type(judgement_t), intent(inout) :: judgement
-        real(dp) :: per_freedom
+        real(dp), parameter :: efficiency = 0.37_dp ! of a deviation by the median
+        real(dp) :: per_freedom, share
         character(:), allocatable :: what
 
+        share = 1
         associate (m => size(minimum%residuals), n => size(minimum%x))
             judgement%freedom = max(m - n, 1)
             judgement%chi2 = minimum%sum_of_squares
-            if (loss%is_robust()) judgement%chi2 = judgement%freedom * robust_deviation(minimum%residuals, n)**2
+            if (loss%is_robust()) then
+                judgement%chi2 = judgement%freedom * robust_deviation(minimum%residuals, n)**2
+                share = efficiency
+            end if
         end associate
         per_freedom = judgement%chi2 / judgement%freedom
-        judgement%probability = chi_square_tail(judgement%chi2, judgement%freedom)
+        judgement%probability = chi_square_tail(share * judgement%chi2, max(nint(share * judgement%freedom), 1))
         judgement%is_poor = per_freedom > too_large .and. judgement%probability < impossible
         if (.not. with_words) return
         what = 'chi2 is ' // rounded(per_freedom, 3) // ' per degree of freedom'

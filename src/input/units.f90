@@ -1,0 +1,128 @@
+!> Units of numbers: what '2000 rpm' or '3 g cm^2' is in the unit of a key, rad/s or kg m^2.
+!>
+!>     call convert_unit('rpm', 'rad/s', factor, problem)   ! 2 pi/60
+!>
+!> A unit is a product of words with exponents, divided by others: `kg m^2`, `g*cm^2`, `deg/s`, `m/s^2`, `1/s`. A solidus divides
+!> by the next word.
+module spintop_units
+    use spintop_kinds, only: dp, pi
+    use spintop_text, only: to_text
+    implicit none
+    private
+    public :: convert_unit, unit_words
+
+    !> A word: its size in the units of the SI, and the exponents of kg, m, s and rad. An angle is a dimension of its own here, so
+    !> that degrees are not taken for numbers.
+    type :: word_t
+        character(8) :: name
+        real(dp) :: size
+        integer :: exponents(4)
+    end type word_t
+
+    integer, parameter :: mass(4) = [1, 0, 0, 0], length(4) = [0, 1, 0, 0], time(4) = [0, 0, 1, 0], angle(4) = [0, 0, 0, 1]
+    integer, parameter :: rate(4) = angle - time, force(4) = mass + length - 2 * time, energy(4) = force + length
+
+    !> The words that are known.
+    type(word_t), parameter :: words(*) = [ &
+        word_t('kg', 1.0_dp, mass), word_t('g', 1.0e-3_dp, mass), word_t('mg', 1.0e-6_dp, mass), word_t('t', 1.0e3_dp, mass), &
+        word_t('lb', 0.45359237_dp, mass), word_t('oz', 0.028349523125_dp, mass), &
+        word_t('m', 1.0_dp, length), word_t('cm', 1.0e-2_dp, length), word_t('mm', 1.0e-3_dp, length), &
+        word_t('um', 1.0e-6_dp, length), word_t('km', 1.0e3_dp, length), word_t('in', 0.0254_dp, length), &
+        word_t('ft', 0.3048_dp, length), &
+        word_t('s', 1.0_dp, time), word_t('ms', 1.0e-3_dp, time), word_t('us', 1.0e-6_dp, time), word_t('min', 60.0_dp, time), &
+        word_t('h', 3600.0_dp, time), word_t('d', 86400.0_dp, time), &
+        word_t('rad', 1.0_dp, angle), word_t('mrad', 1.0e-3_dp, angle), word_t('deg', pi / 180, angle), &
+        word_t('rev', 2 * pi, angle), word_t('turn', 2 * pi, angle), word_t('turns', 2 * pi, angle), &
+        word_t('rpm', 2 * pi / 60, rate), word_t('rps', 2 * pi, rate), &
+        word_t('N', 1.0_dp, force), word_t('mN', 1.0e-3_dp, force), word_t('kN', 1.0e3_dp, force), &
+        word_t('J', 1.0_dp, energy), word_t('mJ', 1.0e-3_dp, energy), word_t('kJ', 1.0e3_dp, energy), &
+        word_t('1', 1.0_dp, [0, 0, 0, 0])]
+
+    !> Their names, for messages.
+    character(*), parameter :: unit_words = 'kg, g, m, cm, mm, s, ms, min, h, rad, deg, rev, rpm, N, J'
+
+contains
+
+    !> The factor by which a number in one unit is a number in another; `problem` says why there is none, or is ''.
+    subroutine convert_unit(given, wanted, factor, problem)
+        character(*), intent(in) :: given !! the unit of the number
+        character(*), intent(in) :: wanted !! the unit of the key or column
+        real(dp), intent(out) :: factor !! 1 if there is a problem
+        character(:), allocatable, intent(out) :: problem !! why it cannot be converted
+        real(dp) :: size_given, size_wanted
+        integer :: of_given(4), of_wanted(4)
+
+        factor = 1
+        call parse(trim(adjustl(given)), size_given, of_given, problem)
+        if (problem /= '') return
+        call parse(trim(adjustl(wanted)), size_wanted, of_wanted, problem)
+        if (problem /= '' .or. wanted == '') then
+            problem = 'a number without a unit is wanted'
+            if (wanted /= '') problem = 'a number in ' // trim(wanted) // ' is wanted, without a unit'
+        else if (any(of_given /= of_wanted)) then
+            problem = trim(adjustl(given)) // ' is no unit of a quantity in ' // trim(wanted)
+        else
+            factor = size_given / size_wanted
+        end if
+    end subroutine convert_unit
+
+    !> Size and dimension of a unit.
+    subroutine parse(text, total, exponents, problem)
+        character(*), intent(in) :: text
+        real(dp), intent(out) :: total
+        integer, intent(out) :: exponents(4)
+        character(:), allocatable, intent(out) :: problem
+        character(:), allocatable :: name
+        integer :: at, after, power, sign_of_power, i
+        logical :: is_known
+
+        total = 1
+        exponents = 0
+        problem = ''
+        at = 1
+        sign_of_power = 1
+        do while (at <= len(text))
+            if (scan(text(at:at), ' *') > 0) then
+                at = at + 1
+                cycle
+            else if (text(at:at) == '/') then
+                sign_of_power = -1
+                at = at + 1
+                cycle
+            end if
+            after = scan(text(at:) // ' ', ' */^') + at - 1
+            name = text(at:after - 1)
+            power = 1
+            at = after
+            if (at <= len(text)) then
+                if (text(at:at) == '^') call read_power()
+            end if
+            if (problem /= '') return
+            is_known = .false.
+            do i = 1, size(words)
+                if (words(i)%name /= name) cycle
+                is_known = .true.
+                total = total * words(i)%size**(sign_of_power * power)
+                exponents = exponents + sign_of_power * power * words(i)%exponents
+            end do
+            if (.not. is_known) problem = "'" // name // "' is not a unit (" // unit_words // ' and products of these are)'
+            if (problem /= '') return
+            sign_of_power = 1
+        end do
+
+    contains
+
+        !> Reads an exponent: one digit, with a sign or without.
+        subroutine read_power()
+            integer :: first, status
+            first = at + 1
+            after = verify(text(first:) // ' ', '+-0123456789') + first - 1
+            read (text(first:after - 1), *, iostat=status) power
+            if (status /= 0 .or. after == first .or. abs(power) > 9) problem = "'" // text // "' has no whole exponent at " // &
+                                                                               to_text(at)
+            at = after
+        end subroutine read_power
+
+    end subroutine parse
+
+end module spintop_units

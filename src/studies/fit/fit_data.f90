@@ -1,7 +1,6 @@
 !> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table.
 module spintop_fit_data
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-    use spintop_body_of_scene, only: is_set
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
@@ -191,7 +190,7 @@ contains
             is_deviation = .false.
             if (len(name) > len(sigma_mark)) then
                 if (name(len(name) - len(sigma_mark) + 1:) == sigma_mark) &
-                    is_deviation = place_of(known, name(:len(name) - len(sigma_mark))) > 0
+                    is_deviation = place_of(trajectory_columns, name(:len(name) - len(sigma_mark))) > 0
             end if
         end function is_deviation
 

@@ -1,34 +1,33 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
-    use, intrinsic :: iso_c_binding, only: c_loc
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_fit_data, only: measurements_t
     use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
+    use spintop_fit_unknown, only: key_of
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number
     use spintop_least_squares, only: residuals_t
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameters, only: parameter_table_t
+    use spintop_parameters, only: is_set, parameter_table_t, parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: scene_t
+    use spintop_scene, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, status_ok
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: fit_model_t
 
-    !> Measurements, and the motion that is to explain them. It must stay where it was prepared, and be a target there.
+    !> Measurements, and the motion that is to explain them. It must not be copied.
     type, extends(residuals_t) :: fit_model_t
         type(measurements_t) :: measured
         !> Number of leading rows that are explained.
@@ -79,6 +78,8 @@ contains
         type(case_t), intent(in) :: case !! body, start and span of the scene
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
+        type(parameter_table_t) :: table
+        character(:), allocatable :: problem
         real(dp) :: value
         integer :: seeks(size(keys)), i
 
@@ -95,7 +96,7 @@ contains
         call describe_scene(self%scene, table)
         allocate (self%slots(size(keys)), self%scales(size(keys)))
         do i = 1, size(keys)
-            call table%find_number(keys(i)%name, self%slots(i), problem)
+            call table%find_number(key_of(keys(i)%name, self%scene%fit%sensors), self%slots(i), problem)
             value = abs(keys(i)%slot%get())
             self%scales(i) = 1
             if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then

@@ -3,7 +3,6 @@
 !> span: each fit predicts the turns of the next. Where the end of it does not explain the measurements, it begins elsewhere.
 module spintop_fit_search
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_body_of_scene, only: is_set
     use spintop_case, only: case_t
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
@@ -12,6 +11,7 @@ module spintop_fit_search
     use spintop_losses, only: loss_huber, loss_squares, loss_t
     use spintop_robust, only: minimize_loss, robust_deviation
     use spintop_sobol_sequence, only: sobol_sequence_t
+    use spintop_parameters, only: is_set
     implicit none
     private
     public :: search_t, search_minimum, finish_search, period_of

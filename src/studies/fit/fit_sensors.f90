@@ -5,8 +5,7 @@ module spintop_fit_sensors
     use spintop_scene_fit, only: fit_scene_t
     use spintop_study_column, only: place_of
     use spintop_text, only: to_text
-    use spintop_trajectory_column, only: trajectory_column_t
-    use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
     implicit none
     private
     public :: columns_of_motion, find_instants, read_sensors
@@ -28,21 +27,19 @@ contains
         type(trajectory_column_t), allocatable, intent(out) :: columns(:) !! the measured ones come first
         integer, allocatable, intent(out) :: turned(:, :) !! places of the components of each vector that is turned
         character(*), parameter :: vectors(2) = [character(13) :: 'omega', 'accelerometer']
-        type(trajectory_column_t), allocatable :: known(:)
         character(:), allocatable :: name
         integer :: places(3), i, k
 
         columns = measured
         allocate (turned(3, 0))
         if (.not. (any(seeks_mounting) .or. norm2(mounting) > 0)) return
-        allocate (known, source=trajectory_columns())
         do i = 1, size(vectors)
             if (.not. any([(any(measured%name == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
             do k = 1, 3
                 name = trim(vectors(i)) // to_text(k)
                 places(k) = place_of(columns, name)
                 if (places(k) > 0) cycle
-                columns = [columns, known(place_of(known, name))]
+                columns = [columns, trajectory_columns(place_of(trajectory_columns, name))]
                 places(k) = size(columns)
             end do
             turned = reshape([turned, places], [3, size(turned, 2) + 1])

@@ -10,7 +10,6 @@ module spintop_fit_study
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_unknown, only: find_unknown
     use spintop_fit_warnings, only: check_measurements
-    use spintop_body_of_scene, only: is_set
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t, student_quantile
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -29,7 +28,7 @@ module spintop_fit_study
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, string_t, to_text
-    use spintop_trajectory_column, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: fit_study_t

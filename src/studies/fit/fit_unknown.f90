@@ -1,16 +1,17 @@
 !> The numbers that a fit seeks: real numbers of the input, and those of sensors.
 module spintop_fit_unknown
-    use spintop_body_of_scene, only: is_set
     use spintop_fit_data, only: measurements_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_problems, only: problems_t
+    use spintop_scene_fit, only: sensors_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: place_of
     use spintop_text, only: to_text
+    use spintop_parameters, only: is_set
     implicit none
     private
-    public :: find_unknown
+    public :: find_unknown, key_of
 
 contains
 
@@ -30,7 +31,7 @@ contains
                 if (is_of_sensor(fit%unknown(i))) then
                     call find_sensor_number(trim(fit%unknown(i)), job, measured, sought, key, problem, hint)
                 else
-                    call sought%find_key(trim(fit%unknown(i)), job%scene, job%table, job%axes, key, problem, hint)
+                    call sought%find_key(trim(fit%unknown(i)), job%table, job%axes, key, problem, hint)
                 end if
                 if (problem == '' .and. key <= found) then
                     problem = trim(fit%unknown(i)) // ' is named twice'
@@ -51,6 +52,24 @@ contains
         is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
     end function is_of_sensor
 
+    !> The key of the input that contains a sought number: that of a group of a sensor has a short name.
+    function key_of(name, sensors) result(key)
+        character(*), intent(in) :: name !! the sought number, as `offset.theta` or `top.mass`
+        type(sensors_t), intent(inout) :: sensors !! the groups; one is taken for a column that has none
+        character(:), allocatable :: key
+        integer :: dot
+        key = name
+        if (.not. is_of_sensor(name)) return
+        dot = index(name, '.')
+        if (dot == 0) then
+            key = 'fit.' // name
+        else if (name == 'offset.t') then
+            key = 'fit.time_offset'
+        else
+            key = 'sensor.' // name(:dot - 1) // '(' // to_text(sensors%place_of(name(dot + 1:))) // ')'
+        end if
+    end function key_of
+
     !> Adds a number of a sensor to those that are sought: `offset.theta`, `scale.theta`, `offset.t`, `mounting(1)`.
     subroutine find_sensor_number(name, job, measured, sought, key, problem, hint)
         character(*), intent(in) :: name
@@ -61,30 +80,26 @@ contains
         character(:), allocatable, intent(out) :: problem, hint
         type(sensitive_key_t) :: found
         character(:), allocatable :: column
-        integer :: place, k
+        integer :: k
 
         key = 0
         hint = 'name a measured column, as in offset.theta'
         found%name = name
-        column = name(index(name, '.') + 1:)
+        found%unit = ''
         if (index(name, 'mounting(') == 1) then
             found%unit = 'rad'
-            call job%table%find_number('fit.' // name, found%slot, problem)
         else if (name == 'offset.t') then
             found%unit = 's'
-            call job%table%find_number('fit.time_offset', found%slot, problem)
         else
+            column = name(index(name, '.') + 1:)
             problem = column // ' is not measured'
             k = 0
             if (allocated(measured%columns)) k = place_of(measured%columns, column)
             if (k == 0) return
-            found%unit = ''
             if (index(name, 'offset.') == 1) found%unit = trim(measured%columns(k)%unit)
-            place = job%scene%fit%sensors%place_of(column)
-            measured%sensor(k) = place
-            call job%table%find_number('sensor.' // name(:index(name, '.') - 1) // '(' // to_text(place) // ')', found%slot, &
-                                       problem)
+            measured%sensor(k) = job%scene%fit%sensors%place_of(column)
         end if
+        call job%table%find_number(key_of(name, job%scene%fit%sensors), found%slot, problem)
         if (problem /= '') return
         if (.not. allocated(sought%keys)) allocate (sought%keys(0))
         do key = 1, size(sought%keys)

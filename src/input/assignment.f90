@@ -3,7 +3,7 @@ module spintop_assignment
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_kinds, only: dp
-    use spintop_literals, only: read_integer, read_logical, read_long, read_real
+    use spintop_literals, only: is_real_literal, read_integer, read_logical, read_long, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
         leading_elements, one_per_group, parameter_t, quoted
     use spintop_plain_text, only: is_plain
@@ -11,6 +11,7 @@ module spintop_assignment
         token_string, token_t, token_word
     use spintop_suggestions, only: suggest_word
     use spintop_text, only: abbreviate, lower_case, to_text
+    use spintop_units, only: convert_unit
     implicit none
     private
     public :: assignment_t
@@ -256,7 +257,9 @@ contains
             call self%put_word(parameter, token, text, column, diagnostics)
             return
         end if
-        if (token%kind == token_string) then
+        if (token%kind == token_string .and. parameter%kind == kind_real) then
+            call read_quantity(parameter, trim(adjustl(text)), number, problem, hint)
+        else if (token%kind == token_string) then
             problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
             hint = 'expected a value without quotes'
         else
@@ -296,6 +299,31 @@ contains
             parameter%flag = flag
         end select
     end subroutine put_element
+
+    !> Reads a number with its unit, as '20 deg', in the unit of its key; a number in quotes without one is none.
+    subroutine read_quantity(parameter, text, number, problem, hint)
+        type(parameter_t), intent(in) :: parameter
+        character(*), intent(in) :: text !! without quotes
+        real(dp), intent(out) :: number
+        character(:), allocatable, intent(out) :: problem, hint
+        real(dp) :: factor
+        integer :: last
+
+        do last = len(text), 1, -1
+            if (is_real_literal(text(:last))) exit
+        end do
+        if (last == 0 .or. last == len(text)) then
+            problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
+            hint = 'expected a value without quotes'
+            if (parameter%unit /= '') hint = hint // ', or one with a unit, as ' // quoted('1 ' // trim(parameter%unit))
+            number = 0
+            return
+        end if
+        call read_real(text(:last), number, problem, hint)
+        factor = 1
+        if (problem == '') call convert_unit(text(last + 1:), trim(parameter%unit), factor, problem)
+        number = number * factor
+    end subroutine read_quantity
 
     subroutine put_word(self, parameter, token, text, column, diagnostics)
         class(assignment_t), intent(inout) :: self

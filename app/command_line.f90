@@ -113,14 +113,14 @@ contains
                 only_inputs = .true.
             else if (only_inputs .or. index(argument, '-') /= 1) then
                 if (size(request%inputs) == 0 .and. .not. only_inputs) then
-                    if (argument == 'list') call take_topic(i, request, error)
-                    if (argument == 'merge') call take_parts(i, request, error)
-                    if (argument == 'verify') call take_tables(i, request, error)
+                    if (argument == 'list') call read_topic(i, request, error)
+                    if (argument == 'merge') call read_parts(i, request, error)
+                    if (argument == 'verify') call read_tables(i, request, error)
                     if (argument == 'list' .or. argument == 'merge' .or. argument == 'verify') return
                 end if
                 request%inputs = [request%inputs, string_t(argument)]
             else
-                call take_option(i, request, error)
+                call read_option(i, request, error)
                 if (allocated(error) .or. any(request%action == [action_help, action_version])) return
             end if
         end do
@@ -132,7 +132,7 @@ contains
     end subroutine read_command_line
 
     !> Reads the option at argument `i`, with its value. On return `i` is the last argument of the option.
-    subroutine take_option(i, request, error)
+    subroutine read_option(i, request, error)
         integer, intent(inout) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
@@ -149,7 +149,7 @@ contains
         value = ''
         first = i
         if (known_options(place)%value /= '') then
-            call take_value(i, value, error)
+            call read_value(i, value, error)
         else if (option_name(argument) /= argument) then
             error = wrong(argument // ': this option takes no value')
         end if
@@ -165,7 +165,7 @@ contains
         case ('--set')
             request%options%overrides = [request%options%overrides, string_t(value)]
         case ('--threads')
-            call take_threads(value, request, error)
+            call read_threads(value, request, error)
         case ('--check')
             request%action = action_check
         case ('--resume')
@@ -185,7 +185,7 @@ contains
         if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart'])) then
             call keep_options(first, i, request)
         end if
-    end subroutine take_option
+    end subroutine read_option
 
     !> Keeps arguments `first` to `last` for the command that resumes the run.
     subroutine keep_options(first, last, request)
@@ -198,7 +198,7 @@ contains
     end subroutine keep_options
 
     !> The value of an option: the text after its equals sign, or the next argument.
-    subroutine take_value(i, value, error)
+    subroutine read_value(i, value, error)
         integer, intent(inout) :: i
         character(:), allocatable, intent(inout) :: value
         type(error_t), allocatable, intent(inout) :: error
@@ -212,10 +212,10 @@ contains
         else
             error = wrong('option ' // argument // ' needs a value')
         end if
-    end subroutine take_value
+    end subroutine read_value
 
     !> Reads the number of threads.
-    subroutine take_threads(text, request, error)
+    subroutine read_threads(text, request, error)
         character(*), intent(in) :: text
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
@@ -225,11 +225,11 @@ contains
         if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
             error = wrong('--threads takes a whole number from 1 to ' // to_text(most_threads) // ", not '" // text // "'")
         end if
-    end subroutine take_threads
+    end subroutine read_threads
 
     !> What to list: the arguments after `list`, which is argument `i`. Without a topic the topics are listed,
     !> or all of them as JSON.
-    subroutine take_topic(i, request, error)
+    subroutine read_topic(i, request, error)
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
@@ -249,10 +249,10 @@ contains
                 request%topic = argument
             end if
         end do
-    end subroutine take_topic
+    end subroutine read_topic
 
     !> Reads the table to merge into and its parts: all arguments after `merge`, which is argument `i`.
-    subroutine take_parts(i, request, error)
+    subroutine read_parts(i, request, error)
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
@@ -268,10 +268,10 @@ contains
             argument = argument_at(k)
             request%inputs = [request%inputs, string_t(argument)]
         end do
-    end subroutine take_parts
+    end subroutine read_parts
 
     !> Reads the tables to verify: all arguments after `verify`, which is argument `i`.
-    subroutine take_tables(i, request, error)
+    subroutine read_tables(i, request, error)
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
@@ -290,7 +290,7 @@ contains
             end if
         end do
         if (size(request%inputs) == 0) error = wrong('verify takes a table, which has its input in its header')
-    end subroutine take_tables
+    end subroutine read_tables
 
     !> Name of an option, without an equals sign and a value after it.
     pure function option_name(argument) result(name)

@@ -11,7 +11,7 @@ program spintop_main
     use spintop_listing, only: list_as_json, list_topic
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_processor, only: check_level
-    use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, show_text
+    use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, print_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
@@ -56,7 +56,7 @@ program spintop_main
     end select
     if (all(request%action /= [action_run, action_check, action_verify])) then
         code = exit_ok
-        call show(lines, code)
+        call print_lines(lines, code)
         call leave(code)
     end if
 
@@ -85,7 +85,7 @@ program spintop_main
                 code = error%code
             end if
         end if
-        call show(lines, code)
+        call print_lines(lines, code)
         worst = max(worst, code)
     end do
     call leave(worst)
@@ -99,16 +99,16 @@ contains
     end subroutine complain
 
     !> Writes lines to standard output. If that fails, `code` is raised to the code of an output error.
-    subroutine show(lines, code)
+    subroutine print_lines(lines, code)
         type(string_t), allocatable, intent(in) :: lines(:)
         integer, intent(inout) :: code
         type(error_t), allocatable :: problem
         if (.not. allocated(lines) .or. .not. ranks%is_writer()) return
-        call show_text(visible(join(lines, nl)) // nl, problem)
+        call print_text(visible(join(lines, nl)) // nl, problem)
         if (.not. allocated(problem)) return
         call complain(problem%message)
         code = max(code, problem%code)
-    end subroutine show
+    end subroutine print_lines
 
     !> Ends the program if there is an error.
     subroutine end_on(error)

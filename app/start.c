@@ -9,7 +9,7 @@
 // Of process.c.
 extern int spintop_hangup_is_ignored;
 
-static void look_at_signals(void) {
+static void note_ignored_hangup(void) {
     struct sigaction inherited;
     if (sigaction(SIGHUP, NULL, &inherited) == 0) spintop_hangup_is_ignored = inherited.sa_handler == SIG_IGN;
 }
@@ -27,7 +27,7 @@ static void forget_settings(char **environment) {
 static void begin(int count, char **arguments, char **environment) {
     (void)count;
     (void)arguments;
-    look_at_signals();
+    note_ignored_hangup();
     forget_settings(environment);
 }
 

@@ -38,17 +38,17 @@ program accuracy
     start = motion_from_angles(0.0_dp, [0.0_dp, 1.0_dp, 0.0_dp], [0.0_dp, 0.0_dp, 10.0_dp])
     call prepare_exact_motion(body, start, exact, status)
     if (status /= status_ok) error stop 'there is no exact motion'
-    call show('rk4', 600)
-    call show('rk4', 1200)
-    call show('splitting_6', 72)
-    call show('splitting_6', 144)
-    call show('taylor', 0)
+    call print_results('rk4', 600)
+    call print_results('rk4', 1200)
+    call print_results('splitting_6', 72)
+    call print_results('splitting_6', 144)
+    call print_results('taylor', 0)
     print '(a, es9.2, a)', 'inherent error:', inherent_error(body, start, span), ' rad'
 
 contains
 
     !> Integrates with a number of equal steps, or (0) with steps that the method chooses.
-    subroutine show(method, steps)
+    subroutine print_results(method, steps)
         character(*), intent(in) :: method
         integer, intent(in) :: steps
         class(formulation_t), allocatable :: formulation
@@ -66,5 +66,5 @@ contains
         call integrate(formulation, stepper, body, start, span, [(span * i / 24, i=1, 24)], meter, outcome)
         if (outcome%status /= status_ok) error stop 'the method failed'
         print '(a11, i6, a, es9.2)', method, outcome%counts%steps, ' steps: largest error of the axis', meter%largest
-    end subroutine show
+    end subroutine print_results
 end program accuracy

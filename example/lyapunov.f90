@@ -8,16 +8,16 @@ program lyapunov
     body%gravity = 10
     body%inertia = [1.0_dp, 1.5_dp, 2.25_dp]
     body%centre_of_mass = [0.01_dp, 0.005_dp, 0.02_dp]
-    call show('chaotic body')
+    call print_results('chaotic body')
     body%damping = 0.1_dp
-    call show('with damping')
+    call print_results('with damping')
     body = body_t(inertia=[0.875_dp, 0.875_dp, 0.25_dp], centre_of_mass=[0.0_dp, 0.0_dp, sqrt(0.75_dp)])
-    call show('symmetric top')
+    call print_results('symmetric top')
 
 contains
 
     !> Prints the largest exponent, the sum of all, and the largest growth factor of a perturbation.
-    subroutine show(name)
+    subroutine print_results(name)
         character(*), intent(in) :: name
         real(dp), parameter :: span = 200 ! s
         type(motion_t) :: start
@@ -31,5 +31,5 @@ contains
         if (status /= status_ok) error stop 'no exponents'
         print '(a13, a, f9.5, a, f14.10, a, es9.2)', name, ': largest exponent', exponents(1), ' 1/s, sum of all six', &
             sum(exponents), ' 1/s, growth in 200 s by', factor
-    end subroutine show
+    end subroutine print_results
 end program lyapunov

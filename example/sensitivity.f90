@@ -11,7 +11,7 @@ program sensitivity
     body%centre_of_mass = [0.05_dp, 0.0_dp, 0.8_dp]
     columns(:, 1) = start_with(spin) ! the vertical and the angular momentum in body axes
     columns(:, 2) = start_with(spin + 1) - start_with(spin) ! the state is linear in the spin
-    call carry_tangents(body, span, columns, status)
+    call propagate_tangents(body, span, columns, status)
     if (status /= status_ok) error stop 'the motion failed'
     differences = (end_of(spin + step) - end_of(spin - step)) / (2 * step)
     do i = 1, 6
@@ -31,7 +31,7 @@ contains
         real(dp) :: state(6), column(6, 1)
         integer :: status
         column(:, 1) = start_with(spin)
-        call carry_tangents(body, span, column, status)
+        call propagate_tangents(body, span, column, status)
         if (status /= status_ok) error stop 'the motion failed'
         state = column(:, 1)
     end function end_of

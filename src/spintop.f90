@@ -32,14 +32,14 @@ module spintop
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_floquet, only: find_multipliers, find_monodromy
     use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov
-    use spintop_tangent_flow, only: carry_tangents
+    use spintop_tangent_flow, only: propagate_tangents
     use spintop_fast_top, only: fast_top_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_formulations, only: formulation_infos, create_formulation
     use spintop_stepper, only: stepper_t, method_info_t, controls_t, counts_t
     use spintop_methods, only: method_infos, create_stepper
     use spintop_suitability, only: can_run
-    use spintop_events, only: event_t, event_watch_t, path_t
+    use spintop_events, only: event_t, event_search_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_many_bodies, only: integrate_many
     use spintop_library_studies, only: run_study

@@ -28,7 +28,7 @@ contains
 
     !> Hands an error to C.
     subroutine hand_error(error, place)
-        type(error_t), intent(in) :: error !! the error
+        type(error_t), intent(in) :: error !! the error that C gets
         type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
         if (allocated(error%source)) then
             call hand_over(error%code, '', error%message, error%source, [error%line, error%column], place)

@@ -51,8 +51,8 @@ module spintop_c_motion
         real(dp) :: t_undefined = huge(1.0_dp)
     contains
         procedure :: observe
-        procedure :: put
-        procedure :: put_values
+        procedure :: set_row
+        procedure :: store_row
     end type sampler_t
 
     !> A sample of a fixed-step method within this fraction of a step is at the step.
@@ -117,8 +117,8 @@ contains
         t_reached = 0
         do i = 1, size(sampler%samples)
             associate (t => sampler%samples(i))
-                call sampler%maker%put_exact_row(self%exact, t, sampler%values)
-                call sampler%put_values(t)
+                call sampler%maker%find_exact_row(self%exact, t, sampler%values)
+                call sampler%store_row(t)
                 if (sampler%has_enough) return
                 t_reached = t
             end associate
@@ -153,7 +153,7 @@ contains
                 status = status_step_limit
                 return
             end if
-            call sampler%put(motion)
+            call sampler%set_row(motion)
             if (sampler%has_enough) return
             t_reached = motion%t
         end do
@@ -199,20 +199,20 @@ contains
         if (abs(self%samples(self%next) - t) > self%slack) return
         motion = formulation%motion(t, y, near)
         motion%given_angle = self%given_angle
-        call self%put(motion)
+        call self%set_row(motion)
         self%has_enough = self%has_enough .or. self%next > size(self%samples)
     end subroutine observe
 
-    !> Puts a motion into the next row.
-    subroutine put(self, motion)
+    !> Makes the next row of a motion.
+    subroutine set_row(self, motion)
         class(sampler_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
         self%values(:) = self%maker%row(motion)
-        call self%put_values(motion%t)
-    end subroutine put
+        call self%store_row(motion%t)
+    end subroutine set_row
 
-    !> Puts the row, which is of time t, into the cells of its sample.
-    subroutine put_values(self, t)
+    !> Stores the row, which is of time t, in the cells of its sample.
+    subroutine store_row(self, t)
         class(sampler_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         if (self%maker%is_defined(self%values)) then
@@ -222,6 +222,6 @@ contains
             self%has_enough = .true.
         end if
         self%next = self%next + 1
-    end subroutine put_values
+    end subroutine store_row
 
 end module spintop_c_motion

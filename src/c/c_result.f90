@@ -66,7 +66,7 @@ contains
         call owner%warnings%set(run%warnings)
         allocate (owner%table(size(run%table)), owner%tables(size(run%table)))
         do i = 1, size(run%table)
-            call take_table(run%table(i), owner%table(i))
+            call adopt_table(run%table(i), owner%table(i))
             owner%tables(i) = face_of(owner%table(i))
         end do
         owner%result = c_result_t(int(run%code, c_int), size(owner%tables), c_loc(owner%tables), owner%summary%at(), &
@@ -80,8 +80,8 @@ contains
         face = c_table_t(table%name%at(), c_loc(table%columns), size(table%columns, kind=c_long_long), table%data%rows)
     end function face_of
 
-    !> Takes over a table, and describes its columns for C.
-    subroutine take_table(table, owner)
+    !> Moves a table to its owner, and describes its columns for C.
+    subroutine adopt_table(table, owner)
         type(data_table_t), target, intent(inout) :: table
         type(table_owner_t), target, intent(inout) :: owner
         integer :: i
@@ -91,11 +91,11 @@ contains
         call move_alloc(table%column, owner%data%column)
         allocate (owner%columns(size(owner%data%column)), owner%described(size(owner%data%column)))
         do i = 1, size(owner%columns)
-            call take_column(owner%data%column(i), owner%described(i), owner%columns(i))
+            call describe_column(owner%data%column(i), owner%described(i), owner%columns(i))
         end do
-    end subroutine take_table
+    end subroutine adopt_table
 
-    subroutine take_column(data, described, column)
+    subroutine describe_column(data, described, column)
         type(data_column_t), target, intent(in) :: data
         type(described_column_t), target, intent(inout) :: described
         type(c_column_t), intent(out) :: column
@@ -111,7 +111,7 @@ contains
         end do
         column%words = c_loc(described%word_places)
         column%word_count = size(data%words)
-    end subroutine take_column
+    end subroutine describe_column
 
     !> Describes a column without values.
     subroutine describe(self, about, column)

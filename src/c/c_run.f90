@@ -7,7 +7,7 @@ module spintop_c_run
     use spintop_axes_of_arrays, only: given_axis_t
     use spintop_c_error, only: hand_error, is_null, is_wrong
     use spintop_c_result, only: hand_result
-    use spintop_c_text, only: c_text_t, is_any_null, is_empty, take_text, take_texts
+    use spintop_c_text, only: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
     use spintop_errors, only: error_t, input_error
     use spintop_in_memory, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_as_json, list_topic
@@ -35,14 +35,14 @@ module spintop_c_run
 contains
 
     !> Number of the interface.
-    integer(c_int) function tell_interface() bind(C, name='spintop_interface')
-        tell_interface = interface_number
-    end function tell_interface
+    integer(c_int) function interface_version() bind(C, name='spintop_interface')
+        interface_version = interface_number
+    end function interface_version
 
     !> Version of the library, as `0.1.0`.
-    type(c_ptr) function tell_version() bind(C, name='spintop_version')
-        tell_version = c_loc(version)
-    end function tell_version
+    type(c_ptr) function library_version() bind(C, name='spintop_version')
+        library_version = c_loc(version)
+    end function library_version
 
     !> Runs an input.
     type(c_ptr) function run_input(input, name, folder, threads, error) bind(C, name='spintop_run') result(handle)
@@ -60,7 +60,7 @@ contains
     !> Runs a sweep over arrays.
     type(c_ptr) function run_sweep(input, count, names, values, cases, threads, error) bind(C, name='spintop_sweep') &
             result(handle)
-        type(c_ptr), value :: input !! the text
+        type(c_ptr), value :: input !! the namelist, as in an input file
         integer(c_int), value :: count !! number of parameters that vary
         type(c_ptr), value :: names, values !! their names, and an array of values for each
         integer(c_size_t), value :: cases !! values in each array
@@ -77,7 +77,7 @@ contains
                             'a sweep over arrays has 1 to 2147483647 cases', error) .or. &
                    is_wrong(is_any_null(names, int(count)), 'the name of a parameter is a null pointer', error) .or. &
                    is_wrong(is_any_null(values, int(count)), 'the array of a parameter is a null pointer', error))) then
-            call take_axes(count, names, values, cases, given)
+            call read_axes(count, names, values, cases, given)
             call run_text(input, c_null_ptr, c_null_ptr, threads, error, handle, given)
         end if
         !$omp end critical (library)
@@ -99,9 +99,9 @@ contains
         if (is_wrong(is_empty(name), 'the name of the input is empty', place)) return
         if (is_wrong(is_empty(folder), 'the name of the folder is empty', place)) return
         if (is_wrong(threads < 0, 'the number of threads is negative', place)) return
-        call take_text(input, text)
-        call take_text(name, name_of_text)
-        call take_text(folder, options%output)
+        call read_c_text(input, text)
+        call read_c_text(name, name_of_text)
+        call read_c_text(folder, options%output)
         if (name_of_text == '') name_of_text = 'input'
         options%threads = min(threads, most_threads)
         call run_in_memory(text, name_of_text, options, run, error, given)
@@ -112,8 +112,8 @@ contains
         end if
     end subroutine run_text
 
-    !> Takes the arrays of a sweep.
-    subroutine take_axes(count, names, values, cases, given)
+    !> Reads the arrays of a sweep.
+    subroutine read_axes(count, names, values, cases, given)
         integer(c_int), intent(in) :: count
         type(c_ptr), intent(in) :: names, values
         integer(c_size_t), intent(in) :: cases
@@ -124,7 +124,7 @@ contains
         integer :: i
 
         allocate (texts(0), given(count))
-        call take_texts(names, int(count), texts)
+        call read_c_texts(names, int(count), texts)
         if (count == 0) return
         call c_f_pointer(values, arrays, [count])
         do i = 1, count
@@ -132,7 +132,7 @@ contains
             given(i)%name = texts(i)%text
             given(i)%values = array
         end do
-    end subroutine take_axes
+    end subroutine read_axes
 
     !> Lists a registry, as `spintop list` does.
     type(c_ptr) function list(topic, as_json, error) bind(C, name='spintop_list') result(handle)
@@ -159,7 +159,7 @@ contains
 
         handle = c_null_ptr
         if (is_wrong(is_empty(topic), 'the name of the topic is empty', place)) return
-        call take_text(topic, name)
+        call read_c_text(topic, name)
         if (as_json) then
             call list_as_json(name, lines, error)
         else

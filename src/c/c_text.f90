@@ -5,7 +5,7 @@ module spintop_c_text
     use spintop_text, only: string_t
     implicit none
     private
-    public :: c_text_t, is_any_null, is_empty, take_text, take_texts
+    public :: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
 
     !> A text for C.
     type :: c_text_t
@@ -28,7 +28,7 @@ contains
     !> Sets the text; blanks at its end are left out.
     pure subroutine set(self, text)
         class(c_text_t), intent(inout) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the text to copy
         integer :: i
         self%letters = [character(c_char) :: (text(i:i), i=1, len_trim(text)), c_null_char]
     end subroutine set
@@ -40,10 +40,10 @@ contains
         if (allocated(self%letters)) at = c_loc(self%letters)
     end function at
 
-    !> Takes a text of C; '' for a null pointer.
-    subroutine take_text(from, text)
+    !> Copies a text of C; '' for a null pointer.
+    subroutine read_c_text(from, text)
         type(c_ptr), intent(in) :: from !! where it is
-        character(:), allocatable, intent(out) :: text !! the text
+        character(:), allocatable, intent(out) :: text !! a copy of it
         character(c_char), pointer :: letters(:)
         integer(c_size_t) :: i
 
@@ -55,7 +55,7 @@ contains
         do i = 1, size(letters, kind=c_size_t)
             text(i:i) = letters(i)
         end do
-    end subroutine take_text
+    end subroutine read_c_text
 
     !> Whether there is a text, and it is empty.
     logical function is_empty(text)
@@ -81,8 +81,8 @@ contains
         end do
     end function is_any_null
 
-    !> Takes an array of texts of C.
-    subroutine take_texts(from, n, texts)
+    !> Copies an array of texts of C.
+    subroutine read_c_texts(from, n, texts)
         type(c_ptr), intent(in) :: from !! where the pointers to them are
         integer, intent(in) :: n !! their number
         type(string_t), allocatable, intent(out) :: texts(:) !! the texts
@@ -93,8 +93,8 @@ contains
         if (n == 0) return
         call c_f_pointer(from, each, [n])
         do i = 1, n
-            call take_text(each(i), texts(i)%text)
+            call read_c_text(each(i), texts(i)%text)
         end do
-    end subroutine take_texts
+    end subroutine read_c_texts
 
 end module spintop_c_text

@@ -9,7 +9,7 @@ module spintop_c_top
     use spintop_c_error, only: describe_status, hand_error, hand_status, is_null, is_wrong, longest_message
     use spintop_c_motion, only: asked_motion_t
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
-    use spintop_c_text, only: c_text_t, is_empty, take_text
+    use spintop_c_text, only: c_text_t, is_empty, read_c_text
     use spintop_data_table, only: data_table_t
     use spintop_errors, only: error_t, exit_input, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
@@ -81,8 +81,8 @@ contains
         character(:), allocatable :: text, name_of_text
         integer :: i
 
-        call take_text(input, text)
-        call take_text(name, name_of_text)
+        call read_c_text(input, text)
+        call read_c_text(name, name_of_text)
         if (name_of_text == '') name_of_text = 'input'
         options%output = ''
         allocate (options%overrides(0), prepared)
@@ -129,14 +129,14 @@ contains
     end function list_columns
 
     !> Warnings of the input of a top.
-    type(c_ptr) function tell_warnings(handle) bind(C, name='spintop_top_warnings') result(warnings)
+    type(c_ptr) function top_warnings(handle) bind(C, name='spintop_top_warnings') result(warnings)
         type(c_ptr), value :: handle !! the top; a null pointer has no warnings
         type(top_t), pointer :: top
         warnings = c_loc(no_text)
         if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
         warnings = top%warnings%at()
-    end function tell_warnings
+    end function top_warnings
 
     !> Finds the motion of a top at some times, column by column.
     integer(c_int) function find_motion(handle, n, t, cells, error) bind(C, name='spintop_top_at') result(code)
@@ -177,7 +177,7 @@ contains
         code = hand_status(status, t_reached, error)
     end function find_motion
 
-    !> Looks for the events of a top in the span of its input.
+    !> Finds the events of a top in the span of its input.
     type(c_ptr) function find_events(handle, error) bind(C, name='spintop_top_events') result(found)
         type(c_ptr), value :: handle !! the top
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
@@ -203,7 +203,7 @@ contains
     subroutine record_events(top, run)
         type(top_t), target, intent(in) :: top
         type(memory_run_t), intent(inout) :: run
-        type(event_recorder_t), allocatable, target :: watch
+        type(event_recorder_t), allocatable, target :: recorder
         type(writer_t) :: writer
         type(outcome_t) :: outcome
         type(plan_t) :: plan
@@ -215,12 +215,12 @@ contains
             plan%samples = 2
             times = [0.0_dp, job%case%t_end]
             if (plan%exact) times = times(:0)
-            allocate (watch)
-            call watch%set(job%events, job%stop_after, job%case)
-            call watch%keep_table(top%chosen, job%case, job%scene)
-            call writer%take_columns(top%chosen, job%case, job%scene)
+            allocate (recorder)
+            call recorder%set(job%events, job%stop_after, job%case)
+            call recorder%keep_table(top%chosen, job%case, job%scene)
+            call writer%set_columns(top%chosen, job%case, job%scene)
             allocate (writer%kept(size(top%chosen), plan%samples))
-            call compute_motion(job%scene, job%case, plan, times, writer, outcome, watch)
+            call compute_motion(job%scene, job%case, plan, times, writer, outcome, recorder)
         end associate
         call writer%columns%close()
         call describe_status(outcome%status, outcome%end_time(), message)
@@ -228,12 +228,12 @@ contains
         run%warnings = ''
         run%code = code_of(outcome%status)
         allocate (run%table(1))
-        call take_events(watch, top%chosen, run%table(1))
+        call make_event_table(recorder, top%chosen, run%table(1))
     end subroutine record_events
 
-    !> Takes the table of events: their names are words.
-    subroutine take_events(watch, columns, table)
-        type(event_recorder_t), intent(inout) :: watch
+    !> Makes the table of events: their names are words.
+    subroutine make_event_table(recorder, columns, table)
+        type(event_recorder_t), intent(inout) :: recorder
         type(trajectory_column_t), intent(in) :: columns(:)
         type(data_table_t), intent(inout) :: table
         type(column_t), allocatable :: shown(:)
@@ -241,18 +241,18 @@ contains
 
         allocate (shown, source=[event_columns, columns%column_t])
         table%name = 'events'
-        table%rows = watch%rows
-        watch%kept(1, :) = watch%kept(1, :) - 1 ! words are counted from 0
+        table%rows = recorder%rows
+        recorder%kept(1, :) = recorder%kept(1, :) - 1 ! words are counted from 0
         allocate (table%column(size(shown)))
         do i = 1, size(shown)
             table%column(i)%column_t = shown(i)
-            table%column(i)%values = watch%kept(i, :watch%rows)
+            table%column(i)%values = recorder%kept(i, :recorder%rows)
         end do
-        allocate (table%column(1)%words(size(watch%events)))
-        do i = 1, size(watch%events)
-            table%column(1)%words(i)%text = trim(watch%events(i)%name)
+        allocate (table%column(1)%words(size(recorder%events)))
+        do i = 1, size(recorder%events)
+            table%column(1)%words(i)%text = trim(recorder%events(i)%name)
         end do
-    end subroutine take_events
+    end subroutine make_event_table
 
     !> Deletes a top.
     subroutine delete_top(handle) bind(C, name='spintop_top_delete')

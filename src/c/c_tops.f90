@@ -4,7 +4,7 @@ module spintop_c_tops
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_error, only: hand_error
-    use spintop_c_text, only: is_any_null, take_texts
+    use spintop_c_text, only: is_any_null, read_c_texts
     use spintop_errors, only: error_t, exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
@@ -68,8 +68,8 @@ contains
 
         call arithmetic%begin()
         request%n = n
-        call take_arrays(given_count, given_names, data_names, request%given, problem)
-        call take_arrays(wanted_count, wanted_names, quantity_names, request%wanted, problem)
+        call find_arrays(given_count, given_names, data_names, request%given, problem)
+        call find_arrays(wanted_count, wanted_names, quantity_names, request%wanted, problem)
         if (given_count > 0 .and. .not. c_associated(strides)) problem = error_t(exit_input, 'the array of strides is null')
         if (min(given_count, wanted_count, threads) < 0) then
             problem = error_t(exit_input, 'the number of threads, or of arrays, is negative')
@@ -127,7 +127,7 @@ contains
     end subroutine check
 
     !> Finds arrays by their names among the known ones.
-    subroutine take_arrays(count, names, known, arrays, problem)
+    subroutine find_arrays(count, names, known, arrays, problem)
         integer(c_int), intent(in) :: count
         type(c_ptr), intent(in) :: names
         character(*), intent(in) :: known(:)
@@ -140,7 +140,7 @@ contains
         allocate (arrays(max(0, count)))
         if (is_any_null(names, int(count))) problem = error_t(exit_input, 'the name of an array is null')
         if (allocated(problem)) return
-        call take_texts(names, size(arrays), texts)
+        call read_c_texts(names, size(arrays), texts)
         do i = 1, count
             arrays(i)%place = findloc(known == texts(i)%text, .true., dim=1)
             if (arrays(i)%place > 0) cycle
@@ -152,7 +152,7 @@ contains
             end do
             return
         end do
-    end subroutine take_arrays
+    end subroutine find_arrays
 
     !> Computes the tops block by block.
     subroutine compute_blocks(request, wanted_threads)

@@ -98,7 +98,7 @@ contains
         estimate%covariance = estimate%deviation**2 * matmul(transpose(vectors), vectors)
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         do k = 1, n
-            if (.not. wants_profile) call take_linear_ends(model, level, k, estimate)
+            if (.not. wants_profile) call set_linear_ends(model, level, k, estimate)
         end do
         if (.not. wants_profile) return
         do k = 1, n
@@ -212,7 +212,7 @@ contains
     end subroutine find_derivatives
 
     !> The interval of a parameter by the linear model, in the range of the parameter.
-    subroutine take_linear_ends(model, level, k, estimate)
+    subroutine set_linear_ends(model, level, k, estimate)
         class(residuals_t), intent(in) :: model
         real(dp), intent(in) :: level
         integer, intent(in) :: k
@@ -221,7 +221,7 @@ contains
         range = model%ends(k)
         estimate%lower(k) = max(estimate%x(k) - level * estimate%standard_error(k), range(1))
         estimate%upper(k) = min(estimate%x(k) + level * estimate%standard_error(k), range(2))
-    end subroutine take_linear_ends
+    end subroutine set_linear_ends
 
     !> The interval of a parameter.
     subroutine find_interval(model, minimum, jacobian, level, k, estimate)

@@ -37,14 +37,14 @@ contains
         do k = 1, size(free)
             has_both = .false.
             if (is_central) then
-                call take_central(model, x, free(k), central_step, jacobian(:, k), has_both)
-                if (has_both) call take_central(model, x, free(k), central_step / 2, half, has_both)
+                call find_central_difference(model, x, free(k), central_step, jacobian(:, k), has_both)
+                if (has_both) call find_central_difference(model, x, free(k), central_step / 2, half, has_both)
                 if (has_both .and. present(errors)) errors(:, k) = 2 * abs(half - jacobian(:, k))
                 if (has_both) jacobian(:, k) = half + (half - jacobian(:, k)) / 3
                 step = central_step / 2
             end if
             if (.not. has_both) then
-                call take_one_side(model, x, free(k), residuals, jacobian(:, k), is_valid)
+                call find_one_sided_difference(model, x, free(k), residuals, jacobian(:, k), is_valid)
                 if (present(errors)) errors(:, k) = sqrt(one_sided_step) * abs(jacobian(:, k))
                 step = one_sided_step
             end if
@@ -114,7 +114,7 @@ contains
     end subroutine extrapolate
 
     !> The central difference by a parameter.
-    subroutine take_central(model, x, i, relative_step, slopes, is_valid)
+    subroutine find_central_difference(model, x, i, relative_step, slopes, is_valid)
         class(residuals_t), intent(inout) :: model
         real(dp), intent(in) :: x(:), relative_step
         integer, intent(in) :: i
@@ -129,10 +129,10 @@ contains
         call model%evaluate(above, slopes, is_valid)
         if (is_valid) call model%evaluate(below, residuals, is_valid)
         if (is_valid) slopes = (slopes - residuals) / (above(i) - below(i))
-    end subroutine take_central
+    end subroutine find_central_difference
 
     !> The difference of one side by a parameter: of that above, or if there are no residuals, below.
-    subroutine take_one_side(model, x, i, residuals, slopes, is_valid)
+    subroutine find_one_sided_difference(model, x, i, residuals, slopes, is_valid)
         class(residuals_t), intent(inout) :: model
         real(dp), intent(in) :: x(:)
         integer, intent(in) :: i
@@ -150,6 +150,6 @@ contains
             if (is_valid) exit
         end do
         if (is_valid) slopes = (slopes - residuals) / (moved(i) - x(i))
-    end subroutine take_one_side
+    end subroutine find_one_sided_difference
 
 end module spintop_jacobian

@@ -40,7 +40,7 @@ module spintop_residuals
             implicit none
             class(residuals_t), intent(in) :: self
             integer, intent(in) :: i !! number of the parameter
-            real(dp), intent(in) :: x !! its value
+            real(dp), intent(in) :: x !! its value, in its unit
         end function scale_i
     end interface
 
@@ -51,7 +51,7 @@ contains
     pure real(dp) function limited(self, i, x)
         class(residuals_t), intent(in) :: self
         integer, intent(in) :: i !! number of the parameter
-        real(dp), intent(in) :: x !! a value
+        real(dp), intent(in) :: x !! any value of the parameter, in its unit
         associate (unused => self, unused_too => i)
         end associate
         limited = x

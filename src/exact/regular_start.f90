@@ -77,9 +77,9 @@ contains
         if (status /= status_ok) return
 
         if (rates_describe(start)) then
-            call take_angles(start, regular, swing)
+            call set_from_angles(start, regular, swing)
         else
-            call take_quaternion(start, regular, swing)
+            call set_from_quaternion(start, regular, swing)
         end if
         regular%turns_against_angles = opposes(start%quaternion, regular)
 
@@ -130,7 +130,7 @@ contains
             .and. .not. (start%gives_quaternion .and. start%gives_omega)
     end function rates_describe
 
-    pure subroutine take_angles(start, regular, swing)
+    pure subroutine set_from_angles(start, regular, swing)
         type(motion_t), intent(in) :: start
         type(regular_start_t), intent(inout) :: regular
         !> omega1 + i omega2, rad/s.
@@ -162,9 +162,9 @@ contains
         regular%upper = half_cosine * upper_turn
         regular%lower = half_sine * lower_turn
         swing = cmplx(theta_rate, phi_rate * sine, xp) * lower_turn * conjg(upper_turn)
-    end subroutine take_angles
+    end subroutine set_from_angles
 
-    pure subroutine take_quaternion(start, regular, swing)
+    pure subroutine set_from_quaternion(start, regular, swing)
         type(motion_t), intent(in) :: start
         type(regular_start_t), intent(inout) :: regular
         !> omega1 + i omega2, rad/s.
@@ -192,7 +192,7 @@ contains
         along = conjg(2 * i * regular%lower * conjg(regular%upper)) * swing
         regular%turn = real(along, xp)
         regular%u_rate = aimag(along)
-    end subroutine take_quaternion
+    end subroutine set_from_quaternion
 
     !> Whether the quaternion has the sign opposite to that of the angles (q and -q are one
     !> attitude).

@@ -37,7 +37,7 @@ contains
         now%rising = z >= 0
     end procedure find_thetas
 
-    module procedure put_angles
+    module procedure find_angles_of_attitude
         real(xp) :: total, difference
         real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
 
@@ -80,7 +80,7 @@ contains
             rate(1) = phi_rate
             rate(3) = self%omega3 - phi_rate * u
         end associate
-    end procedure put_angles
+    end procedure find_angles_of_attitude
 
     !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
     pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
@@ -104,7 +104,7 @@ contains
     pure subroutine add_jumps(self, attitude, phi, psi)
         type(symmetric_motion_t), intent(in) :: self
         type(attitude_t), intent(in) :: attitude
-        real(xp), intent(inout) :: phi, psi  !! rad
+        real(xp), intent(inout) :: phi, psi  !! the angles, to which half turns are added, rad
         real(xp) :: tops, bottoms, top_jump, bottom_jump
         top_jump = 0
         bottom_jump = 0

@@ -88,11 +88,11 @@ module spintop_symmetric_motion
         end subroutine find_thetas
 
         !> Angles, with all turns of phi and psi, and their rates.
-        pure module subroutine put_angles(self, attitude, angle, rate)
+        pure module subroutine find_angles_of_attitude(self, attitude, angle, rate)
             type(symmetric_motion_t), intent(in) :: self !! the exact solution
             type(attitude_t), intent(in) :: attitude !! the theta functions at an instant
             real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
-        end subroutine put_angles
+        end subroutine find_angles_of_attitude
     end interface
 
 contains
@@ -232,7 +232,7 @@ contains
                                          aimag(attitude%lower), aimag(attitude%upper)]
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
-        call put_angles(self, attitude, motion%angle, motion%rate)
+        call find_angles_of_attitude(self, attitude, motion%angle, motion%rate)
     end function at
 
     !> The angles and their rates at time t, s, as `at` gives them. Without the attitude it is faster.
@@ -242,7 +242,7 @@ contains
         real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
         type(attitude_t) :: attitude
         call find_thetas(self, t, attitude)
-        call put_angles(self, attitude, angle, rate)
+        call find_angles_of_attitude(self, attitude, angle, rate)
     end subroutine find_angles
 
     !> The unit quaternion at time t, s.

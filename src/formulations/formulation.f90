@@ -113,7 +113,7 @@ module spintop_formulation
             import :: formulation_t, dp, max_states
             class(formulation_t), intent(in) :: self
             real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-            real(dp), intent(out) :: dy(max_states) !! slope
+            real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
             integer, intent(out) :: status !! `status_ok`, or why there is no slope
         end subroutine derivative
 
@@ -154,7 +154,7 @@ contains
         type(motions_t), intent(out) :: motions !! the motion at these times
         integer :: i
         do i = 1, instants
-            call motions%put(i, self%motion_without_angles(t(i), y(i, :)))
+            call motions%set_motion(i, self%motion_without_angles(t(i), y(i, :)))
         end do
     end subroutine find_motions_singly
 

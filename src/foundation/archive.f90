@@ -18,12 +18,14 @@ module spintop_archive
         real(dp), allocatable, private :: numbers(:)
         integer, private :: length = 0
     contains
-        generic :: carry => carry_real, carry_reals, carry_integer, carry_long, carry_logical, carry_text
-        procedure, private :: carry_real
+        generic :: store_or_restore => store_or_restore_real, carry_reals, store_or_restore_integer, carry_long, &
+            store_or_restore_logical, &
+                carry_text
+        procedure, private :: store_or_restore_real
         procedure, private :: carry_reals
-        procedure, private :: carry_integer
+        procedure, private :: store_or_restore_integer
         procedure, private :: carry_long
-        procedure, private :: carry_logical
+        procedure, private :: store_or_restore_logical
         procedure, private :: carry_text
         procedure :: bytes
         procedure :: recall
@@ -56,25 +58,25 @@ contains
         self%length = last
     end subroutine carry_reals
 
-    !> Carries a real number.
-    subroutine carry_real(self, x)
+    !> Stores or restores a real number.
+    subroutine store_or_restore_real(self, x)
         class(archive_t), intent(inout) :: self
         real(dp), intent(inout) :: x !! the number
         real(dp) :: one(1)
         one = x
         call self%carry_reals(one)
         x = one(1)
-    end subroutine carry_real
+    end subroutine store_or_restore_real
 
-    !> Carries an integer.
-    subroutine carry_integer(self, n)
+    !> Stores or restores an integer.
+    subroutine store_or_restore_integer(self, n)
         class(archive_t), intent(inout) :: self
         integer, intent(inout) :: n !! the integer
         real(dp) :: x
         x = n
-        call self%carry_real(x)
+        call self%store_or_restore_real(x)
         n = nint(x)
-    end subroutine carry_integer
+    end subroutine store_or_restore_integer
 
     !> Carries a count, which is less than 2^53.
     subroutine carry_long(self, n)
@@ -82,19 +84,19 @@ contains
         integer(int64), intent(inout) :: n !! the count
         real(dp) :: x
         x = real(n, dp)
-        call self%carry_real(x)
+        call self%store_or_restore_real(x)
         n = nint(x, int64)
     end subroutine carry_long
 
-    !> Carries a truth value.
-    subroutine carry_logical(self, is_true)
+    !> Stores or restores a truth value.
+    subroutine store_or_restore_logical(self, is_true)
         class(archive_t), intent(inout) :: self
         logical, intent(inout) :: is_true !! the truth value
         real(dp) :: x
         x = merge(1, 0, is_true)
-        call self%carry_real(x)
+        call self%store_or_restore_real(x)
         is_true = x > 0
-    end subroutine carry_logical
+    end subroutine store_or_restore_logical
 
     !> Carries a text of fixed length.
     subroutine carry_text(self, text)
@@ -103,7 +105,7 @@ contains
         integer :: i, code
         do i = 1, len(text)
             code = ichar(text(i:i))
-            call self%carry_integer(code)
+            call self%store_or_restore_integer(code)
             text(i:i) = char(code)
         end do
     end subroutine carry_text

@@ -31,11 +31,11 @@ module spintop_bracket
         !> Value of the function at the root.
         real(dp) :: residual = 0
         real(dp), private :: a = 0, fa = 0, b = 0, fb = 0, tolerance = 0
-        !> Values taken.
+        !> Number of values of the function so far.
         integer, private :: taken = 0
     contains
         procedure :: begin
-        procedure :: take
+        procedure :: add_value
         procedure, private :: aim
     end type bracket_t
 
@@ -61,8 +61,8 @@ contains
         if (.not. self%found) call self%aim(0.5_dp)
     end subroutine begin
 
-    !> Takes the value of the function at `trial`.
-    pure subroutine take(self, value)
+    !> Adds the value of the function at `trial`.
+    pure subroutine add_value(self, value)
         class(bracket_t), intent(inout) :: self
         real(dp), intent(in) :: value !! value of the function at `trial`
         real(dp) :: c, fc, share, place, height
@@ -93,7 +93,7 @@ contains
                 + (c - self%a) / (self%b - self%a) * (self%fa / (fc - self%fa)) * (self%fb / (fc - self%fb))
         end if
         call self%aim(share)
-    end subroutine take
+    end subroutine add_value
 
     !> Sets the next trial at a fraction of the way from `a` to `b`, or ends at the better of the two.
     pure subroutine aim(self, share)

@@ -9,7 +9,7 @@ contains
 
     !> Whether x is exactly zero (of either sign).
     elemental logical function is_zero(x)
-        real(dp), intent(in) :: x !! a number
+        real(dp), intent(in) :: x !! any number, also infinite or NaN
         is_zero = abs(x) <= 0
     end function is_zero
 
@@ -21,7 +21,7 @@ contains
 
     !> Whether x is neither infinite nor a NaN.
     elemental logical function is_finite(x)
-        real(dp), intent(in) :: x !! a number
+        real(dp), intent(in) :: x !! any number, also infinite or NaN
         is_finite = abs(x) <= huge(x)
     end function is_finite
 

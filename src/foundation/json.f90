@@ -44,7 +44,7 @@ module spintop_json
         procedure :: add_optional
         procedure, private :: add_text, add_integer, add_real, add_logical, add_texts, add_strings
         procedure, private :: open_container
-        procedure, private :: put_item
+        procedure, private :: add_item
     end type json_t
 
 contains
@@ -96,14 +96,14 @@ contains
     !> Adds a member without a value.
     subroutine add_null(self, key)
         class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key !! the key
-        call self%put_item('null', key)
+        character(*), intent(in) :: key !! name of the member
+        call self%add_item('null', key)
     end subroutine add_null
 
     !> Adds a text, or null for one that is blank.
     subroutine add_optional(self, key, value)
         class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key !! the key
+        character(*), intent(in) :: key !! name of the member
         character(*), intent(in) :: value !! blanks at its end are left out
         if (value == '') then
             call self%add_null(key)
@@ -116,14 +116,14 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         character(*), intent(in) :: value
-        call self%put_item(quoted(trim(value)), key)
+        call self%add_item(quoted(trim(value)), key)
     end subroutine add_text
 
     subroutine add_integer(self, key, value)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         integer, intent(in) :: value
-        call self%put_item(to_text(value), key)
+        call self%add_item(to_text(value), key)
     end subroutine add_integer
 
     subroutine add_real(self, key, value)
@@ -131,7 +131,7 @@ contains
         character(*), intent(in) :: key
         real(dp), intent(in) :: value
         if (is_finite(value)) then
-            call self%put_item(to_text(value), key)
+            call self%add_item(to_text(value), key)
         else
             call self%add_null(key)
         end if
@@ -141,7 +141,7 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         logical, intent(in) :: value
-        call self%put_item(trim(merge('true ', 'false', value)), key)
+        call self%add_item(trim(merge('true ', 'false', value)), key)
     end subroutine add_logical
 
     subroutine add_texts(self, key, values)
@@ -151,7 +151,7 @@ contains
         integer :: i
         call self%open_list(key)
         do i = 1, size(values)
-            call self%put_item(quoted(trim(values(i))))
+            call self%add_item(quoted(trim(values(i))))
         end do
         call self%close()
     end subroutine add_texts
@@ -163,7 +163,7 @@ contains
         integer :: i
         call self%open_list(key)
         do i = 1, size(values)
-            call self%put_item(quoted(values(i)%text))
+            call self%add_item(quoted(values(i)%text))
         end do
         call self%close()
     end subroutine add_strings
@@ -172,14 +172,14 @@ contains
         class(json_t), intent(inout) :: self
         character, intent(in) :: opening, closing
         character(*), intent(in), optional :: key
-        call self%put_item(opening, key)
+        call self%add_item(opening, key)
         self%depth = self%depth + 1
         self%closing(self%depth) = closing
         self%has_item(self%depth) = .false.
     end subroutine open_container
 
     !> Adds the text of a value, or of the beginning of a container, to the innermost container.
-    subroutine put_item(self, text, key)
+    subroutine add_item(self, text, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: text
         character(*), intent(in), optional :: key
@@ -195,7 +195,7 @@ contains
         end associate
         if (present(key)) self%line = self%line // quoted(key) // ': '
         self%line = self%line // text
-    end subroutine put_item
+    end subroutine add_item
 
     !> A text in quotes, with what JSON wants to have escaped.
     pure function quoted(text)

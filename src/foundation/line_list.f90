@@ -42,7 +42,7 @@ contains
     subroutine add_words(self, start, words)
         class(line_list_t), intent(inout) :: self
         character(*), intent(in) :: start !! beginning of the first line
-        type(string_t), intent(in) :: words(:) !! the words
+        type(string_t), intent(in) :: words(:) !! the items of the list
         character(:), allocatable :: line, word
         integer :: i
 

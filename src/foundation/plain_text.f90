@@ -31,7 +31,7 @@ contains
     !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
     !> is not UTF-8 or is a control character as \x and two digits, as shells write it in $'...'.
     pure function escaped(text) result(shown)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! any bytes
         character(:), allocatable :: shown
         character(*), parameter :: digits = '0123456789abcdef'
         character(:), allocatable :: room

@@ -51,7 +51,7 @@ contains
 
     !> exp(i phase), the phase first reduced by quadrants.
     pure complex(dp) function unit(phase)
-        real(xp), intent(in) :: phase !! rad
+        real(xp), intent(in) :: phase !! the angle, rad
         real(xp) :: quadrants
         real(dp) :: remainder, sine, cosine, turned
 
@@ -90,10 +90,10 @@ contains
         angle = sign(merge(pi - angle, angle, real(z, dp) < 0), aimag(z))
     end function argument
 
-    !> Nearest integer, by adding and subtracting a large number: several times faster than `anint`, which is
-    !> a library call for this kind. Not exact for numbers beyond half of that large number.
+    !> Nearest integer, by adding and subtracting a large number: several times faster than `anint`, a library call for this
+    !> kind, which is used for larger numbers only.
     pure real(xp) function nearest_whole(x)
-        real(xp), intent(in) :: x !! a number
+        real(xp), intent(in) :: x !! the number to round
         real(xp), parameter :: large = 1.5_xp * 2.0_xp**(digits(1.0_xp) - 1), too_large = large / 3
         if (abs(x) < too_large) then
             nearest_whole = (x + large) - large

@@ -43,10 +43,10 @@ contains
         if (status /= status_ok) return
         taken = 0
         do i = 1, size(forms, 2)
-            call take(forms(:, i) * unit, matmul(forms(:, i) * unit, scaled))
+            call accept(forms(:, i) * unit, matmul(forms(:, i) * unit, scaled))
         end do
         do i = 1, size(directions, 2)
-            call take(directions(:, i) / unit, matmul(scaled, directions(:, i) / unit))
+            call accept(directions(:, i) / unit, matmul(scaled, directions(:, i) / unit))
         end do
 
         basis = 0
@@ -72,7 +72,7 @@ contains
     contains
 
         !> Accepts a candidate, given its image, if it is an eigenvector.
-        subroutine take(vector, image)
+        subroutine accept(vector, image)
             real(dp), intent(in) :: vector(:), image(:)
             real(dp) :: length
             length = norm2(vector)
@@ -80,7 +80,7 @@ contains
             if (norm2(image - known * vector) > slack * norm2(scaled) * length) return
             taken = taken + 1
             vectors(:, taken) = vector / length
-        end subroutine take
+        end subroutine accept
 
     end subroutine find_spectrum
 

@@ -74,7 +74,7 @@ contains
 
     !> The text with ASCII capital letters in lower case.
     pure function lower_case(text) result(lower)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! a text; letters beyond ASCII stay
         character(len(text)) :: lower
         integer :: i
         lower = text
@@ -86,7 +86,7 @@ contains
     !> The candidate that is most similar to the word, or '' if none is: at most a third of its letters (at
     !> least one) may be inserted, omitted, changed or exchanged.
     pure function nearest_word(word, candidates) result(best)
-        character(*), intent(in) :: word !! the word
+        character(*), intent(in) :: word !! the word that was written
         type(string_t), intent(in) :: candidates(:) !! possible words
         character(:), allocatable :: best
         integer :: i, found, least
@@ -106,7 +106,7 @@ contains
 
     !> The question for the most similar of texts.
     pure function did_you_mean_string(word, candidates) result(question)
-        character(*), intent(in) :: word !! the word
+        character(*), intent(in) :: word !! the word that was written
         type(string_t), intent(in) :: candidates(:) !! possible words
         character(:), allocatable :: question
         question = nearest_word(word, candidates)
@@ -185,7 +185,7 @@ contains
 
     !> The parts of a text between separators, without surrounding blanks; none if the text is blank.
     pure subroutine split(text, separator, parts, keeps_blanks)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the text with the separators
         character, intent(in) :: separator !! character between two parts
         type(string_t), allocatable, intent(out) :: parts(:) !! the parts
         logical, intent(in), optional :: keeps_blanks !! whether blanks around the parts stay; false by default
@@ -257,7 +257,7 @@ contains
 
     !> A real in the shortest form that gives the same bits.
     function real_to_text(value) result(text)
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the number, finite or not
         character(:), allocatable :: text
         text = trim(fixed_text(value))
     end function real_to_text
@@ -273,14 +273,14 @@ contains
 
     !> An integer without blanks.
     pure function integer_to_text(value) result(text)
-        integer, intent(in) :: value !! the value
+        integer, intent(in) :: value !! the integer, of either sign
         character(:), allocatable :: text
         text = long_integer_to_text(int(value, int64))
     end function integer_to_text
 
     !> A 64-bit integer without blanks.
     pure function long_integer_to_text(value) result(text)
-        integer(int64), intent(in) :: value !! the value
+        integer(int64), intent(in) :: value !! the integer, of either sign
         character(:), allocatable :: text
         character(real_width) :: room
         write (room, '(ss, i0)') value
@@ -289,7 +289,7 @@ contains
 
     !> Writes an integer to the start of a text of `real_width` characters or more.
     subroutine write_integer(value, text, length)
-        integer(int64), intent(in) :: value !! the value
+        integer(int64), intent(in) :: value !! the integer to write
         character(*), intent(inout) :: text !! the digits are at its beginning
         integer, intent(out) :: length !! characters written
         length = c_integer_to_text(value, text, len(text))

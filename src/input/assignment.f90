@@ -29,10 +29,10 @@ module spintop_assignment
     contains
         procedure :: read_subscripts
         procedure :: begin
-        procedure :: put
+        procedure :: store_values
         procedure :: finish
-        procedure, private :: put_element
-        procedure, private :: put_word
+        procedure, private :: store_element
+        procedure, private :: store_word
         procedure :: refuse
         procedure, private :: fail
     end type assignment_t
@@ -50,7 +50,7 @@ contains
 
         self%last = parameter%extents(2)
         self%rank = parameter%rank
-        if (parameter%elements == one_per_group .and. self%group > 0) call take_group(self)
+        if (parameter%elements == one_per_group .and. self%group > 0) call select_group(self)
         call scanner%peek(token)
         if (token%kind /= token_open) then
             if (self%rank == 2) call self%refuse(parameter, diagnostics, self%place, &
@@ -72,12 +72,12 @@ contains
                 'one row at a time', 'write ' // example(parameter, self%rank))
         else
             if (self%rank == 2) self%row = bounds(1, 1)
-            call take_bounds(self, parameter, bounds(:, dimensions), diagnostics)
+            call set_bounds(self, parameter, bounds(:, dimensions), diagnostics)
         end if
     end subroutine read_subscripts
 
     !> In the n-th group of a name a key stands for element n of its list, or for row n.
-    pure subroutine take_group(self)
+    pure subroutine select_group(self)
         class(assignment_t), intent(inout) :: self
         self%rank = self%rank - 1
         if (self%rank == 1) then
@@ -86,7 +86,7 @@ contains
             self%first = self%group
             self%last = self%group
         end if
-    end subroutine take_group
+    end subroutine select_group
 
     !> Example of the subscripts of a parameter.
     function example(parameter, rank) result(text)
@@ -100,7 +100,7 @@ contains
         end if
     end function example
 
-    subroutine take_bounds(self, parameter, bounds, diagnostics)
+    subroutine set_bounds(self, parameter, bounds, diagnostics)
         class(assignment_t), intent(inout) :: self
         type(parameter_t), intent(inout) :: parameter
         integer, intent(in) :: bounds(2)
@@ -114,7 +114,7 @@ contains
             call self%refuse(parameter, diagnostics, self%place, 'subscript out of bounds', &
                 'the array is ' // parameter%full_name())
         end if
-    end subroutine take_bounds
+    end subroutine set_bounds
 
     !> Reads bounds up to the closing parenthesis; absent ones are -1. `dimensions` is 0 if they are not
     !> valid.
@@ -183,7 +183,7 @@ contains
     end subroutine begin
 
     !> Stores a value `repeats` times.
-    subroutine put(self, parameter, token, text, repeats, diagnostics)
+    subroutine store_values(self, parameter, token, text, repeats, diagnostics)
         class(assignment_t), intent(inout) :: self
         type(parameter_t), intent(inout) :: parameter !! the parameter
         type(token_t), intent(in) :: token !! the token of the value
@@ -208,10 +208,10 @@ contains
                     'too many values for ' // parameter%key, hint)
                 return
             end if
-            call self%put_element(parameter, token, text, self%first + self%count - 1, diagnostics)
+            call self%store_element(parameter, token, text, self%first + self%count - 1, diagnostics)
             if (parameter%faulty) return
         end do
-    end subroutine put
+    end subroutine store_values
 
     !> Checks that the number of values is sufficient.
     subroutine finish(self, parameter, diagnostics)
@@ -239,7 +239,7 @@ contains
         if (number == 1) text = 'one value'
     end function values
 
-    subroutine put_element(self, parameter, token, text, column, diagnostics)
+    subroutine store_element(self, parameter, token, text, column, diagnostics)
         class(assignment_t), intent(inout) :: self
         type(parameter_t), intent(inout) :: parameter
         type(token_t), intent(in) :: token
@@ -254,7 +254,7 @@ contains
 
         parameter%places(self%row, column) = token%place
         if (parameter%kind == kind_text) then
-            call self%put_word(parameter, token, text, column, diagnostics)
+            call self%store_word(parameter, token, text, column, diagnostics)
             return
         end if
         if (token%kind == token_string .and. parameter%kind == kind_real) then
@@ -298,7 +298,7 @@ contains
         case default
             parameter%flag = flag
         end select
-    end subroutine put_element
+    end subroutine store_element
 
     !> Reads a number with its unit, as '20 deg', in the unit of its key; a number in quotes without one is none.
     subroutine read_quantity(parameter, text, number, problem, hint)
@@ -325,7 +325,7 @@ contains
         number = number * factor
     end subroutine read_quantity
 
-    subroutine put_word(self, parameter, token, text, column, diagnostics)
+    subroutine store_word(self, parameter, token, text, column, diagnostics)
         class(assignment_t), intent(inout) :: self
         type(parameter_t), intent(inout) :: parameter
         type(token_t), intent(in) :: token
@@ -362,8 +362,8 @@ contains
                     suggest_word(text, parameter%choices, parameter%aliases))
             end if
         end if
-        if (.not. parameter%faulty) call parameter%put_text(column, word)
-    end subroutine put_word
+        if (.not. parameter%faulty) call parameter%add_text(column, word)
+    end subroutine store_word
 
     !> Reports an error in a value.
     subroutine fail(self, parameter, diagnostics, place, message, hint)

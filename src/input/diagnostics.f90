@@ -50,7 +50,7 @@ module spintop_diagnostics
         procedure :: report
         procedure :: raise
         procedure, private :: add
-        procedure, private :: show
+        procedure, private :: problem_text
     end type diagnostics_t
 
 contains
@@ -137,7 +137,7 @@ contains
         text = ''
         if (.not. allocated(self%problems)) return
         do i = 1, size(self%problems)
-            text = text // self%show(self%problems(i), columns) // new_line('a') // new_line('a')
+            text = text // self%problem_text(self%problems(i), columns) // new_line('a') // new_line('a')
         end do
         if (self%errors > 0) text = text // counted(self%errors, 'error')
         if (self%errors > 0 .and. self%warnings > 0) text = text // ', '
@@ -184,7 +184,7 @@ contains
         end if
     end function stands_after
 
-    function show(self, problem, width) result(text)
+    function problem_text(self, problem, width) result(text)
         class(diagnostics_t), intent(in) :: self
         type(problem_t), intent(in) :: problem
         integer, intent(in) :: width
@@ -229,7 +229,7 @@ contains
         else
             text = text // new_line('a') // indent // wrapped(visible(problem%hint), len(indent), width)
         end if
-    end function show
+    end function problem_text
 
     !> The line with a number, without its line end.
     pure function line_of(text, number) result(line)

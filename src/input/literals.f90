@@ -101,7 +101,7 @@ contains
     !> Reads a subscript: a positive number of at most nine digits; 0 if it is none.
     pure subroutine read_subscript(text, value)
         character(*), intent(in) :: text !! the literal
-        integer, intent(out) :: value !! the value
+        integer, intent(out) :: value !! the subscript; 0 if the text is none
         value = 0
         if (text == '' .or. len(text) > 9 .or. verify(text, digits) > 0) return
         read (text, '(i9)') value

@@ -16,7 +16,7 @@ module spintop_number_slot
     contains
         procedure :: bind_real
         procedure :: bind_integer
-        procedure :: put
+        procedure :: set
         procedure :: get
         procedure :: is_whole
         procedure :: is_same
@@ -47,15 +47,15 @@ contains
     end subroutine bind_integer
 
     !> Sets the variable, if there is one. The value must have an empty `refusal`.
-    subroutine put(self, value)
+    subroutine set(self, value)
         class(number_slot_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the value that the variable gets, or would get
         if (associated(self%real_value)) then
             self%real_value = value
         else if (associated(self%integer_value)) then
             self%integer_value = nint(value)
         end if
-    end subroutine put
+    end subroutine set
 
     !> The value of the variable; NaN if there is none.
     real(dp) function get(self)
@@ -85,7 +85,7 @@ contains
     !> Whether the variable can have a value: it has no `refusal`.
     pure logical function accepts(self, value)
         class(number_slot_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the value that the variable gets, or would get
         accepts = is_finite(value) .and. self%range%contains(value)
         if (accepts .and. associated(self%integer_value)) then
             accepts = is_equal(value, anint(value)) .and. abs(value) < huge(1)
@@ -109,7 +109,7 @@ contains
     !> The reason why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)
         class(number_slot_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the value that the variable gets, or would get
         character(:), allocatable :: reason
 
         reason = ''

@@ -118,7 +118,7 @@ contains
                     return
                 end if
             end if
-            call assignment%put(parameter, token, word, 1, diagnostics)
+            call assignment%store_values(parameter, token, word, 1, diagnostics)
         end do
     end subroutine read_plain_words
 

@@ -61,7 +61,7 @@ module spintop_parameter
         logical, pointer :: flag => null()
     contains
         procedure :: complete
-        procedure :: put_text
+        procedure :: add_text
         procedure :: text_length
         procedure :: is_given
         procedure :: is_set => is_element_set
@@ -131,16 +131,16 @@ contains
     end function in_other_units
 
     !> Sets a text element; a text that is too long is truncated.
-    subroutine put_text(self, column, value)
+    subroutine add_text(self, column, value)
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: column !! column of the element, from 1
-        character(*), intent(in) :: value !! the value
+        character(*), intent(in) :: value !! the new value of the element
         integer :: i
         self%letters(:, column) = ' '
         do i = 1, min(len(value), self%text_length())
             self%letters(i, column) = value(i:i)
         end do
-    end subroutine put_text
+    end subroutine add_text
 
     !> Number of characters of a text variable.
     pure integer function text_length(self)
@@ -276,7 +276,7 @@ contains
 
     !> A text in quotes, as in a namelist.
     pure function quoted(text)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the text without quotes
         character(:), allocatable :: quoted
         quoted = "'" // replace_all(text, "'", "''") // "'"
     end function quoted

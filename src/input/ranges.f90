@@ -20,7 +20,7 @@ contains
     !> Whether a number lies in the range. A NaN does not.
     elemental logical function range_contains(self, x)
         class(range_t), intent(in) :: self
-        real(dp), intent(in) :: x !! a number
+        real(dp), intent(in) :: x !! the number to test, in the unit of the parameter
         range_contains = x >= self%lower .and. x <= self%upper
         if (self%lower_open) range_contains = range_contains .and. x > self%lower
         if (self%upper_open) range_contains = range_contains .and. x < self%upper
@@ -29,7 +29,7 @@ contains
     !> The number in the range that is nearest to another; beyond an open end the number itself.
     pure real(dp) function nearest_in_range(self, x) result(nearest)
         class(range_t), intent(in) :: self
-        real(dp), intent(in) :: x !! a number
+        real(dp), intent(in) :: x !! any number, in the unit of the parameter
         nearest = x
         if (.not. self%lower_open) nearest = max(nearest, self%lower)
         if (.not. self%upper_open) nearest = min(nearest, self%upper)

@@ -43,7 +43,7 @@ contains
     !> The groups that have a key: '&top or &span', '' if none has.
     function homes_of(table, key) result(homes)
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
-        character(*), intent(in) :: key !! the key
+        character(*), intent(in) :: key !! the key as written
         character(:), allocatable :: homes
         integer :: i
         homes = ''
@@ -57,7 +57,7 @@ contains
     !> The most similar candidate, or the list of all. Each alias, `other=own`, stands for the candidate after
     !> its equals sign.
     function suggest_word(word, candidates, aliases) result(hint)
-        character(*), intent(in) :: word !! the word
+        character(*), intent(in) :: word !! the word that was written
         type(string_t), intent(in) :: candidates(:) !! possible words
         character(*), intent(in), optional :: aliases(:) !! each `other=own`
         character(:), allocatable :: hint
@@ -73,7 +73,7 @@ contains
 
     !> The candidate that an alias stands for; '' for words that are not aliases.
     pure function own_name(word, aliases) result(name)
-        character(*), intent(in) :: word !! the word
+        character(*), intent(in) :: word !! the word that was written
         character(*), intent(in) :: aliases(:) !! each `other=own`
         character(:), allocatable :: name
         integer :: i, equals

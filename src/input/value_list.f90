@@ -17,7 +17,7 @@ contains
     !> Reads the values after an equals sign into the parameter.
     subroutine read_values(scanner, group, table, parameter, assignment, diagnostics)
         type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
-        character(*), intent(in) :: group !! the group
+        character(*), intent(in) :: group !! name of the group that has the key
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(parameter_t), intent(inout) :: parameter !! the parameter
         type(assignment_t), intent(inout) :: assignment !! the assignment
@@ -33,7 +33,7 @@ contains
             case (token_word)
                 call read_word(scanner, token, parameter, assignment, diagnostics)
             case (token_string)
-                call assignment%put(parameter, token, scanner%string(token), 1, diagnostics)
+                call assignment%store_values(parameter, token, scanner%string(token), 1, diagnostics)
             case (token_comma)
                 if (.not. after_value) call assignment%refuse(parameter, diagnostics, &
                     token%place, 'no value before the comma')
@@ -62,7 +62,7 @@ contains
         word = scanner%word(token)
         star = index(word, '*')
         if (star < 2 .or. verify(word(:max(0, star - 1)), '0123456789') > 0) then
-            call assignment%put(parameter, token, word, 1, diagnostics)
+            call assignment%store_values(parameter, token, word, 1, diagnostics)
             return
         end if
         call read_integer(word(:star - 1), repeats, problem, hint)
@@ -70,10 +70,10 @@ contains
         if (problem /= '' .or. repeats == 0) then
             call assignment%refuse(parameter, diagnostics, token%place, 'bad repeat count')
         else if (star < len(word)) then
-            call assignment%put(parameter, token, word(star + 1:), repeats, diagnostics)
+            call assignment%store_values(parameter, token, word(star + 1:), repeats, diagnostics)
         else if (after%kind == token_string .and. after%touches) then
             call scanner%next(token)
-            call assignment%put(parameter, token, scanner%string(token), repeats, diagnostics)
+            call assignment%store_values(parameter, token, scanner%string(token), repeats, diagnostics)
         else
             call assignment%refuse(parameter, diagnostics, token%place, &
                 'no value after ' // abbreviate(word))
@@ -83,7 +83,7 @@ contains
     !> Skips values of an unknown key.
     subroutine skip_values(scanner, group, table)
         type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
-        character(*), intent(in) :: group !! the group
+        character(*), intent(in) :: group !! name of the group that has the key
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(token_t) :: token
         do while (.not. at_end_of_values(scanner, group, table, .true.))

@@ -43,7 +43,7 @@ module spintop_fixed_step
             import :: grid_stepper_t, formulation_t, dp
             class(grid_stepper_t), intent(inout) :: self
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-            real(dp), intent(in) :: h, t_new !! s
+            real(dp), intent(in) :: h, t_new !! size of the step, and the time at its end, s
             integer, intent(out) :: status !! `status_ok`, or why there is no such step
         end subroutine try_step
 

@@ -3,7 +3,7 @@ module spintop_integration
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
-    use spintop_events, only: event_watch_t
+    use spintop_events, only: event_search_t
     use spintop_motion, only: motion_t
     use spintop_observer, only: keeping_observer_t, observer_t
     use spintop_run, only: run_t
@@ -21,13 +21,13 @@ module spintop_integration
         integer :: status = status_ok
         !> Time reached, s: that of the event that ended the run, if there was one.
         real(dp) :: t = 0
-        !> Time at which dry friction stopped the body that lies still in the end, s; NaN of a body that moves.
+        !> Time at which dry friction stopped the body, if it is at rest in the end, s; NaN of a body that moves.
         real(dp) :: t_stuck = no_number
         !> Cost of the run.
         type(counts_t) :: counts
     contains
         procedure :: end_time
-        procedure :: carry
+        procedure :: store_or_restore
     end type outcome_t
 
 contains
@@ -40,23 +40,23 @@ contains
     end function end_time
 
     !> Carries the outcome of a run that is over.
-    subroutine carry(self, archive)
+    subroutine store_or_restore(self, archive)
         class(outcome_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%status)
-        call archive%carry(self%t)
-        call archive%carry(self%t_stuck)
-        call self%counts%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%status)
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%t_stuck)
+        call self%counts%store_or_restore(archive)
+    end subroutine store_or_restore
 
     !> Integrates a formulation from its start over `t_end` seconds. The observer receives the motion at the
     !> sample times (increasing, from 0 to t_end): an adaptive method has dense output for all of them, a
     !> fixed-step method gives those that are steps. If the equations end at a turning point, the observer
-    !> receives that too. `watch` searches for events; the motion at an event that ends the run is shown last.
+    !> receives that too. `search` searches for events; the motion at an event that ends the run is shown last.
     !>
-    !> The arguments are checked first (`call_status`, `event_watch_t%check`). An invalid call returns the
+    !> The arguments are checked first (`call_status`, `event_search_t%check`). An invalid call returns the
     !> reason as status, and the observer receives nothing.
-    subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, watch)
+    subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, search)
         class(formulation_t), target, intent(inout) :: formulation
             !! the equations of motion; prepared by this procedure
         class(stepper_t), intent(in) :: stepper !! the method with its settings; a copy of it runs
@@ -66,14 +66,14 @@ contains
         real(dp), target, intent(in) :: samples(:) !! s after the start, whatever its `t`
         class(observer_t), target, intent(inout) :: observer !! receives the motion
         type(outcome_t), intent(out) :: outcome !! status, time reached and cost
-        class(event_watch_t), target, intent(inout), optional :: watch !! search for events
+        class(event_search_t), target, intent(inout), optional :: search !! search for events
         class(stepper_t), allocatable, target :: method
         type(run_t), target :: run
         integer :: status
         logical :: ends
 
         outcome%status = call_status(stepper, formulation, body, start, t_end, samples)
-        if (outcome%status == status_ok .and. present(watch)) outcome%status = watch%check()
+        if (outcome%status == status_ok .and. present(search)) outcome%status = search%check()
         if (outcome%status /= status_ok) return
         ends = .false.
         allocate (method, source=stepper)
@@ -82,12 +82,12 @@ contains
         run%method => method
         run%stepper => method
         run%observer => observer
-        if (present(watch)) run%watch => watch
+        if (present(search)) run%search => search
         run%samples => samples
         run%last = size(samples)
         select type (observer)
         class is (keeping_observer_t)
-            if (observer%keeps_states) run%keeper => observer
+            if (observer%keeps_states) run%keeping_observer => observer
             ! A run that is resumed has shown its start.
             if (allocated(observer%resumed)) run%last = 0
         end select
@@ -96,7 +96,7 @@ contains
         class is (keeping_observer_t)
             if (allocated(observer%resumed)) then
                 run%last = size(samples)
-                call run%carry(observer%resumed)
+                call run%store_or_restore(observer%resumed)
                 deallocate (observer%resumed)
             end if
         end select
@@ -110,15 +110,15 @@ contains
             else
                 call method%advance(formulation, status)
             end if
-            if (status == status_ok .and. present(watch)) then
-                call run%look_for_events(status, ends)
+            if (status == status_ok .and. present(search)) then
+                call run%find_events_in_step(status, ends)
                 if (ends) exit
             end if
-            if (status == status_ok .and. run%stepper%t >= run%due) call run%show_until(run%stepper%t)
+            if (status == status_ok .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
             if (allocated(formulation%ends)) call run%check_arrival(status)
             if (status == status_ok .and. allocated(run%segments)) call run%end_step(status, ends)
             if (ends) exit
-            if (status == status_ok .and. associated(run%keeper)) call run%keep()
+            if (status == status_ok .and. associated(run%keeping_observer)) call run%keep()
         end do
         outcome%status = status
         outcome%t = run%stepper%t
@@ -129,7 +129,7 @@ contains
                 if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
             end if
         end if
-        if (ends) outcome%t = watch%t
+        if (ends) outcome%t = search%t
     end subroutine integrate
 
 end module spintop_integration

@@ -33,7 +33,7 @@ module spintop_observer
         type(archive_t), allocatable :: resumed
     contains
         procedure(wants_state), deferred :: wants_state
-        procedure(carry), deferred :: carry
+        procedure(store_or_restore), deferred :: store_or_restore
         procedure(keep), deferred :: keep
     end type keeping_observer_t
 
@@ -53,12 +53,12 @@ module spintop_observer
             class(keeping_observer_t), intent(in) :: self
         end function wants_state
 
-        !> Carries the state of the observer, which comes before that of the run.
-        subroutine carry(self, archive)
+        !> Stores or restores the state of the observer, which comes before that of the run.
+        subroutine store_or_restore(self, archive)
             import :: keeping_observer_t, archive_t
             class(keeping_observer_t), intent(inout) :: self
-            type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        end subroutine carry
+            type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        end subroutine store_or_restore
 
         !> Keeps the state of the run.
         subroutine keep(self, archive)

@@ -5,7 +5,7 @@ module spintop_run
     use spintop_body, only: body_t
     use spintop_constancy, only: noise_of_tolerance, noise_within_step
     use spintop_event, only: occasion_knot, occasion_none
-    use spintop_events, only: event_watch_t
+    use spintop_events, only: event_search_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
@@ -28,8 +28,8 @@ module spintop_run
         class(stepper_t), pointer :: method => null(), stepper => null()
         class(observer_t), pointer :: observer => null()
         !> The observer, if it keeps the state of the run; the search for events, if there is one, along the last step.
-        class(keeping_observer_t), pointer :: keeper => null()
-        class(event_watch_t), pointer :: watch => null()
+        class(keeping_observer_t), pointer :: keeping_observer => null()
+        class(event_search_t), pointer :: search => null()
         type(step_path_t), private :: path
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
@@ -46,19 +46,19 @@ module spintop_run
         type(work_account_t) :: account
     contains
         procedure :: begin => begin_run
-        procedure :: carry
+        procedure :: store_or_restore
         procedure :: keep
         procedure :: end_step
-        procedure :: look_for_events
-        procedure, private :: look_to_knots
-        procedure, private :: meet_occasion
-        procedure :: show_until
+        procedure :: find_events_in_step
+        procedure, private :: find_events_to_knots
+        procedure, private :: handle_occasion
+        procedure :: observe_until
         procedure, private :: set_due
-        procedure, private :: show_end
-        procedure, private :: show_within
-        procedure, private :: show
+        procedure, private :: observe_end
+        procedure, private :: observe_within
+        procedure, private :: observe
         procedure, private :: leave_rest
-        procedure, private :: show_departure
+        procedure, private :: observe_departure
         procedure :: check_arrival
     end type run_t
 
@@ -90,50 +90,51 @@ contains
                 self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
             end if
             is_idle = .not. self%observer%counts_turns
-            if (associated(self%watch)) is_idle = is_idle .and. .not. self%watch%needs_turns
+            if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
-            self%looks_at_steps = .not. is_idle .or. associated(self%watch) .or. self%observer%sees_steps &
+            self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
-            call self%show_until(0.0_dp)
+            call self%observe_until(0.0_dp)
             call self%leave_rest()
             call stepper%begin(formulation, status)
-            call self%show_until(stepper%t)
+            call self%observe_until(stepper%t)
             if (status == status_ok .and. allocated(formulation%action)) then
                 allocate (self%segments)
                 call self%segments%begin(formulation, stepper, self%stepper, status)
             end if
-            if (.not. associated(self%watch)) return
+            if (.not. associated(self%search)) return
             self%path%formulation => self%formulation
             if (self%account%is_open) self%path%account => self%account
             if (stepper%controls%steps > 0) then
-                self%watch%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
+                self%search%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, &
+                    stepper%order())
             else
-                self%watch%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+                self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
             end if
-            call self%watch%begin(body, self%follower%motion(formulation))
-            call self%watch%judge(body, start)
+            call self%search%begin(body, self%follower%motion(formulation))
+            call self%search%judge(body, start)
         end associate
     end subroutine begin_run
 
-    !> Carries the state of the run at the end of a step.
-    subroutine carry(self, archive)
+    !> Stores or restores the state of the run at the end of a step.
+    subroutine store_or_restore(self, archive)
         class(run_t), target, intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%next)
-        call archive%carry(self%shown)
-        call self%follower%carry(archive)
-        call self%account%carry(archive)
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%next)
+        call archive%store_or_restore(self%shown)
+        call self%follower%store_or_restore(archive)
+        call self%account%store_or_restore(archive)
         if (allocated(self%segments)) then
-            call self%segments%carry(archive)
+            call self%segments%store_or_restore(archive)
             self%stepper => self%segments%stepper_of(self%method)
         end if
-        call self%stepper%carry(archive)
-        if (associated(self%watch)) call self%watch%carry(archive)
+        call self%stepper%store_or_restore(archive)
+        if (associated(self%search)) call self%search%store_or_restore(archive)
         call self%set_due()
-    end subroutine carry
+    end subroutine store_or_restore
 
-    !> Sets from when on a step is to be looked at.
+    !> Sets from which time on the steps are examined.
     pure subroutine set_due(self)
         class(run_t), intent(inout) :: self
         self%due = -huge(self%due)
@@ -151,10 +152,10 @@ contains
         if (allocated(self%segments)) then
             if (.not. self%segments%may_keep()) return
         end if
-        if (.not. self%keeper%wants_state()) return
-        call self%keeper%carry(archive)
-        call self%carry(archive)
-        call self%keeper%keep(archive)
+        if (.not. self%keeping_observer%wants_state()) return
+        call self%keeping_observer%store_or_restore(archive)
+        call self%store_or_restore(archive)
+        call self%keeping_observer%keep(archive)
     end subroutine keep
 
     !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
@@ -167,65 +168,65 @@ contains
         call self%segments%settle(self%formulation, self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
         self%account%t = max(self%account%t, self%stepper%t)
-        if (status == status_ok .and. self%segments%occasion /= occasion_none) call self%meet_occasion(ends)
+        if (status == status_ok .and. self%segments%occasion /= occasion_none) call self%handle_occasion(ends)
     end subroutine end_step
 
-    !> Meets the events of rest and departure at the end of a step.
-    subroutine meet_occasion(self, ends)
+    !> Handles the events of rest and departure at the end of a step.
+    subroutine handle_occasion(self, ends)
         class(run_t), intent(inout) :: self
         logical, intent(out) :: ends !! whether the run ends here
         type(motion_t) :: motion
         ends = .false.
         associate (stepper => self%stepper)
             if (stepper%t > self%follower%t) call self%follower%go_to(self%formulation, stepper%t, stepper%y)
-            if (associated(self%watch)) then
+            if (associated(self%search)) then
                 motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
-                call self%watch%happen(self%segments%occasion, motion, self%account%total)
-                ends = self%watch%has_enough
+                call self%search%record_occasion(self%segments%occasion, motion, self%account%total)
+                ends = self%search%has_enough
             end if
-            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < self%method%t_end)) call self%show()
+            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < self%method%t_end)) call self%observe()
         end associate
-    end subroutine meet_occasion
+    end subroutine handle_occasion
 
-    !> Looks for events in the last step. The run ends at one that ends the motion, or as far as the
-    !> steps that are allowed suffice for the search, and the events that can be counted.
-    subroutine look_for_events(self, status, ends)
+    !> Finds the events in the last step. The run ends at one that ends the motion, or as far as the steps that are allowed
+    !> suffice for the search, and the events that can be counted.
+    subroutine find_events_in_step(self, status, ends)
         class(run_t), intent(inout) :: self
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
-        associate (path => self%path, watch => self%watch)
+        associate (path => self%path, search => self%search)
             call path%begin_step(self%stepper, self%follower)
-            if (allocated(self%segments) .and. watch%knows(occasion_knot)) call self%look_to_knots()
-            if (.not. watch%has_enough) call watch%look(path, self%stepper%t)
-            ends = watch%has_enough
-            if (.not. ends .and. (path%is_spent() .or. watch%is_full) .and. watch%t < self%stepper%t) then
-                status = merge(status_too_many_events, status_step_limit, watch%is_full)
+            if (allocated(self%segments) .and. search%knows(occasion_knot)) call self%find_events_to_knots()
+            if (.not. search%has_enough) call search%find_events(path, self%stepper%t)
+            ends = search%has_enough
+            if (.not. ends .and. (path%is_spent() .or. search%is_full) .and. search%t < self%stepper%t) then
+                status = merge(status_too_many_events, status_step_limit, search%is_full)
                 ends = .true.
             end if
-            if (ends) call self%show_end(watch%t)
+            if (ends) call self%observe_end(search%t)
         end associate
-    end subroutine look_for_events
+    end subroutine find_events_in_step
 
-    !> Looks for events up to each row of a table of torques in the last step, and meets those of the row.
-    subroutine look_to_knots(self)
+    !> Finds the events up to each row of a table of torques in the last step, and records those of the row.
+    subroutine find_events_to_knots(self)
         class(run_t), intent(inout) :: self
         type(motion_t) :: motion
         real(dp) :: knot
-        associate (path => self%path, watch => self%watch)
-            do while (.not. watch%has_enough)
-                knot = self%formulation%action%next_knot(watch%t)
+        associate (path => self%path, search => self%search)
+            do while (.not. search%has_enough)
+                knot = self%formulation%action%next_knot(search%t)
                 if (knot > self%stepper%t) exit
-                call watch%look(path, knot)
-                if (watch%has_enough .or. watch%t < knot) exit
+                call search%find_events(path, knot)
+                if (search%has_enough .or. search%t < knot) exit
                 call path%at(knot, motion)
-                call watch%happen(occasion_knot, motion, path%work_until(knot))
+                call search%record_occasion(occasion_knot, motion, path%work_until(knot))
             end do
         end associate
-    end subroutine look_to_knots
+    end subroutine find_events_to_knots
 
-    !> Shows the samples up to a time within the last step, and its end to an observer of steps.
-    subroutine show_until(self, t)
+    !> Passes the samples up to a time within the last step to the observer, and its end to an observer of steps.
+    subroutine observe_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
@@ -233,41 +234,41 @@ contains
                 if (samples(next) > t + self%slack) exit
                 if (abs(samples(next) - t) <= self%slack) then
                     call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
-                    call self%show()
+                    call self%observe()
                 else if (steps == 0) then
-                    call self%show_within(samples(next))
+                    call self%observe_within(samples(next))
                 end if
                 next = next + 1
             end do
             call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
-            if (self%observer%sees_steps .and. self%shown < stepper%t) call self%show()
+            if (self%observer%sees_steps .and. self%shown < stepper%t) call self%observe()
         end associate
         call self%set_due()
-    end subroutine show_until
+    end subroutine observe_until
 
-    !> Shows the remaining samples, and the end, of a run that ends within the last step.
-    subroutine show_end(self, t)
+    !> Passes the remaining samples, and the end, of a run that ends within the last step to the observer.
+    subroutine observe_end(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         do while (self%next <= self%last .and. .not. self%observer%has_enough)
             if (self%samples(self%next) >= t) exit
-            if (self%stepper%controls%steps == 0) call self%show_within(self%samples(self%next))
+            if (self%stepper%controls%steps == 0) call self%observe_within(self%samples(self%next))
             self%next = self%next + 1
         end do
-        call self%show_within(t)
-    end subroutine show_end
+        call self%observe_within(t)
+    end subroutine observe_end
 
-    !> Shows the motion at a time within the last step.
-    subroutine show_within(self, t)
+    !> Passes the motion at a time within the last step to the observer.
+    subroutine observe_within(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         call self%follower%walk_to(self%formulation, self%stepper, t, &
                                    self%stepper%interpolate(self%formulation, t))
-        call self%show()
-    end subroutine show_within
+        call self%observe()
+    end subroutine observe_within
 
-    !> Shows the motion at the time of the follower.
-    subroutine show(self)
+    !> Passes the motion at the time of the follower to the observer.
+    subroutine observe(self)
         class(run_t), intent(inout) :: self
         if (self%account%is_open) then
             call self%account%go_to(self%formulation, self%stepper, self%follower%t)
@@ -276,7 +277,7 @@ contains
         self%observer%given_angle = self%follower%given_angle
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
         self%shown = self%follower%t
-    end subroutine show
+    end subroutine observe
 
     !> Checks that the derivative exists at the start.
     subroutine check_start(formulation, stepper, status)
@@ -308,7 +309,7 @@ contains
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
-                call self%show_departure(self%samples(self%next))
+                call self%observe_departure(self%samples(self%next))
                 self%next = self%next + 1
             end do
             stepper%y = y
@@ -318,8 +319,8 @@ contains
         end associate
     end subroutine leave_rest
 
-    !> Shows the motion at a time shortly after such a start.
-    subroutine show_departure(self, t)
+    !> Passes the motion at a time shortly after such a start to the observer.
+    subroutine observe_departure(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: time, y_then(max_states)
@@ -328,8 +329,8 @@ contains
         y_then = self%stepper%y
         call self%formulation%ends%depart(y_then, time, unused)
         call self%follower%go_to(self%formulation, t, y_then)
-        call self%show()
-    end subroutine show_departure
+        call self%observe()
+    end subroutine observe_departure
 
     !> Ends a run that is close to the end of its equations: at the turning point, not beyond.
     subroutine check_arrival(self, status)
@@ -355,7 +356,7 @@ contains
             stepper%t = stepper%t + left
             status = status_turning_point
             call self%follower%go_to(formulation, stepper%t, stepper%y)
-            call self%show()
+            call self%observe()
         end associate
     end subroutine check_arrival
 

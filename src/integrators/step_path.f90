@@ -27,8 +27,8 @@ module spintop_step_path
         procedure :: go_to
         procedure :: walk_to
         procedure :: motion => motion_of_follower
-        procedure :: carry
-        procedure, private :: put
+        procedure :: store_or_restore
+        procedure, private :: copy_from
         procedure, private :: try
         procedure, private :: try_given
     end type follower_t
@@ -59,7 +59,7 @@ contains
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
         class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         type(motion_t), intent(out) :: motion !! at that time
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
@@ -72,7 +72,7 @@ contains
     !> The same without angles: nothing is followed.
     subroutine attitude_in_step(self, t, motion)
         class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         type(motion_t), intent(out) :: motion !! the motion at that time
         self%stepper%counts%looks = self%stepper%counts%looks + 1
         motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, t))
@@ -82,7 +82,7 @@ contains
     !> The same at several instants.
     subroutine attitudes_in_step(self, t, used, motions)
         class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t(instants) !! s
+        real(dp), intent(in) :: t(instants) !! times within the last step, s
         integer, intent(in) :: used !! how many of them are different: those that count as work
         type(motions_t), intent(out) :: motions !! the motion at these times
         real(dp) :: y(instants, max_states)
@@ -91,8 +91,8 @@ contains
         call self%formulation%find_motions(t, y, motions)
     end subroutine attitudes_in_step
 
-    !> Takes the last step, at the beginning of which the angles are known. Where it is a series its terms bound the angular
-    !> velocity.
+    !> Begins with the last step, at the beginning of which the angles are known. Where it is a series its terms bound the
+    !> angular velocity.
     subroutine begin_step(self, stepper, follower)
         class(step_path_t), intent(inout) :: self
         class(stepper_t), pointer, intent(in) :: stepper !! what took the step
@@ -112,7 +112,7 @@ contains
     !> The work of effects up to a time within the last step.
     function work_in_step(self, t) result(work)
         class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         real(dp) :: work(works)
         type(work_account_t) :: account
         work = 0
@@ -129,16 +129,16 @@ contains
     end function step_is_spent
 
     !> Carries the angles.
-    subroutine carry(self, archive)
+    subroutine store_or_restore(self, archive)
         class(follower_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%t)
-        call archive%carry(self%y)
-        call archive%carry(self%angle)
-        call archive%carry(self%given_angle)
-        call self%passed%carry(archive)
-        call self%given_passed%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%y)
+        call archive%store_or_restore(self%angle)
+        call archive%store_or_restore(self%given_angle)
+        call self%passed%store_or_restore(archive)
+        call self%given_passed%store_or_restore(archive)
+    end subroutine store_or_restore
 
     !> Moves to a later time and state.
     subroutine go_to(self, formulation, t, y)
@@ -148,11 +148,11 @@ contains
         type(follower_t) :: there
         logical :: sure
         call self%try(formulation, t, y, there, sure)
-        call self%put(there)
+        call self%copy_from(there)
     end subroutine go_to
 
-    !> Takes the place of another follower of the same motion.
-    pure subroutine put(self, other)
+    !> Copies another follower of the same motion.
+    pure subroutine copy_from(self, other)
         class(follower_t), intent(inout) :: self
         type(follower_t), intent(in) :: other
         self%t = other%t
@@ -161,7 +161,7 @@ contains
         self%given_angle = other%given_angle
         self%passed = other%passed
         self%given_passed = other%given_passed
-    end subroutine put
+    end subroutine copy_from
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
@@ -183,7 +183,7 @@ contains
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
                                .or. stepper%is_spent()
         if (sure) then
-            call self%put(there)
+            call self%copy_from(there)
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1

@@ -88,7 +88,7 @@ module spintop_stepper
     contains
         procedure :: add
         procedure :: work => work_done
-        procedure :: carry => carry_counts
+        procedure :: store_or_restore => carry_counts
     end type counts_t
 
     !> The state of a run.
@@ -118,8 +118,8 @@ module spintop_stepper
         procedure :: settle
         procedure :: settle_change
         procedure :: may_keep
-        procedure :: carry
-        procedure :: take_over
+        procedure :: store_or_restore
+        procedure :: copy_counts
     end type run_state_t
 
     !> A method of integration, and its run.
@@ -238,7 +238,7 @@ contains
         class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: dy(max_states) !! slope
+        real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! that of the right-hand side, or `status_non_finite`
         self%counts%evaluations = self%counts%evaluations + 1
         call formulation%derivative(t, y, dy, status)
@@ -252,8 +252,8 @@ contains
         is_spent = self%counts%work() >= self%controls%max_steps
     end function is_spent
 
-    !> Accepts the state `y_new` at `t_new` after formulation and projection have projected it; `changed`
-    !> reports whether they changed it. The caller renews the slope.
+    !> Accepts the state `y_new` at `t_new` after the reset of the formulation and the projection; `changed` reports whether
+    !> they changed it. The caller renews the slope.
     subroutine settle(self, formulation, t_new, y_new, changed)
         class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
@@ -299,33 +299,33 @@ contains
         may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, self%steps_of_memory) == 0
     end function may_keep
 
-    !> Carries the state at the end of a step. An extension adds what it needs of the steps so far.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step. An extension adds what it needs of the steps so far.
+    subroutine store_or_restore(self, archive)
         class(run_state_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%t)
-        call archive%carry(self%y)
-        call archive%carry(self%slope)
-        call archive%carry(self%rest)
-        call archive%carry(self%h)
-        call archive%carry(self%grid)
-        call self%counts%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%y)
+        call archive%store_or_restore(self%slope)
+        call archive%store_or_restore(self%rest)
+        call archive%store_or_restore(self%h)
+        call archive%store_or_restore(self%grid)
+        call self%counts%store_or_restore(archive)
+    end subroutine store_or_restore
 
     !> Carries the cost.
     subroutine carry_counts(self, archive)
         class(counts_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%steps)
-        call archive%carry(self%rejected)
-        call archive%carry(self%looks)
-        call archive%carry(self%evaluations)
-        call archive%carry(self%jacobians)
-        call archive%carry(self%clipped)
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%steps)
+        call archive%store_or_restore(self%rejected)
+        call archive%store_or_restore(self%looks)
+        call archive%store_or_restore(self%evaluations)
+        call archive%store_or_restore(self%jacobians)
+        call archive%store_or_restore(self%clipped)
     end subroutine carry_counts
 
     !> Goes on from where another stepper is; after that it must begin.
-    subroutine take_over(self, other)
+    subroutine copy_counts(self, other)
         class(run_state_t), intent(inout) :: self
         class(run_state_t), intent(in) :: other !! the other stepper, in the same run
         self%t = other%t
@@ -333,6 +333,6 @@ contains
         self%rest = 0
         self%grid = other%grid
         self%counts = other%counts
-    end subroutine take_over
+    end subroutine copy_counts
 
 end module spintop_stepper

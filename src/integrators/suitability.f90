@@ -136,7 +136,7 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(dp), intent(in) :: t_end, samples(:) !! s
+        real(dp), intent(in) :: t_end, samples(:) !! end of the span, and the sample times, s
         status = body_status(body)
         if (status == status_ok) status = start_status(start, body)
         if (status == status_ok .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span

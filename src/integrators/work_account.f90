@@ -21,7 +21,7 @@ module spintop_work_account
         real(dp), private :: rest(works) = 0
     contains
         procedure :: go_to
-        procedure :: carry
+        procedure :: store_or_restore
     end type work_account_t
 
     !> Nodes and weights of the Gauss-Legendre rule of 8 points on [-1, 1]. The series of a Taylor step converges over nearly
@@ -40,7 +40,7 @@ contains
         class(work_account_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! the method, after the step
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         real(dp) :: half, times(instants), y(instants, max_states), power(instants, works), sum, change, new
         integer :: part
 
@@ -60,12 +60,12 @@ contains
     end subroutine go_to
 
     !> Carries the work.
-    subroutine carry(self, archive)
+    subroutine store_or_restore(self, archive)
         class(work_account_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%t)
-        call archive%carry(self%total)
-        call archive%carry(self%rest)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%total)
+        call archive%store_or_restore(self%rest)
+    end subroutine store_or_restore
 
 end module spintop_work_account

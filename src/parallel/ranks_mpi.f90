@@ -12,7 +12,7 @@ submodule(spintop_ranks) ranks_mpi
     integer, parameter :: writer = 0
     !> Kinds of message: the numbers before the rows of a block, the rows as text, the rows as cells, the
     !> answer, what is gathered of the rows.
-    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4, tag_digest = 5
+    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4, tag_statistics_cells = 5
     !> Numbers that are sent before the rows: number of the block, bytes of text, columns and rows of cells, numbers
     !> for each row and rows of what is gathered; then the number of rows with each status.
     integer, parameter :: numbers_before = 6
@@ -72,11 +72,11 @@ contains
         integer :: length
 
         length = 0
-        if (allocated(rows%digest)) length = size(rows%digest, 2)
+        if (allocated(rows%statistics_cells)) length = size(rows%statistics_cells, 2)
         numbers = 0
         numbers(1) = number
         if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows, length, &
-                                                  rows%digested], int64), rows%counts]
+                                                  rows%statistics_rows], int64), rows%counts]
         !$omp critical (ranks)
         call MPI_Send(numbers, size(numbers), MPI_INTEGER8, writer, tag_block, MPI_COMM_WORLD)
         if (number > 0) then
@@ -87,8 +87,9 @@ contains
                 call MPI_Send(rows%cells, size(rows%cells, 1) * rows%rows, MPI_DOUBLE_PRECISION, writer, tag_cells, &
                               MPI_COMM_WORLD)
             end if
-            if (rows%digested > 0) then
-                call MPI_Send(rows%digest, length * rows%digested, MPI_DOUBLE_PRECISION, writer, tag_digest, &
+            if (rows%statistics_rows > 0) then
+                call MPI_Send(rows%statistics_cells, length * rows%statistics_rows, MPI_DOUBLE_PRECISION, writer, &
+                    tag_statistics_cells, &
                               MPI_COMM_WORLD)
             end if
         end if
@@ -130,8 +131,8 @@ contains
             rows%rows = int(numbers(4))
         end if
         if (numbers(6) > 0) then
-            call rows%reserve_digest(int(numbers(5)), int(numbers(6)))
-            call MPI_Recv(rows%digest, int(product(numbers(5:6))), MPI_DOUBLE_PRECISION, rank, tag_digest, &
+            call rows%reserve_statistics_cells(int(numbers(5)), int(numbers(6)))
+            call MPI_Recv(rows%statistics_cells, int(product(numbers(5:6))), MPI_DOUBLE_PRECISION, rank, tag_statistics_cells, &
                           MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         end if
         rows%counts = numbers(numbers_before + 1:)

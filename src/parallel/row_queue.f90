@@ -34,7 +34,7 @@ module spintop_row_queue
         logical, private :: in_write = .false.
     contains
         procedure :: start
-        procedure :: take
+        procedure :: claim_next
         procedure :: hand_in
         procedure :: begin_write
         procedure :: write_next
@@ -57,7 +57,7 @@ contains
     end subroutine start
 
     !> Assigns the next number. There is room for the rows of all assigned blocks.
-    subroutine take(self, number)
+    subroutine claim_next(self, number)
         class(row_queue_t), intent(inout) :: self
         integer(int64), intent(out) :: number !! number of a block, or `retry_later`, or `none_left`
         if (allocated(self%error) .or. self%taken == self%blocks) then
@@ -68,9 +68,9 @@ contains
             self%taken = self%taken + 1
             number = self%taken
         end if
-    end subroutine take
+    end subroutine claim_next
 
-    !> Takes an assigned block that was computed, and returns an empty one.
+    !> Accepts an assigned block that was computed, and returns an empty one.
     subroutine hand_in(self, number, block)
         class(row_queue_t), intent(inout) :: self
         integer(int64), intent(in) :: number !! number of the block
@@ -96,7 +96,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer :: place
         place = place_of(self, self%written + 1)
-        call table%put(self%waiting(place), error)
+        call table%append(self%waiting(place), error)
         call self%waiting(place)%clear()
     end subroutine write_next
 

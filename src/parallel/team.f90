@@ -14,7 +14,7 @@ module spintop_team
     use spintop_errors, only: error_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
-    use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_keeper
+    use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_journal_thread
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
@@ -34,8 +34,8 @@ module spintop_team
     !> Time that the writer waits if there is no message of another rank, s.
     real(dp), parameter :: pause_of_writer = 5.0e-5_dp
 
-    !> Time between two looks of the keeper, s.
-    real(dp), parameter :: pause_of_keeper = 2.0e-3_dp
+    !> Time between two looks of the journal thread, s.
+    real(dp), parameter :: pause_of_journal_thread = 2.0e-3_dp
 
     !> Time of all threads for making, computing, formatting and writing cases, s; and the peak memory of all
     !> ranks, bytes.
@@ -86,7 +86,7 @@ module spintop_team
         procedure :: in_words
         procedure, private :: compute_share
         procedure, private :: serve_others
-        procedure, private :: keep_watch
+        procedure, private :: run_journal_thread
         procedure, private :: keep_entry_if_due
         procedure, private :: end_on_signal
         procedure, private :: exchange
@@ -116,32 +116,32 @@ contains
         call self%queue%start(blocks_ahead * self%all_threads, (cases(2) - cases(1)) / cases_of_block + 1)
     end subroutine assemble
 
-    !> Computes the cases; all ranks call it. In the writer their rows are then put to the table, or
-    !> `queue%error` tells why not, and the costs are those of all ranks.
+    !> Computes the cases; all ranks call it. In the writer their rows are then appended to the table, or `queue%error` tells
+    !> why not, and the costs are those of all ranks.
     subroutine compute(self, workers, table)
         class(team_t), intent(inout) :: self
         class(block_worker_t), target, intent(inout) :: workers(:) !! one for each of `threads`, ready to compute
         class(row_table_t), intent(inout) :: table !! the table
-        integer :: keepers
-        logical :: has_keeper
+        integer :: journal_threads
+        logical :: has_journal_thread
 
-        keepers = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
-        !$omp parallel num_threads(self%threads + self%servers + keepers)
+        journal_threads = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
+        !$omp parallel num_threads(self%threads + self%servers + journal_threads)
         !$omp single
         self%active = self%threads + self%servers
-        has_keeper = count_threads() > self%threads + self%servers
+        has_journal_thread = count_threads() > self%threads + self%servers
         ! Other ranks give the writer time.
-        call set_keeper(has_keeper .or. .not. self%ranks%is_writer())
+        call set_journal_thread(has_journal_thread .or. .not. self%ranks%is_writer())
         !$omp end single
         if (this_thread() < self%servers) then
             call self%serve_others(table)
         else if (this_thread() < self%threads + self%servers) then
             call self%compute_share(workers(this_thread() - self%servers + 1), table)
         else
-            call self%keep_watch(table)
+            call self%run_journal_thread(table)
         end if
         !$omp end parallel
-        call set_keeper(.false.)
+        call set_journal_thread(.false.)
         if (end_is_wanted()) call self%end_on_signal(table)
         if (.not. self%ranks%is_writer()) call self%ranks%sign_off()
         call self%reduce_costs()
@@ -212,15 +212,15 @@ contains
         !$omp end critical (queue)
     end subroutine serve_others
 
-    !> The loop of the keeper, while others compute: an entry of the journal when it is due, and the end of the process
+    !> The loop of the journal thread, while others compute: an entry of the journal when it is due, and the end of the process
     !> after a signal.
-    subroutine keep_watch(self, table)
+    subroutine run_journal_thread(self, table)
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         logical :: is_over
 
         do
-            call pause_for(pause_of_keeper)
+            call pause_for(pause_of_journal_thread)
             !$omp critical (queue)
             is_over = self%active == 0
             !$omp end critical (queue)
@@ -228,7 +228,7 @@ contains
             if (end_is_wanted()) call self%end_on_signal(table)
             call self%keep_entry_if_due(table)
         end do
-    end subroutine keep_watch
+    end subroutine run_journal_thread
 
     !> Keeps the written rows, if that is due and nobody is writing.
     subroutine keep_entry_if_due(self, table)
@@ -240,7 +240,7 @@ contains
 
         !$omp critical (queue)
         has_entry = .false.
-        if (.not. self%queue%is_writing()) call table%take_entry(entry, has_entry, self%queue%error)
+        if (.not. self%queue%is_writing()) call table%make_entry_if_due(entry, has_entry, self%queue%error)
         !$omp end critical (queue)
         if (.not. has_entry) return
         call table%keep_entry(entry, problem)
@@ -271,7 +271,7 @@ contains
                 !$omp end critical (queue)
                 call self%keep_entry_if_due(table)
                 if (.not. is_busy) exit
-                call pause_for(pause_of_keeper)
+                call pause_for(pause_of_journal_thread)
             end do
         end if
         call end_by_signal()
@@ -294,7 +294,7 @@ contains
             call self%write_next(table, is_due)
         end do
         !$omp critical (queue)
-        call self%queue%take(number)
+        call self%queue%claim_next(number)
         !$omp end critical (queue)
     end subroutine exchange
 
@@ -314,7 +314,7 @@ contains
         !$omp critical (queue)
         call self%queue%end_write(problem)
         call self%progress%update(table%rows())
-        call table%take_entry(entry, has_entry, self%queue%error)
+        call table%make_entry_if_due(entry, has_entry, self%queue%error)
         if (.not. has_entry) call self%queue%begin_write(is_due)
         self%costs%writing = self%costs%writing + (seconds() - moment)
         !$omp end critical (queue)

@@ -120,7 +120,7 @@ static int are_narrow(arb_srcptr answer, int which) {
 }
 
 // An angle that is known but for whole turns, with those of another one.
-static void take_turns(arb_t angle, double near, slong bits) {
+static void add_turns(arb_t angle, double near, slong bits) {
     arb_t turn;
     const double off = near - arf_get_d(arb_midref(angle), ARF_RND_NEAR);
     if (!(fabs(off) < 1e15)) return;
@@ -140,8 +140,8 @@ static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, dou
     if (reason != PROVED && reason != NO_ANGLES) return reason;
     for (i = ANGLE_PHI; i <= ANGLE_PSI; i++) {
         if (mag_cmp_2exp_si(arb_radref(answer + i), 0) > 0) return TOO_WIDE;
-        if (reason == NO_ANGLES) take_turns(answer + i, printed[i], m->bits);
-        else take_turns(answer + i, i == ANGLE_PHI ? proof->turns.phi : proof->turns.psi, m->bits);
+        if (reason == NO_ANGLES) add_turns(answer + i, printed[i], m->bits);
+        else add_turns(answer + i, i == ANGLE_PHI ? proof->turns.phi : proof->turns.psi, m->bits);
     }
     return PROVED;
 }

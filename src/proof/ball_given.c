@@ -6,7 +6,7 @@
 #include <math.h>
 
 // The quaternion, not yet divided by its size.
-static void take_attitude(arb_ptr q, const top_data *data, slong bits) {
+static void read_attitude(arb_ptr q, const top_data *data, slong bits) {
     int i;
     arb_ptr t = _arb_vec_init(3), sum = t, difference = t + 1, half = t + 2;
     if (data->given & BY_QUATERNION) {
@@ -68,7 +68,7 @@ static int find_angles(arb_ptr t, const top_motion *m, const top_data *data) {
 }
 
 // The angular velocity.
-static int take_rates(top_motion *m, const top_data *data) {
+static int read_rates(top_motion *m, const top_data *data) {
     int i, is_known = 1;
     arb_ptr omega = BALL(m, omega1), t = _arb_vec_init(8), turn = t + 5, fall = t + 6, term = t + 7;
     if (data->given & BY_OMEGA) {
@@ -90,10 +90,10 @@ static int take_rates(top_motion *m, const top_data *data) {
 int ball_given(top_motion *m, const top_data *data) {
     arb_t scale;
     arb_init(scale);
-    take_attitude(BALL(m, q0), data, m->bits), find_scale(scale, BALL(m, q0), data, m->bits);
+    read_attitude(BALL(m, q0), data, m->bits), find_scale(scale, BALL(m, q0), data, m->bits);
     if (!arb_is_one(scale)) _arb_vec_scalar_mul(BALL(m, q0), BALL(m, q0), 4, scale, m->bits);
     arb_clear(scale);
-    return take_rates(m, data);
+    return read_rates(m, data);
 }
 
 void ball_about_axis(arb_ptr q, int axis, int side) {
@@ -129,7 +129,7 @@ static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near,
 }
 
 // phi and psi; those of a motion that starts on a pole are such that it leaves it along theta.
-static int take_angles(top_motion *m, arb_ptr q, const top_data *data) {
+static int read_angles(top_motion *m, arb_ptr q, const top_data *data) {
     const slong bits = m->bits;
     arb_ptr phi = BALL(m, phi), psi = BALL(m, psi), t = _arb_vec_init(2), sum = t, difference = t + 1;
     double near[2] = {(data->value[PHI] + data->value[PSI]) / 2, (data->value[PHI] - data->value[PSI]) / 2}, part[4];
@@ -168,7 +168,7 @@ int ball_given_top(top_motion *m, const top_data *data) {
     acb_init(tilt), acb_init(rate);
     m->body_axis = data->given & AXIS_X ? 0 : data->given & AXIS_Y ? 1 : 2;
     is_known = ball_given(m, data);
-    take_attitude(q, data, bits), find_scale(scale, q, data, bits);
+    read_attitude(q, data, bits), find_scale(scale, q, data, bits);
     if (m->body_axis != 2) {
         ball_about_axis(q, m->body_axis, -1);
         if (m->body_axis == 0) arb_swap(omega, omega + 1), arb_swap(omega + 1, omega + 2);
@@ -199,7 +199,7 @@ int ball_given_top(top_motion *m, const top_data *data) {
     arb_mul(BALL(m, u0), q, q, ARF_PREC_EXACT), arb_addmul(BALL(m, u0), q + 3, q + 3, ARF_PREC_EXACT);
     arb_submul(BALL(m, u0), q + 1, q + 1, ARF_PREC_EXACT), arb_submul(BALL(m, u0), q + 2, q + 2, ARF_PREC_EXACT);
     arb_set(BALL(m, spin), omega + 2);
-    is_known = take_angles(m, q, data) && is_known;
+    is_known = read_angles(m, q, data) && is_known;
     _arb_vec_clear(q, 6);
     acb_clear(tilt), acb_clear(rate);
     return is_known;

@@ -21,7 +21,7 @@ void ball_datum(arb_t x, const top_data *data, int which) {
 }
 
 // The data; of a body that hangs below its pivot those of the body turned over about its first axis.
-static int take_data(top_motion *m, const top_data *data) {
+static int read_data(top_motion *m, const top_data *data) {
     const slong bits = m->bits;
     int is_known = 1;
     arb_t theta, pi;
@@ -129,7 +129,7 @@ int ball_start(top_motion *m, const top_data *data) {
     int spin_is_omega3 = (data->given & (BY_OMEGA3 | GIVEN_OTHERWISE)) != 0, is_known;
     arb_t term;
     arb_init(term);
-    is_known = take_data(m, data);
+    is_known = read_data(m, data);
     arb_set(BALL(m, omega3), BALL(m, spin));
     if (!spin_is_omega3) {
         arb_mul(term, BALL(m, phi_rate), BALL(m, u0), bits);

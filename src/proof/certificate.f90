@@ -119,8 +119,8 @@ contains
         has_balls = c_library() /= 0
     end function has_balls
 
-    !> Takes a motion: body and start in the axes in which they were given. The numbers of the data are exact, or known
-    !> up to the radii, in the order of `numbers_of`; both equal moments of inertia have the first radius.
+    !> Prepares a motion: body and start in the axes in which they were given. The numbers of the data are exact, or known up to
+    !> the radii, in the order of `numbers_of`; both equal moments of inertia have the first radius.
     subroutine open(self, body, start, radii)
         class(certificate_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties, as given

@@ -44,17 +44,17 @@ contains
         body%gravity = scene%gravity
         body%damping = scene%damping
         if (scene%parts%any()) then
-            call take_parts(scene, body, problems)
+            call read_parts(scene, body, problems)
         else if (scene%shape == shape_by_inertia) then
-            call take_inertia(scene, body, problems)
+            call read_inertia(scene, body, problems)
         else
-            call take_shape(scene, body, problems)
+            call read_shape(scene, body, problems)
         end if
         if (.not. problems%any()) call check_axes(body, body%damping, 'top.damping', 'the damping differs', problems)
     end subroutine make_body
 
     !> Mass properties that are given as numbers.
-    subroutine take_inertia(scene, body, problems)
+    subroutine read_inertia(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
@@ -68,7 +68,7 @@ contains
         end associate
         if (.not. is_set(scene%mass)) call require('top.mass')
         if (any(is_set(scene%inertia_tensor))) then
-            call take_tensor(scene, body, problems)
+            call read_tensor(scene, body, problems)
         else if (all(is_set(scene%inertia))) then
             body%inertia = scene%inertia
         else
@@ -97,10 +97,10 @@ contains
                               'it has no default; or name a shape')
         end subroutine require
 
-    end subroutine take_inertia
+    end subroutine read_inertia
 
     !> The inertia tensor of a scene: the elements on and above the diagonal, or their mirror images.
-    subroutine take_tensor(scene, body, problems)
+    subroutine read_tensor(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
@@ -130,7 +130,7 @@ contains
                 end do
             end if
         end associate
-    end subroutine take_tensor
+    end subroutine read_tensor
 
     !> Checks an inertia that is given as numbers, and refers it to the pivot.
     subroutine refer_to_pivot(scene, body, problems)
@@ -169,7 +169,7 @@ contains
     end subroutine refer_to_pivot
 
     !> Mass properties that are the sum of those of the parts.
-    subroutine take_parts(scene, body, problems)
+    subroutine read_parts(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
@@ -183,7 +183,7 @@ contains
         end associate
         call sum_parts(scene%parts, body%mass, body%centre_of_mass, body%inertia, body%products, problems)
         if (.not. problems%any()) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
-    end subroutine take_parts
+    end subroutine read_parts
 
     !> Coefficients about axes that are not principal axes must not distinguish them.
     subroutine check_axes(body, coefficients, name, what_differs, problems)
@@ -200,7 +200,7 @@ contains
     end subroutine check_axes
 
     !> Mass properties of a shape.
-    subroutine take_shape(scene, body, problems)
+    subroutine read_shape(scene, body, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
@@ -257,7 +257,7 @@ contains
             end if
         end subroutine check
 
-    end subroutine take_shape
+    end subroutine read_shape
 
     !> Whether the largest moment exceeds the sum of the others by more than rounding errors.
     pure logical function breaks_triangle(inertia)

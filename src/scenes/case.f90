@@ -115,18 +115,18 @@ contains
         body_is_known = .not. problems%any()
         if (.not. keeps_attitude) then
             case%given_start = motion_t()
-            call take_attitude(scene, case%given_start, problems)
+            call read_attitude(scene, case%given_start, problems)
             case%circular = circular_of_attitude(case%given_start%angle)
         end if
         if (all(is_set(scene%omega))) then
-            call take_omega(scene, case%given_start, problems)
+            call read_omega(scene, case%given_start, problems)
         else
-            call take_rates(scene, case%given_body, case%turn, body_is_known, case%circular, case%given_start, problems)
+            call read_rates(scene, case%given_body, case%turn, body_is_known, case%circular, case%given_start, problems)
         end if
     end subroutine make_start
 
     !> Attitude from the angles, in radians or degrees, or from the quaternion.
-    subroutine take_attitude(scene, start, problems)
+    subroutine read_attitude(scene, start, problems)
         type(scene_t), intent(in) :: scene
         type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
@@ -164,10 +164,10 @@ contains
             end if
         end do
         start%quaternion = quaternion_from_angles(start%angle)
-    end subroutine take_attitude
+    end subroutine read_attitude
 
     !> Angular velocity in body axes.
-    subroutine take_omega(scene, start, problems)
+    subroutine read_omega(scene, start, problems)
         type(scene_t), intent(in) :: scene
         type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
@@ -179,10 +179,10 @@ contains
         start%omega = scene%omega
         start%gives_omega = .true.
         start%rate = rates_from_omega(start%angle, start%omega)
-    end subroutine take_omega
+    end subroutine read_omega
 
     !> Rates of the angles: the spin in one of three ways, the precession given or steady.
-    subroutine take_rates(scene, body, turn, body_is_known, circular, start, problems)
+    subroutine read_rates(scene, body, turn, body_is_known, circular, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
         type(body_turn_t), intent(in) :: turn
@@ -213,7 +213,7 @@ contains
         start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
         ! Words of four letters are compared in place; the others are `slow` and `fast`.
         if (scene%steady_precession(:4) /= 'none' .and. .not. problems%any()) then
-            call take_steady_rate(scene, body, turn, by_omega3, omega3, start, problems)
+            call find_steady_rate(scene, body, turn, by_omega3, omega3, start, problems)
             if (problems%any()) return
         end if
         if (by_omega3) start%rate(3) = omega3 - start%rate(1) * circular%cosine_theta
@@ -221,11 +221,11 @@ contains
         if (by_omega3) start%omega(3) = omega3
         start%gives_omega = .false.
         start%gives_omega3 = by_omega3
-    end subroutine take_rates
+    end subroutine read_rates
 
     !> phi' of steady precession (Eq 25); with effects that only add constants to the rates of phi and psi, that of the top
     !> that moves with these rates.
-    subroutine take_steady_rate(scene, given_body, turn, by_omega3, omega3, start, problems)
+    subroutine find_steady_rate(scene, given_body, turn, by_omega3, omega3, start, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: given_body
         type(body_turn_t), intent(in) :: turn
@@ -267,7 +267,7 @@ contains
         else
             start%rate(1) = rates(wanted) - turn%phi_shift
         end if
-    end subroutine take_steady_rate
+    end subroutine find_steady_rate
 
     !> Reports mass properties outside the range of numbers.
     subroutine check_body(body, problems)

@@ -26,15 +26,15 @@ contains
         type(body_t) :: principal
 
         if (allocated(body%effects)) deallocate (body%effects)
-        call take_friction(scene, effects, problems)
-        call take_drag(scene, effects, problems)
-        call take_vibration(scene, effects, problems)
-        call take_earth(scene, effects, problems)
+        call read_friction(scene, effects, problems)
+        call read_drag(scene, effects, problems)
+        call read_vibration(scene, effects, problems)
+        call read_earth_rotation(scene, effects, problems)
         effects%rotor_momentum = given(scene%rotor_momentum)
         effects%rotor_torque = given(scene%rotor_torque)
         effects%torque_body = given(scene%torque_body)
         effects%torque_space = given(scene%torque_space)
-        call take_table(scene, effects, problems)
+        call read_torque_table(scene, effects, problems)
         if (problems%any() .or. .not. effects%is_any()) return
         principal = body
         if (body%has_products()) then
@@ -78,7 +78,7 @@ contains
     end subroutine warn_of_effects
 
     !> Dry friction.
-    subroutine take_friction(scene, effects, problems)
+    subroutine read_friction(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
@@ -97,10 +97,10 @@ contains
             call problems%add('effects.friction_smoothing', 'there is no dry friction to smooth', &
                               'give friction_torque, or friction_coefficient and friction_radius')
         end if
-    end subroutine take_friction
+    end subroutine read_friction
 
     !> The air.
-    subroutine take_drag(scene, effects, problems)
+    subroutine read_drag(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
@@ -112,10 +112,10 @@ contains
             call problems%add('effects.drag_exponent', 'there is no moment of the air whose exponent it is', &
                               'give drag_moment(3) too')
         end if
-    end subroutine take_drag
+    end subroutine read_drag
 
     !> The motion of the pivot.
-    subroutine take_vibration(scene, effects, problems)
+    subroutine read_vibration(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
@@ -140,10 +140,10 @@ contains
             call problems%add('effects.vibration_phase', 'the vibration has phases without an amplitude', &
                               'give vibration_amplitude(3) and vibration_rate too')
         end if
-    end subroutine take_vibration
+    end subroutine read_vibration
 
     !> The rotation of the Earth.
-    subroutine take_earth(scene, effects, problems)
+    subroutine read_earth_rotation(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
@@ -170,10 +170,10 @@ contains
                                   'give earth_rate too, 7.292115e-5 for the Earth')
             end if
         end if
-    end subroutine take_earth
+    end subroutine read_earth_rotation
 
     !> The table of torques, which was read before.
-    subroutine take_table(scene, effects, problems)
+    subroutine read_torque_table(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
@@ -188,6 +188,6 @@ contains
         if (.not. allocated(scene%table_times)) return
         allocate (effects%table)
         call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene), effects%table)
-    end subroutine take_table
+    end subroutine read_torque_table
 
 end module spintop_effects_of_scene

@@ -12,7 +12,7 @@ module spintop_method_choice
     use spintop_text, only: did_you_mean, to_text
     implicit none
     private
-    public :: method_choice_t, take_methods, take_cases, set_adaptive, set_steps
+    public :: method_choice_t, add_methods, find_cases, set_adaptive, set_steps
 
     !> A method with a formulation.
     type :: method_choice_t
@@ -24,7 +24,7 @@ contains
 
     !> Finds the named methods, and adds them to the choices. A method without a formulation is combined with
     !> each of `formulations`.
-    subroutine take_methods(key, names, known, formulations, choices, problems)
+    subroutine add_methods(key, names, known, formulations, choices, problems)
         character(*), intent(in) :: key !! parameter with the list of names
         character(*), intent(in) :: names(:) !! blank ones are skipped
         type(method_info_t), intent(in) :: known(:) !! all methods
@@ -55,10 +55,10 @@ contains
                 choices = [choices, (method_choice_t(known(place), formulations(k)), k=1, size(formulations))]
             end if
         end do
-    end subroutine take_methods
+    end subroutine add_methods
 
     !> Finds the named cases of a catalogue: the place of each; 0 for one that does not exist, which is reported.
-    subroutine take_cases(key, noun, names, known, places, problems)
+    subroutine find_cases(key, noun, names, known, places, problems)
         character(*), intent(in) :: key, noun !! parameter with the list of names; what they should be, such as 'case'
         character(*), intent(in) :: names(:), known(:) !! blank ones are skipped; those of the catalogue
         integer, allocatable, intent(out) :: places(:) !! in the catalogue
@@ -72,7 +72,7 @@ contains
             if (place == 0) call refuse_name(key // '(' // to_text(i) // ')', noun, trim(names(i)), known, problems)
             places = [places, place]
         end do
-    end subroutine take_cases
+    end subroutine find_cases
 
     !> Sets an adaptive method in a scene; an unset tolerance means the default of the method.
     pure subroutine set_adaptive(scene, choice, tolerance)

@@ -79,7 +79,7 @@ contains
         products = 0
         do i = 1, max_parts
             if (.not. is_used(parts, i)) cycle
-            call take_part(parts, i, solid, own_mass, place, axis, problems)
+            call read_part(parts, i, solid, own_mass, place, axis, problems)
             if (problems%any()) cycle
             place = place + solid%length * axis
             mass = mass + own_mass
@@ -100,7 +100,7 @@ contains
     end function is_used
 
     !> One part: its solid, mass, place and unit vector of its axis.
-    subroutine take_part(parts, i, solid, mass, place, axis, problems)
+    subroutine read_part(parts, i, solid, mass, place, axis, problems)
         type(parts_t), intent(in) :: parts
         integer, intent(in) :: i
         type(solid_t), intent(out) :: solid
@@ -139,7 +139,7 @@ contains
         if (is_zero(mass)) then
             call problems%add('part.density' // trim(numbers(i)), 'the part has no volume', 'give its mass, not its density')
         end if
-    end subroutine take_part
+    end subroutine read_part
 
     !> Checks that the dimensions of a part are those of its shape.
     subroutine check_sizes(info, sizes, number, problems)

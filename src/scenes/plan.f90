@@ -8,7 +8,7 @@ module spintop_plan
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_methods, only: create_stepper, exact_info
     use spintop_parameters, only: is_set, unset_integer
-    use spintop_plan_controls, only: take_controls, take_projection
+    use spintop_plan_controls, only: read_controls, read_projection
     use spintop_projection, only: projection_names, project_nothing
     use spintop_problems, only: problems_t
     use spintop_recommendation, only: recommend_adaptive, recommend_steps
@@ -37,7 +37,7 @@ contains
     !> Selects model and method for a case of the scene, and checks that they can be combined.
     subroutine make_plan(scene, case, plan, problems)
         type(scene_t), intent(in) :: scene !! contents of the input
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case that is planned: its body decides the method, its span the steps
         type(plan_t), intent(out) :: plan !! model, method and settings; valid without errors in `problems`
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         integer :: status
@@ -61,11 +61,11 @@ contains
             return
         end if
         call choose_formulation(scene, case%body, plan, problems)
-        call take_controls(scene, plan, problems)
-        call take_projection(scene, case%body, plan, problems)
+        call read_controls(scene, plan, problems)
+        call read_projection(scene, case%body, plan, problems)
         if (problems%any()) return
         call warn_of_effects(case%body, case%t_end, plan%stepper%controls%steps > 0 .or. plan%step > 0, problems)
-        call take_samples(scene, case, plan, problems)
+        call set_samples(scene, case, plan, problems)
         if (problems%any()) return
         status = can_run(plan%stepper, plan%formulation, case%body)
         if (status /= status_ok) call problems%add('integration', status_meaning(status), &
@@ -262,7 +262,7 @@ contains
     end subroutine check_method
 
     !> Number of rows; with a fixed step size rows are at steps.
-    subroutine take_samples(scene, case, plan, problems)
+    subroutine set_samples(scene, case, plan, problems)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(in) :: case
         type(plan_t), intent(inout) :: plan
@@ -293,7 +293,7 @@ contains
                 below > 0 .and. steps - below <= below + wanted - steps)) // &
                 '; nearest number of samples: ' // to_text(nearest_divisor(steps, wanted) + 1))
         end associate
-    end subroutine take_samples
+    end subroutine set_samples
 
     !> The divisor of a number that is nearest to another number.
     pure integer function nearest_divisor(number, near) result(divisor)

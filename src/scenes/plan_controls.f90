@@ -15,7 +15,7 @@ module spintop_plan_controls
     use spintop_text, only: join, did_you_mean, lower_case, string_t, to_text
     implicit none
     private
-    public :: take_controls, take_projection
+    public :: read_controls, read_projection
 
     !> Maximum ratio of the absolute to the relative tolerance, if only the latter is given. It is the ratio
     !> of the defaults of MATLAB, 1e-3 and 1e-6. In MATLAB itself a small relative tolerance alone has little
@@ -24,17 +24,17 @@ module spintop_plan_controls
 
 contains
 
-    !> Takes what a scene says of steps, tolerances, solver and table, as far as the method of the plan takes it.
-    subroutine take_controls(scene, plan, problems)
+    !> Reads what a scene says of steps, tolerances, solver and table, as far as the method of the plan takes it.
+    subroutine read_controls(scene, plan, problems)
         type(scene_t), intent(in) :: scene !! contents of the input
         type(plan_t), intent(inout) :: plan !! with its method
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
 
-        call take_steps(scene, plan, problems)
-        call take_tolerances(scene, plan, problems)
+        call read_steps(scene, plan, problems)
+        call read_tolerances(scene, plan, problems)
         plan%stepper%controls%max_steps = scene%max_steps
-        call take_solver(scene, plan, problems)
-        call take_table(scene, plan, problems)
+        call read_solver(scene, plan, problems)
+        call read_butcher_table(scene, plan, problems)
         associate (controls => plan%stepper%controls)
             if (controls%steps > 0 .or. plan%step > 0) then
                 plan%method = plan%method // ', fixed step size'
@@ -44,10 +44,10 @@ contains
             end if
             if (controls%table /= '') plan%method = plan%method // ', table ' // trim(controls%table)
         end associate
-    end subroutine take_controls
+    end subroutine read_controls
 
     !> The number of fixed steps, or the largest of them, where the method takes such steps.
-    subroutine take_steps(scene, plan, problems)
+    subroutine read_steps(scene, plan, problems)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
@@ -65,7 +65,7 @@ contains
         end associate
         if (scene%steps /= unset_integer) plan%stepper%controls%steps = scene%steps
         if (is_set(scene%step)) plan%step = scene%step
-    end subroutine take_steps
+    end subroutine read_steps
 
     !> Whether a scene asks for fixed steps.
     pure logical function wants_steps(scene)
@@ -81,7 +81,7 @@ contains
     end function method_of
 
     !> The tolerances given, or those of the method's own. A relative one that is given takes the absolute one along.
-    subroutine take_tolerances(scene, plan, problems)
+    subroutine read_tolerances(scene, plan, problems)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
@@ -89,20 +89,20 @@ contains
         associate (info => plan%stepper%info, controls => plan%stepper%controls)
             if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
             if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
-            call take('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
+            call read_tolerance('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
             if (controls%relative_tolerance < info%finest_tolerance) then
                 call problems%add('integration.relative_tolerance', method_of(plan) // ' cannot reach a &
                     &tolerance below ' // to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")
             end if
             if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
                 min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
-            call take('integration.absolute_tolerance', scene%absolute_tolerance, controls%absolute_tolerance)
+            call read_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, controls%absolute_tolerance)
         end associate
 
     contains
 
         !> A tolerance that is given is for adaptive methods.
-        subroutine take(name, given, tolerance)
+        subroutine read_tolerance(name, given, tolerance)
             character(*), intent(in) :: name
             real(dp), intent(in) :: given
             real(dp), intent(inout) :: tolerance
@@ -111,12 +111,12 @@ contains
             if (wants_steps(scene) .or. .not. plan%stepper%info%adaptive) then
                 call problems%add(name, method_of(plan) // ' with a fixed step size does not use tolerances', 'omit it')
             end if
-        end subroutine take
+        end subroutine read_tolerance
 
-    end subroutine take_tolerances
+    end subroutine read_tolerances
 
     !> The solver is for implicit steps.
-    subroutine take_solver(scene, plan, problems)
+    subroutine read_solver(scene, plan, problems)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
@@ -125,10 +125,10 @@ contains
         if (plan%stepper%controls%fixed_point .and. .not. plan%stepper%info%implicit) then
             call problems%add('integration.solver', method_of(plan) // ' is explicit and needs no solver', 'omit it')
         end if
-    end subroutine take_solver
+    end subroutine read_solver
 
     !> A Butcher table is for ARKODE, and must be one of its tables.
-    subroutine take_table(scene, plan, problems)
+    subroutine read_butcher_table(scene, plan, problems)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
@@ -150,10 +150,10 @@ contains
         if (nearest /= '') nearest = nearest // ' '
         call problems%add('integration.table', method_of(plan) // ' has no table ''' // trim(scene%table) // '''', &
                           nearest // 'it has ' // join(known, ', '))
-    end subroutine take_table
+    end subroutine read_butcher_table
 
-    !> What is put back after each step.
-    subroutine take_projection(scene, body, plan, problems)
+    !> What is projected after each step.
+    subroutine read_projection(scene, body, plan, problems)
         type(scene_t), intent(in) :: scene !! contents of the input
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(plan_t), intent(inout) :: plan !! model, method and settings
@@ -180,6 +180,6 @@ contains
         if (kind /= project_nothing) then
             plan%method = plan%method // ', projected after each step (' // trim(projection_names(kind)) // ')'
         end if
-    end subroutine take_projection
+    end subroutine read_projection
 
 end module spintop_plan_controls

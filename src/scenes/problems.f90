@@ -25,8 +25,8 @@ module spintop_problems
         procedure :: any_warning
         procedure :: first
         procedure :: report_to
-        procedure :: take
-        procedure :: take_warnings
+        procedure :: add_all
+        procedure :: add_warnings
         procedure, private :: append
     end type problems_t
 
@@ -74,7 +74,7 @@ contains
     end function any_warning
 
     !> Adds other problems.
-    subroutine take(self, other)
+    subroutine add_all(self, other)
         class(problems_t), intent(inout) :: self
         class(problems_t), intent(in) :: other !! they are added
         integer :: i
@@ -82,11 +82,11 @@ contains
         do i = 1, size(other%list)
             call self%append(other%list(i))
         end do
-    end subroutine take
+    end subroutine add_all
 
     !> Adds the warnings among other problems, with a prefix for each message; `found` reports whether there
     !> are any.
-    subroutine take_warnings(self, other, before, found)
+    subroutine add_warnings(self, other, before, found)
         class(problems_t), intent(inout) :: self
         class(problems_t), intent(in) :: other !! their warnings are added
         character(*), intent(in) :: before !! prefix of each message
@@ -99,7 +99,7 @@ contains
             found = .true.
             call self%warn(other%list(i)%name, before // other%list(i)%message, other%list(i)%hint)
         end do
-    end subroutine take_warnings
+    end subroutine add_warnings
 
     !> The first error in one line, for a table; empty if there is none.
     pure function first(self) result(text)

@@ -15,7 +15,7 @@ module spintop_driven_flow
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: carry_driven_tangents, is_driven, drive_period
+    public :: propagate_driven_tangents, is_driven, drive_period
 
 contains
 
@@ -41,7 +41,7 @@ contains
 
     !> Integrates the state `columns(:, 1)` and the tangent vectors in the other columns from the time 0 over `duration`
     !> seconds, of a body for which `is_driven`.
-    pure subroutine carry_driven_tangents(body, duration, columns, status, max_steps)
+    pure subroutine propagate_driven_tangents(body, duration, columns, status, max_steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
         real(dp), intent(in) :: duration !! s, positive
         real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, P); other columns: tangent vectors
@@ -70,7 +70,7 @@ contains
             t = merge(duration, t + h, h >= duration - t)
         end do
         if (t < duration) status = status_step_limit
-    end subroutine carry_driven_tangents
+    end subroutine propagate_driven_tangents
 
     !> Taylor coefficients of g + a at a time, m/s^(2 + k).
     pure function weight_series(gravity, effects, t) result(weight)

@@ -3,13 +3,13 @@ module spintop_floquet
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
-    use spintop_driven_flow, only: carry_driven_tangents, drive_period, is_driven
+    use spintop_driven_flow, only: propagate_driven_tangents, drive_period, is_driven
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
         turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: status_ok, status_bad_input, status_unsuitable
-    use spintop_tangent_flow, only: carry_tangents
+    use spintop_tangent_flow, only: propagate_tangents
     use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
@@ -77,9 +77,9 @@ contains
             columns(i, i + 1) = 1
         end do
         if (allocated(body%effects)) then
-            call carry_driven_tangents(body, period, columns, status, max_steps)
+            call propagate_driven_tangents(body, period, columns, status, max_steps)
         else
-            call carry_tangents(body, period, columns, status, max_steps)
+            call propagate_tangents(body, period, columns, status, max_steps)
         end if
         if (status /= status_ok) return
         axis = axis_of(body)

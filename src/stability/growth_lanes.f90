@@ -7,7 +7,7 @@ module spintop_growth_lanes
     use spintop_euler_poisson, only: euler_poisson_state
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp
-    use spintop_lane_watch, only: lane_watch_t, watch_slot_t
+    use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
     use spintop_lyapunov, only: even_perturbation, scale_up, scales_of, span_perturbations
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
@@ -36,9 +36,9 @@ module spintop_growth_lanes
         integer(int64) :: steps = 0
     end type growth_t
 
-    !> Watches perturbations: one that has no special direction, for the exponent; or all that keep the length of the
+    !> Monitors perturbations: one that has no special direction, for the exponent; or all that keep the length of the
     !> vertical, for the singular value. `set`, then hand it over.
-    type, extends(lane_watch_t) :: growth_lanes_t
+    type, extends(lane_monitor_t) :: growth_lanes_t
         !> What is found for each case.
         type(growth_t), allocatable :: growth(:)
         !> Whether the singular value is found; whether the exponent is.
@@ -51,7 +51,7 @@ module spintop_growth_lanes
         procedure :: set
         procedure :: prepare
         procedure :: begin
-        procedure :: look
+        procedure :: observe
         procedure :: finish
     end type growth_lanes_t
 
@@ -110,12 +110,12 @@ contains
         call self%tangents%load(run, lane, z)
     end subroutine begin
 
-    !> Carries the perturbations over the last step.
-    subroutine look(self, run)
+    !> Propagates the perturbations over the last step.
+    subroutine observe(self, run)
         class(growth_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
-        call self%tangents%carry(run)
-    end subroutine look
+        call self%tangents%propagate(run)
+    end subroutine observe
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, case)
@@ -150,12 +150,12 @@ contains
     subroutine find_growth(bodies, starts, t_end, with_exponent, with_singular, max_steps, growth)
         type(body_t), intent(in) :: bodies(:) !! mass properties about the fixed point, one for each case
         type(motion_t), intent(in) :: starts(:) !! attitude and angular velocity at the start, one for each case
-        real(dp), intent(in) :: t_end(:) !! s
+        real(dp), intent(in) :: t_end(:) !! ends of the spans, one for each case, s
         logical, intent(in) :: with_exponent, with_singular !! what is to be found
         integer(int64), intent(in) :: max_steps !! maximum number of steps for a case
         type(growth_t), intent(out) :: growth(:) !! what was found, one for each case
-        type(watch_slot_t) :: watches(1)
-        type(growth_lanes_t) :: watch
+        type(monitor_slot_t) :: monitors(1)
+        type(growth_lanes_t) :: monitor
         type(motion_t), allocatable :: ends(:)
         type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
@@ -163,11 +163,11 @@ contains
         controls%relative_tolerance = own_tolerance
         controls%absolute_tolerance = own_tolerance
         controls%max_steps = max_steps
-        call watch%set(controls, with_singular, with_exponent)
-        allocate (watches(1)%watch, source=watch)
+        call monitor%set(controls, with_singular, with_exponent)
+        allocate (monitors(1)%monitor, source=monitor)
         allocate (ends(size(bodies)), outcomes(size(bodies)))
-        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
-        select type (found => watches(1)%watch)
+        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
+        select type (found => monitors(1)%monitor)
         type is (growth_lanes_t)
             growth = found%growth
         end select

@@ -11,7 +11,7 @@ module spintop_inherent_lanes
     use spintop_conditioning, only: half_unit
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, epsilon_dp, pi, no_number
-    use spintop_lane_watch, only: lane_watch_t, watch_slot_t
+    use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_regular_start, only: rates_describe
@@ -35,8 +35,8 @@ module spintop_inherent_lanes
     real(dp), parameter :: tolerance = 1.0e-4_dp
     integer, parameter :: order = 9
 
-    !> Watches the perturbations; `error` is the inherent error of each case, rad.
-    type, extends(lane_watch_t) :: inherent_lanes_t
+    !> Monitors the perturbations; `error` is the inherent error of each case, rad.
+    type, extends(lane_monitor_t) :: inherent_lanes_t
         real(dp), allocatable :: error(:)
         integer, allocatable :: status(:)
         type(tangent_lanes_t), private :: tangents
@@ -46,7 +46,7 @@ module spintop_inherent_lanes
         procedure :: set
         procedure :: prepare
         procedure :: begin
-        procedure :: look
+        procedure :: observe
         procedure :: finish
     end type inherent_lanes_t
 
@@ -190,12 +190,12 @@ contains
         end do
     end function three_for
 
-    !> Carries the perturbations over the last step.
-    subroutine look(self, run)
+    !> Propagates the perturbations over the last step.
+    subroutine observe(self, run)
         class(inherent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
-        call self%tangents%carry(run)
-    end subroutine look
+        call self%tangents%propagate(run)
+    end subroutine observe
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, case)
@@ -217,14 +217,14 @@ contains
     subroutine find_inherent_errors(bodies, starts, t_end, max_steps, errors, status)
         type(body_t), intent(in) :: bodies(:) !! mass properties about the fixed point, one for each case
         type(motion_t), intent(in) :: starts(:) !! attitude and angular velocity at the start, one for each case
-        real(dp), intent(in) :: t_end(:) !! s
+        real(dp), intent(in) :: t_end(:) !! ends of the spans, one for each case, s
         integer(int64), intent(in) :: max_steps !! maximum number of steps for a case
-        real(dp), intent(out) :: errors(:) !! rad
+        real(dp), intent(out) :: errors(:) !! inherent errors at these times, one for each case, rad
         integer, intent(out) :: status(:) !! `status_ok`, or the reasons of failures (spintop_status)
         !> The perturbations need no more.
         real(dp), parameter :: enough = 1.0e-10_dp
-        type(watch_slot_t) :: watches(1)
-        type(inherent_lanes_t) :: watch
+        type(monitor_slot_t) :: monitors(1)
+        type(inherent_lanes_t) :: monitor
         type(motion_t), allocatable :: ends(:)
         type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
@@ -239,15 +239,15 @@ contains
         controls%relative_tolerance = enough
         controls%absolute_tolerance = enough
         controls%max_steps = max_steps
-        call watch%set(max_steps)
-        allocate (watches(1)%watch, source=watch)
+        call monitor%set(max_steps)
+        allocate (monitors(1)%monitor, source=monitor)
         allocate (ends(size(valid)), outcomes(size(valid)))
-        call integrate_many(controls, bodies(valid), starts(valid), t_end(valid), ends, outcomes, watches)
+        call integrate_many(controls, bodies(valid), starts(valid), t_end(valid), ends, outcomes, monitors)
         status(valid) = outcomes%status
-        select type (watch => watches(1)%watch)
+        select type (monitor => monitors(1)%monitor)
         type is (inherent_lanes_t)
-            where (status(valid) == status_ok) status(valid) = watch%status
-            where (status(valid) == status_ok) errors(valid) = watch%error
+            where (status(valid) == status_ok) status(valid) = monitor%status
+            where (status(valid) == status_ok) errors(valid) = monitor%error
         end select
     end subroutine find_inherent_errors
 

@@ -95,7 +95,7 @@ contains
     subroutine find_largest_singular_value(body, start, t_end, factor, status, max_steps, steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(dp), intent(in) :: t_end !! s
+        real(dp), intent(in) :: t_end !! length of the span, s
         real(dp), intent(out) :: factor !! 0 unless `status_ok`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         integer, intent(in), optional :: max_steps !! maximum number of steps
@@ -117,10 +117,10 @@ contains
         if (status == status_ok) call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth(1), factor, status)
     end subroutine find_largest_singular_value
 
-    !> Carries the state `columns(:, 1)` and the tangent vectors in the other columns over `t_end` seconds.
-    !> After every step `keep_small` brings the vectors back to their scales and adds the logarithms of what
-    !> they had grown by. With `keep_across` the vectors stay across the vertical: what rounding adds along it
-    !> never decays. `status_step_limit` after more than `max_steps` steps; `steps` are those taken.
+    !> Propagates the state `columns(:, 1)` and the tangent vectors in the other columns over `t_end` seconds. After every step
+    !> `keep_small` brings the vectors back to their scales and adds the logarithms of what they had grown by. With
+    !> `keep_across` the vectors stay across the vertical: what rounding adds along it never decays. `status_step_limit` after
+    !> more than `max_steps` steps; `steps` are those taken.
     pure subroutine walk(body, t_end, columns, unit, keep_small, keep_across, growth, status, max_steps, steps)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: t_end, unit(6)

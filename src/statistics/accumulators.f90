@@ -58,7 +58,7 @@ module spintop_accumulators
         procedure :: fetch
         procedure :: add
         procedure :: merge_with
-        procedure :: carry
+        procedure :: store_or_restore
         procedure :: over_all
         procedure :: quantiles
         procedure :: counts_over_all
@@ -146,7 +146,7 @@ contains
     !> Adds the cases of others, started alike.
     subroutine merge_with(self, other)
         class(accumulators_t), intent(inout) :: self
-        type(accumulators_t), intent(in) :: other !! the other object of this type
+        type(accumulators_t), intent(in) :: other !! accumulators that were started alike; their cases are others
         integer(int64) :: bin
         integer :: i
 
@@ -165,7 +165,7 @@ contains
     end subroutine merge_with
 
     !> Carries all that was gathered.
-    subroutine carry(self, stream)
+    subroutine store_or_restore(self, stream)
         class(accumulators_t), target, intent(inout) :: self !! started alike if it is read
         type(state_stream_t), intent(inout) :: stream !! a file
         integer :: i
@@ -175,10 +175,10 @@ contains
         if (size(self%moments) > 0) call stream%carry_memory(c_loc(self%moments(1, 1)), size(self%moments) * &
                                                              (storage_size(self%moments) / 8_int64))
         do i = 1, size(self%sizes)
-            call self%sizes(i)%carry(stream)
+            call self%sizes(i)%store_or_restore(stream)
         end do
-        if (self%groups%factors > 0) call self%groups%carry(stream)
-    end subroutine carry
+        if (self%groups%factors > 0) call self%groups%store_or_restore(stream)
+    end subroutine store_or_restore
 
     !> The moments of a column over all cases, those in no bin, too.
     pure type(moments_t) function over_all(self, column) result(all)
@@ -196,7 +196,7 @@ contains
         integer, intent(in) :: column       !! number of the column
         integer(int64), intent(in) :: bin   !! number of the bin, or 0
         real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
-        real(dp), intent(out) :: values(:)  !! as many
+        real(dp), intent(out) :: values(:)  !! the quantiles, one for each share
         type(value_counts_t) :: counts
         type(moments_t) :: moments
 
@@ -234,23 +234,23 @@ contains
         do k = 1, size(values)
             ! Most values change nothing. The first of cases with the same extreme stays.
             if (values(k) > self%minimum .and. values(k) < self%maximum) cycle
-            call take_extremes(self, values(k), numbers(k), values(k), numbers(k))
+            call update_extremes(self, values(k), numbers(k), values(k), numbers(k))
         end do
     end subroutine add_values
 
     !> Adds the values of others.
     pure subroutine merge_moments(self, other)
         class(moments_t), intent(inout) :: self
-        type(moments_t), intent(in) :: other !! the other object of this type
+        type(moments_t), intent(in) :: other !! moments of other cases of the same column and bin
         if (other%count == 0) return
         self%count = self%count + other%count
         call self%values%merge_with(other%values)
         call self%squares%merge_with(other%squares)
-        call take_extremes(self, other%minimum, other%case_of_minimum, other%maximum, other%case_of_maximum)
+        call update_extremes(self, other%minimum, other%case_of_minimum, other%maximum, other%case_of_maximum)
     end subroutine merge_moments
 
-    !> Takes extremes that go beyond; of cases with the same extreme the first.
-    pure subroutine take_extremes(self, minimum, case_of_minimum, maximum, case_of_maximum)
+    !> Updates the extremes; of cases with the same extreme the first counts.
+    pure subroutine update_extremes(self, minimum, case_of_minimum, maximum, case_of_maximum)
         class(moments_t), intent(inout) :: self
         real(dp), intent(in) :: minimum, maximum
         integer(int64), intent(in) :: case_of_minimum, case_of_maximum
@@ -264,7 +264,7 @@ contains
             self%maximum = maximum
             self%case_of_maximum = case_of_maximum
         end if
-    end subroutine take_extremes
+    end subroutine update_extremes
 
     !> Mean, standard deviation (of a sample: over n - 1) and extremes. Sum and sum of squares are exact to
     !> 2^-84, so that their difference keeps six digits of a deviation that is 1e-9 of the mean.

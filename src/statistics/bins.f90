@@ -88,7 +88,7 @@ contains
     !> The bin of a value; 0 where it has none, as NaN has.
     pure integer function place(self, value)
         class(bins_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the value of the binned quantity; NaN is in no bin
         real(dp) :: x
         integer :: low, high, middle, n
 

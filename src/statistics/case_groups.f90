@@ -36,7 +36,7 @@ module spintop_case_groups
         procedure :: start
         procedure :: add
         procedure :: merge_with
-        procedure :: carry
+        procedure :: store_or_restore
         procedure, private :: find_group
         procedure, private :: end_group
     end type case_groups_t
@@ -85,7 +85,7 @@ contains
     !> Adds the cases of another object that was started alike.
     subroutine merge_with(self, other)
         class(case_groups_t), intent(inout) :: self
-        type(case_groups_t), intent(in) :: other !! the other object of this type
+        type(case_groups_t), intent(in) :: other !! groups of other cases of the same design
         integer :: i, k, role
 
         do i = 1, size(self%indices)
@@ -139,7 +139,7 @@ contains
     end subroutine end_group
 
     !> Carries all: how many numbers follow, the sums of each column, then the unfinished groups.
-    subroutine carry(self, stream)
+    subroutine store_or_restore(self, stream)
         class(case_groups_t), target, intent(inout) :: self !! started alike if they are read; what is there is replaced
         type(state_stream_t), intent(inout) :: stream !! a file
         integer(int64) :: numbers(1), of_sums, of_group, k
@@ -153,7 +153,7 @@ contains
         call stream%carry_numbers(1, numbers)
         if (numbers(1) < of_sums .or. mod(numbers(1) - of_sums, of_group) /= 0) call stream%refuse()
         do i = 1, size(self%indices)
-            call self%indices(i)%carry(stream)
+            call self%indices(i)%store_or_restore(stream)
         end do
         if (stream%is_read) self%unfinished = 0
         do k = 1, (numbers(1) - of_sums) / of_group
@@ -169,6 +169,6 @@ contains
             call stream%carry_memory(c_loc(self%group(i)%values(1, 1)), &
                                      (of_group - size(there)) * (storage_size(there) / 8))
         end do
-    end subroutine carry
+    end subroutine store_or_restore
 
 end module spintop_case_groups

@@ -128,7 +128,7 @@ contains
         real(dp), intent(in) :: largest
         integer(int64) :: significand
         integer :: exponent, ends(3)
-        call take_apart(largest, significand, exponent)
+        call decompose(largest, significand, exponent)
         ! The exponent where the limb begins, and its half (it is even) for twice the exponent.
         ends = width * [first_limb(exponent), first_limb(2 * exponent), first_limb(2 * (exponent + low_bits))]
         least_exponent = max(ends(1), ends(2) / 2, ends(3) / 2 - low_bits, lowest_exponent) - lowest_exponent + 1
@@ -193,7 +193,7 @@ contains
         real(dp), intent(in) :: term !! any finite number
         integer(int64) :: significand
         integer :: exponent
-        call take_apart(term, significand, exponent)
+        call decompose(term, significand, exponent)
         if (significand /= 0) call self%add_integer(significand, exponent, term < 0)
     end subroutine add
 
@@ -203,7 +203,7 @@ contains
         real(dp), intent(in) :: term !! any finite number
         integer(int64) :: significand, high, low, twice
         integer :: exponent
-        call take_apart(term, significand, exponent)
+        call decompose(term, significand, exponent)
         if (significand == 0) return
         high = shiftr(significand, low_bits)
         low = iand(significand, low_mask)
@@ -217,7 +217,7 @@ contains
     !> Adds the terms of another sum.
     pure subroutine merge_with(self, other)
         class(exact_sum_t), intent(inout) :: self
-        type(exact_sum_t), intent(in) :: other !! the other object of this type
+        type(exact_sum_t), intent(in) :: other !! the sum whose terms are added
         integer :: shift
         if (other%top > self%top) call self%raise(other%top)
         shift = self%top - other%top
@@ -236,7 +236,7 @@ contains
     end function total
 
     !> A finite double as |x| = significand 2**exponent.
-    pure subroutine take_apart(x, significand, exponent)
+    pure subroutine decompose(x, significand, exponent)
         real(dp), intent(in) :: x
         integer(int64), intent(out) :: significand
         integer, intent(out) :: exponent
@@ -247,7 +247,7 @@ contains
         biased = int(iand(shiftr(bits, significand_bits), 2047_int64))
         if (biased > 0) significand = ior(significand, hidden_bit)
         exponent = lowest_exponent + max(biased, 1) - 1
-    end subroutine take_apart
+    end subroutine decompose
 
     !> Adds or subtracts n 2**exponent, 0 < n < 2**56.
     pure subroutine add_integer(self, n, exponent, is_negative)

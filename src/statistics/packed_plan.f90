@@ -23,7 +23,7 @@ module spintop_packed_plan
         !> Whether there was all that was taken so far.
         logical :: is_valid = .true.
     contains
-        procedure :: carry_bytes
+        procedure :: store_or_restore_bytes
         procedure :: carry_number
         procedure :: carry_count
         procedure :: carry_flag
@@ -96,7 +96,7 @@ contains
     end subroutine carry_plan
 
     !> Carries bytes. Where there are fewer, nothing is taken.
-    subroutine carry_bytes(self, part)
+    subroutine store_or_restore_bytes(self, part)
         class(packed_t), intent(inout) :: self
         character(*), intent(inout) :: part
         if (.not. self%recalls) then
@@ -107,15 +107,15 @@ contains
         if (.not. self%is_valid) return
         part = self%bytes(self%at + 1:self%at + len(part))
         self%at = self%at + len(part)
-    end subroutine carry_bytes
+    end subroutine store_or_restore_bytes
 
-    !> Carries an integer.
+    !> Stores or restores an integer.
     subroutine carry_number(self, number)
         class(packed_t), intent(inout) :: self
         integer(int64), intent(inout) :: number
         character(width) :: bytes
         bytes = transfer(number, bytes)
-        call self%carry_bytes(bytes)
+        call self%store_or_restore_bytes(bytes)
         number = transfer(bytes, number)
     end subroutine carry_number
 
@@ -131,7 +131,7 @@ contains
         if (self%is_valid) count = int(number)
     end subroutine carry_count
 
-    !> Carries a truth value.
+    !> Stores or restores a truth value.
     subroutine carry_flag(self, is_true)
         class(packed_t), intent(inout) :: self
         logical, intent(inout) :: is_true
@@ -152,7 +152,7 @@ contains
         call self%carry_count(n)
         bytes = repeat(' ', width * n)
         if (n > 0 .and. .not. self%recalls) bytes = transfer(numbers, bytes)
-        call self%carry_bytes(bytes)
+        call self%store_or_restore_bytes(bytes)
         if (self%recalls) numbers = transfer(bytes, [real(dp) ::], n)
     end subroutine carry_reals
 
@@ -162,9 +162,9 @@ contains
         type(table_column_t), intent(inout) :: column
         integer :: k, n, length
 
-        call self%carry_bytes(column%name)
-        call self%carry_bytes(column%unit)
-        call self%carry_bytes(column%what)
+        call self%store_or_restore_bytes(column%name)
+        call self%store_or_restore_bytes(column%unit)
+        call self%store_or_restore_bytes(column%what)
         call self%carry_count(column%kind)
         n = 0
         if (allocated(column%words)) n = size(column%words)
@@ -175,7 +175,7 @@ contains
             if (.not. self%recalls) length = len(column%words(k)%text)
             call self%carry_count(length)
             if (self%recalls) column%words(k)%text = repeat(' ', length)
-            call self%carry_bytes(column%words(k)%text)
+            call self%store_or_restore_bytes(column%words(k)%text)
         end do
     end subroutine carry_column
 

@@ -40,7 +40,7 @@ module spintop_sobol_indices
         procedure :: merge_with
         procedure :: estimate
         procedure :: packed_size
-        procedure :: carry
+        procedure :: store_or_restore
     end type sobol_indices_t
 
     !> The indices of a factor, and half the width of their confidence intervals of 95 %; NaN where the quantity does not
@@ -88,7 +88,7 @@ contains
     !> Adds the groups of another object that was started alike.
     subroutine merge_with(self, other)
         class(sobol_indices_t), intent(inout) :: self
-        type(sobol_indices_t), intent(in) :: other !! the other object of this type
+        type(sobol_indices_t), intent(in) :: other !! sums over other groups of the same design
         integer :: i, part
         self%added = self%added + other%added
         self%left_out = self%left_out + other%left_out
@@ -139,7 +139,7 @@ contains
     end function packed_size
 
     !> Carries all sums.
-    subroutine carry(self, stream)
+    subroutine store_or_restore(self, stream)
         class(sobol_indices_t), target, intent(inout) :: self !! started alike if they are read
         type(state_stream_t), intent(inout) :: stream !! a file
         integer(int64) :: bytes
@@ -150,7 +150,7 @@ contains
         call stream%carry_memory(c_loc(self%squares(1)), bytes * parts)
         call stream%carry_memory(c_loc(self%first(1, 1)), bytes * size(self%first))
         call stream%carry_memory(c_loc(self%total(1, 1)), bytes * size(self%total))
-    end subroutine carry
+    end subroutine store_or_restore
 
     !> The first-order and the total index from some of the parts.
     pure function indices_of(self, factor, taken) result(indices)

@@ -64,7 +64,7 @@ contains
             if (allocated(error)) exit
             rows%rows = rows%rows + 1
             call result_row(plan, accumulators, bin, rows%cells(:, rows%rows))
-            if (rows%rows == rows_at_once .or. bin == last) call put(file, columns, rows, error)
+            if (rows%rows == rows_at_once .or. bin == last) call write_rows(file, columns, rows, error)
         end do
         call finish(file, error)
     end subroutine write_statistics_csv
@@ -85,7 +85,7 @@ contains
                    table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
                    table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
                    table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
-        call take_names(plan%numbers, columns(1))
+        call set_words_to_names(plan%numbers, columns(1))
         call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
@@ -96,7 +96,7 @@ contains
                                     real(histogram%counts(k), kind(rows%cells))]
                 rows%rows = k
             end do
-            call put(file, columns, rows, error)
+            call write_rows(file, columns, rows, error)
         end do
         call finish(file, error)
     end subroutine write_histograms
@@ -122,8 +122,8 @@ contains
                    table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
                    table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
                    table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
-        call take_names(plan%numbers, columns(1))
-        call take_names(plan%factors, columns(2))
+        call set_words_to_names(plan%numbers, columns(1))
+        call set_words_to_names(plan%factors, columns(2))
         call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
@@ -133,13 +133,13 @@ contains
                 call index_row(accumulators, i, k, rows%cells(3:, k))
                 rows%rows = k
             end do
-            call put(file, columns, rows, error)
+            call write_rows(file, columns, rows, error)
         end do
         call finish(file, error)
     end subroutine write_indices
 
     !> Makes the names of columns the words of another.
-    subroutine take_names(named, column)
+    subroutine set_words_to_names(named, column)
         type(table_column_t), intent(in) :: named(:)
         type(table_column_t), intent(inout) :: column
         integer :: i
@@ -147,7 +147,7 @@ contains
         do i = 1, size(named)
             column%words(i)%text = trim(named(i)%name)
         end do
-    end subroutine take_names
+    end subroutine set_words_to_names
 
     !> The header of a table beside that of the statistics: its provenance, and other columns.
     function head_of(columns, head) result(text)
@@ -164,15 +164,15 @@ contains
     end function head_of
 
     !> Writes rows, and empties their block.
-    subroutine put(file, columns, rows, error)
+    subroutine write_rows(file, columns, rows, error)
         type(table_file_t), intent(inout) :: file
         type(table_column_t), intent(in) :: columns(:)
         type(row_block_t), intent(inout) :: rows
         type(error_t), allocatable, intent(out) :: error
         call rows%format(columns)
-        call file%put(rows%text%contents(), error)
+        call file%append(rows%text%contents(), error)
         call rows%clear()
-    end subroutine put
+    end subroutine write_rows
 
     !> Finishes a table, or removes it if there is an error.
     subroutine finish(file, error)

@@ -76,7 +76,7 @@ contains
         if (.not. allocated(stream%error)) call stream%output%write(head, stream%error)
         call stream%carry_text(line)
         call stream%carry_text(packed)
-        call accumulators%carry(stream)
+        call accumulators%store_or_restore(stream)
         checksum = checksum_text(stream%checksum)
         if (.not. allocated(stream%error)) call stream%output%write(checksum // nl, stream%error)
     end subroutine write_all
@@ -141,7 +141,7 @@ contains
         end if
         if (.not. allocated(stream%error)) then
             call plan%start(accumulators)
-            call accumulators%carry(stream)
+            call accumulators%store_or_restore(stream)
             checksum = checksum_text(stream%checksum)
             call stream%carry_text(last)
             if (last /= checksum // nl) call stream%refuse()

@@ -64,12 +64,12 @@ contains
         call output%create(path // '.new', error)
         if (allocated(error)) return
         file%status = nf90_create(output%path, ior(nf90_clobber, nf90_64bit_offset), file%id)
-        call put_contents(file)
+        call write_contents(file)
         call close_netcdf(output%path, file%id, file%status, .false., error)
         if (.not. allocated(error)) then
             found%is_read = .true.
             found%status = nf90_open(output%path, nf90_nowrite, found%id)
-            call put_contents(found)
+            call write_contents(found)
             if (found%status /= nf90_noerr) then
                 error = output_error('cannot read ' // output%path // ': ' // trim(nf90_strerror(found%status)))
             end if
@@ -83,13 +83,13 @@ contains
 
     contains
 
-        subroutine put_contents(file)
+        subroutine write_contents(file)
             type(netcdf_file_t), intent(inout) :: file
             call add_facts(file, head)
             call define(file, plan, columns, histograms)
             if (file%status == nf90_noerr .and. .not. file%is_read) file%status = nf90_enddef(file%id)
             call write_all(file, plan, columns, accumulators, histograms)
-        end subroutine put_contents
+        end subroutine write_contents
 
     end procedure write_statistics_netcdf
 
@@ -218,7 +218,7 @@ contains
     end function what_of
 
     !> Writes the variables of the Sobol' indices.
-    subroutine put_indices(file, plan, accumulators)
+    subroutine write_indices(file, plan, accumulators)
         type(netcdf_file_t), intent(inout) :: file
         type(statistics_plan_t), intent(in) :: plan
         type(accumulators_t), intent(in) :: accumulators
@@ -226,7 +226,7 @@ contains
         integer :: i, k, n
 
         n = size(plan%factors)
-        call put(file, file%factor, [(real(i - 1, dp), i=1, n)], [1], [n])
+        call write_or_read_box(file, file%factor, [(real(i - 1, dp), i=1, n)], [1], [n])
         do k = 1, size(plan%numbers)
             do i = 1, n
                 call index_row(accumulators, k, i, cells(:, i))
@@ -235,15 +235,15 @@ contains
                 values = cells(index_place(i), :)
                 if (is_interval(i)) then
                     high = cells(index_place(i) + 1, :)
-                    call put_ends(file, file%indices(i, k), values, high)
+                    call write_ends(file, file%indices(i, k), values, high)
                 else if (is_count(i)) then
-                    call put(file, file%indices(i, k), values(:1), [1], [1])
+                    call write_or_read_box(file, file%indices(i, k), values(:1), [1], [1])
                 else
-                    call put(file, file%indices(i, k), values, [1], [n])
+                    call write_or_read_box(file, file%indices(i, k), values, [1], [n])
                 end if
             end do
         end do
-    end subroutine put_indices
+    end subroutine write_indices
 
     !> Writes all variables.
     subroutine write_all(file, plan, columns, accumulators, histograms)
@@ -258,22 +258,22 @@ contains
         allocate (row(size(columns)))
         call result_row(plan, accumulators, 0_int64, row)
         do i = columns_before(plan) + 1, size(columns)
-            call put(file, file%of_all(i), row(i:i), [1], [1])
+            call write_or_read_box(file, file%of_all(i), row(i:i), [1], [1])
         end do
         do i = 1, size(histograms)
             if (file%counts(i) < 0) cycle
             associate (histogram => histograms(i))
-                call put(file, file%counts(i), real(histogram%counts, dp), [1], [size(histogram%counts)])
-                call put_ends(file, file%intervals(i), histogram%from, histogram%to)
+                call write_or_read_box(file, file%counts(i), real(histogram%counts, dp), [1], [size(histogram%counts)])
+                call write_ends(file, file%intervals(i), histogram%from, histogram%to)
             end associate
         end do
-        if (plan%has_indices()) call put_indices(file, plan, accumulators)
+        if (plan%has_indices()) call write_indices(file, plan, accumulators)
         if (size(plan%over) == 0) return
         do i = 1, size(plan%over)
             associate (bins => plan%over(i)%bins)
                 n = bins%count()
-                call put(file, file%middles(i), bins%value, [1], [n])
-                call put_ends(file, file%ends(i), bins%edge(:n), bins%edge(2:))
+                call write_or_read_box(file, file%middles(i), bins%value, [1], [n])
+                call write_ends(file, file%ends(i), bins%edge(:n), bins%edge(2:))
             end associate
         end do
         n = plan%over(1)%bins%count()
@@ -287,27 +287,27 @@ contains
             do i = columns_before(plan) + 1, size(columns)
                 if (file%of_bins(i) < 0) cycle
                 if (size(plan%over) == 1) then
-                    call put(file, file%of_bins(i), cells(:, i), [1], [n])
+                    call write_or_read_box(file, file%of_bins(i), cells(:, i), [1], [n])
                 else
-                    call put(file, file%of_bins(i), cells(:, i), [1, line], [n, 1])
+                    call write_or_read_box(file, file%of_bins(i), cells(:, i), [1, line], [n, 1])
                 end if
             end do
         end do
     end subroutine write_all
 
     !> Writes the ends of bins or intervals.
-    subroutine put_ends(file, variable, from, to)
+    subroutine write_ends(file, variable, from, to)
         type(netcdf_file_t), intent(inout) :: file
         integer, intent(in) :: variable
         real(dp), intent(in) :: from(:), to(:)
         real(dp) :: both(2, size(from))
         both(1, :) = from
         both(2, :) = to
-        call put(file, variable, reshape(both, [size(both)]), [1, 1], shape(both))
-    end subroutine put_ends
+        call write_or_read_box(file, variable, reshape(both, [size(both)]), [1, 1], shape(both))
+    end subroutine write_ends
 
     !> Writes a box of a variable; or reads it.
-    subroutine put(file, variable, values, start, extent)
+    subroutine write_or_read_box(file, variable, values, start, extent)
         type(netcdf_file_t), intent(inout) :: file
         integer, intent(in) :: variable, start(:), extent(:)
         real(dp), intent(in) :: values(:)
@@ -321,7 +321,7 @@ contains
             file%status = nf90_put_var(file%id, variable, cells, start, extent)
         end if
         call add_to_checksum(file%checksum, transfer(cells, repeat(' ', size(cells) * (storage_size(cells) / 8))))
-    end subroutine put
+    end subroutine write_or_read_box
 
     subroutine add_dimension(file, name, length, dimension)
         type(netcdf_file_t), intent(inout) :: file

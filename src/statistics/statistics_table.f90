@@ -24,7 +24,7 @@ module spintop_statistics_table
     private
     public :: statistics_table_t, write_statistics
 
-    !> Cells of a row's digest before the values: bin, number of the case, its status.
+    !> Cells that are gathered of a row before the values: bin, number of the case, its status.
     integer, parameter :: bin_cell = 1, number_cell = 2, status_cell = 3, cells_before = 3
     !> Bytes of a snapshot that are written per second, at least, on any disk that is in use; and the share of the
     !> time that the first snapshot takes, as those after it.
@@ -50,9 +50,9 @@ module spintop_statistics_table
         integer, allocatable, private :: words(:, :)
     contains
         procedure :: begin
-        procedure :: format => digest_block
-        procedure :: put
-        procedure :: take_entry
+        procedure :: format => extract_statistics_cells
+        procedure :: append
+        procedure :: make_entry_if_due
         procedure :: keep_entry
         procedure :: end_entry
         procedure :: finish
@@ -91,7 +91,7 @@ contains
         end if
     end subroutine begin
 
-    !> Takes what was gathered of the rows that are kept.
+    !> Restores what was gathered of the rows that are kept.
     subroutine resume(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -113,7 +113,7 @@ contains
         if (allocated(error)) error = refusal(self%path, error%message)
     end subroutine resume
 
-    !> Takes the number of cases that failed from a complete result. Their reasons are not in it: they count as bad input.
+    !> Reads the number of cases that failed from a complete result. Their reasons are not in it: they count as bad input.
     subroutine recall_counts(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
@@ -147,7 +147,7 @@ contains
     end subroutine recall_counts
 
     !> Finds the bins of rows and what is gathered of them, then formats them for the table of the rows.
-    subroutine digest_block(self, block)
+    subroutine extract_statistics_cells(self, block)
         class(statistics_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! its cells may become text
         real(dp) :: over(size(self%plan%over)), bin
@@ -158,8 +158,8 @@ contains
         over = 0
         associate (plan => self%plan, rows => block%rows)
             n = size(plan%numbers)
-            call block%reserve_digest(cells_before + n + size(plan%categories), rows)
-            associate (cells => block%cells, digest => block%digest)
+            call block%reserve_statistics_cells(cells_before + n + size(plan%categories), rows)
+            associate (cells => block%cells, gathered => block%statistics_cells)
                 do k = 1, rows
                     ! On a grid most cases are in the bin of the last one.
                     is_same = k > 1
@@ -168,25 +168,25 @@ contains
                         over(i) = cells(plan%over(i)%cell, k)
                     end do
                     if (.not. is_same) bin = real(place_among(plan%over%bins, over), dp)
-                    digest(k, bin_cell) = bin
+                    gathered(k, bin_cell) = bin
                 end do
-                digest(:, number_cell) = cells(1, :rows)
-                digest(:, status_cell) = cells(plan%status_cell, :rows)
+                gathered(:, number_cell) = cells(1, :rows)
+                gathered(:, status_cell) = cells(plan%status_cell, :rows)
                 do i = 1, n
-                    digest(:, cells_before + i) = cells(plan%cells_of_numbers(i), :rows)
+                    gathered(:, cells_before + i) = cells(plan%cells_of_numbers(i), :rows)
                 end do
                 words = 1
                 do i = 1, size(plan%categories)
-                    digest(:, cells_before + n + i) = words + cells(plan%cells_of_categories(i), :rows)
+                    gathered(:, cells_before + n + i) = words + cells(plan%cells_of_categories(i), :rows)
                     words = words + size(plan%categories(i)%words)
                 end do
             end associate
         end associate
         call self%rows_table%format(block)
-    end subroutine digest_block
+    end subroutine extract_statistics_cells
 
     !> Adds rows, and writes a snapshot if an entry of the journal is due.
-    subroutine put(self, block, error)
+    subroutine append(self, block, error)
         class(statistics_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
@@ -196,32 +196,34 @@ contains
 
         n = cells_before + size(self%plan%numbers)
         first = 1
-        associate (digest => block%digest)
-            call self%convert(digest, n)
-            is_scattered = count(abs(digest(2:, bin_cell) - digest(:block%digested - 1, bin_cell)) > 0) > block%digested / 2
-            if (is_scattered) call self%accumulators%fetch(int(digest(:, bin_cell), int64))
-            do while (first <= block%digested)
-                bin = int(digest(first, bin_cell), int64)
+        associate (gathered => block%statistics_cells)
+            call self%convert(gathered, n)
+            is_scattered = count(abs(gathered(2:, bin_cell) &
+                - gathered(:block%statistics_rows - 1, &
+                    bin_cell)) > 0) > block%statistics_rows / 2
+            if (is_scattered) call self%accumulators%fetch(int(gathered(:, bin_cell), int64))
+            do while (first <= block%statistics_rows)
+                bin = int(gathered(first, bin_cell), int64)
                 last = first
-                do while (last < block%digested)
-                    if (int(digest(last + 1, bin_cell), int64) /= bin) exit
+                do while (last < block%statistics_rows)
+                    if (int(gathered(last + 1, bin_cell), int64) /= bin) exit
                     last = last + 1
                 end do
                 call self%accumulators%add(self%numbers(first:last), self%is_ok(first:last), bin, &
-                                           digest(first:last, cells_before + 1:n), self%words(first:last, :))
+                                           gathered(first:last, cells_before + 1:n), self%words(first:last, :))
                 first = last + 1
             end do
         end associate
         ! A snapshot that no entry names yet is older than these rows.
         self%is_new = .false.
-        call self%rows_table%put(block, error)
+        call self%rows_table%append(block, error)
         self%counts = self%rows_table%counts
         if (allocated(error)) return
-        if (self%rows_table%is_due()) call take_snapshot(self, error)
-    end subroutine put
+        if (self%rows_table%is_due()) call save_snapshot(self, error)
+    end subroutine append
 
     !> Writes a snapshot to the file that the last entry of the journal does not name.
-    subroutine take_snapshot(self, error)
+    subroutine save_snapshot(self, error)
         type(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: path
@@ -229,41 +231,41 @@ contains
         call self%rows_table%begin_state(self%last_state, path)
         call write_snapshot(path, self%head, self%plan, self%accumulators, self%checksum, error)
         self%is_new = .not. allocated(error)
-    end subroutine take_snapshot
+    end subroutine save_snapshot
 
-    !> Takes the whole numbers of a digest, of which the last number before the words is given.
-    subroutine convert(self, digest, last)
+    !> Converts the gathered cells that are whole numbers; `last` is the last cell before the words.
+    subroutine convert(self, gathered, last)
         class(statistics_table_t), intent(inout) :: self
-        real(dp), intent(in) :: digest(:, :)
+        real(dp), intent(in) :: gathered(:, :)
         integer, intent(in) :: last
         integer :: n
-        n = size(digest, 1)
+        n = size(gathered, 1)
         if (allocated(self%numbers)) then
             if (size(self%numbers) < n) deallocate (self%numbers, self%is_ok, self%words)
         end if
-        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(n, size(digest, 2) - last))
-        self%numbers(:n) = int(digest(:, number_cell), int64)
-        self%is_ok(:n) = is_good_end(nint(digest(:, status_cell)))
-        self%words(:n, :) = int(digest(:, last + 1:))
+        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(n, size(gathered, 2) - last))
+        self%numbers(:n) = int(gathered(:, number_cell), int64)
+        self%is_ok(:n) = is_good_end(nint(gathered(:, status_cell)))
+        self%words(:n, :) = int(gathered(:, last + 1:))
     end subroutine convert
 
     !> Makes an entry that names the snapshot, if there is a new one.
-    subroutine take_entry(self, entry, due, error)
+    subroutine make_entry_if_due(self, entry, due, error)
         class(statistics_table_t), intent(inout) :: self
         type(journal_entry_t), intent(inout) :: entry !! the current size of the table, if an entry is due
         logical, intent(out) :: due !! whether an entry is due
         type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
         due = .false.
         if (allocated(error) .or. self%in_entry) return
-        if (self%entry_wanted .and. .not. self%is_new) call take_snapshot(self, error)
+        if (self%entry_wanted .and. .not. self%is_new) call save_snapshot(self, error)
         if (.not. self%is_new) return
         self%is_new = .false.
         self%rows_table%entry_wanted = self%entry_wanted
-        call self%rows_table%take_entry(entry, due, error)
+        call self%rows_table%make_entry_if_due(entry, due, error)
         self%in_entry = due
         entry%state = self%last_state
         entry%state_checksum = self%checksum
-    end subroutine take_entry
+    end subroutine make_entry_if_due
 
     !> Waits until rows and snapshot of an entry are on the disk, and then writes the entry.
     subroutine keep_entry(self, entry, error)

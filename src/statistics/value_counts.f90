@@ -45,7 +45,7 @@ module spintop_value_counts
         procedure :: list_cells
         procedure :: quantiles
         procedure :: resolution
-        procedure :: carry
+        procedure :: store_or_restore
         procedure, private :: find_page
         procedure, private :: sort
         procedure, private :: key
@@ -71,7 +71,7 @@ contains
     end function resolution
 
     !> Carries all counts: how many numbers follow, then pages one after the other: bin, exponent, counts.
-    subroutine carry(self, stream)
+    subroutine store_or_restore(self, stream)
         class(value_counts_t), intent(inout) :: self !! empty if they are read
         type(state_stream_t), intent(inout) :: stream !! a file
         integer(int64) :: numbers(1), place(2), k
@@ -91,13 +91,13 @@ contains
             if (stream%is_read) call self%find_page(place(1), int(place(2)), page)
             call stream%carry_numbers(size(self%counts, 1), self%counts(:, page))
         end do
-    end subroutine carry
+    end subroutine store_or_restore
 
     !> Counts finite values.
     subroutine add(self, bin, values)
         class(value_counts_t), intent(inout) :: self
         integer(int64), intent(in) :: bin !! number of the bin, from 1
-        real(dp), intent(in) :: values(:) !! the values
+        real(dp), intent(in) :: values(:) !! the values to count, all finite
         integer(int64) :: word
         integer :: i, page, cell, exponent, last
 
@@ -121,7 +121,7 @@ contains
     !> Adds the counts of others, of the same resolution.
     subroutine merge_with(self, other, bin)
         class(value_counts_t), intent(inout) :: self
-        type(value_counts_t), intent(in) :: other !! the other object of this type
+        type(value_counts_t), intent(in) :: other !! counts of other values, of the same resolution
         integer(int64), intent(in), optional :: bin !! where all of them are added; otherwise each is in its own bin
         integer(int64) :: place
         integer :: k, page
@@ -168,7 +168,7 @@ contains
         class(value_counts_t), intent(inout) :: self
         integer(int64), intent(in) :: bin !! number of the bin, from 1
         real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
-        real(dp), intent(out) :: values(:)  !! as many
+        real(dp), intent(out) :: values(:)  !! the quantiles, one for each share
         integer(int64) :: ranks(size(shares)), below
         integer :: i, k, page, cell, cells, first, last
 

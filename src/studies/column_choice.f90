@@ -59,9 +59,9 @@ contains
                 columns = [integer ::]
                 do i = 1, size(named)
                     if (is_sensitivity(named(i))) then
-                        call take_sensitivity(study, job, known, i, is_whole, problems)
+                        call add_sensitivity(study, job, known, i, is_whole, problems)
                     else if (named(i) /= '') then
-                        call take_column(study, job, known, i, columns, is_whole, problems)
+                        call add_column(study, job, known, i, columns, is_whole, problems)
                     end if
                 end do
             end if
@@ -82,7 +82,7 @@ contains
     end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
-    subroutine take_column(study, job, known, i, columns, is_whole, problems)
+    subroutine add_column(study, job, known, i, columns, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
@@ -106,10 +106,10 @@ contains
             if (is_whole) call check_column(job, key, known(place), 'omit it', problems)
             columns = [columns, place]
         end if
-    end subroutine take_column
+    end subroutine add_column
 
     !> Adds the derivative of a column that element `i` of the list in the scene names.
-    subroutine take_sensitivity(study, job, known, i, is_whole, problems)
+    subroutine add_sensitivity(study, job, known, i, is_whole, problems)
         class(study_t), intent(in) :: study
         type(job_t), target, intent(inout) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
@@ -136,7 +136,7 @@ contains
         if (place == 0 .or. place_of_key == 0) return
         call job%sensitivities%add(place, known(place), place_of_key, is_new)
         if (.not. is_new) call problems%add(key, "column '" // trim(job%scene%columns(i)) // "' is named twice", 'name it once')
-    end subroutine take_sensitivity
+    end subroutine add_sensitivity
 
     !> Reports a column that the case cannot have, unless other problems leave open what it is.
     subroutine check_column(job, key, column, hint, problems)

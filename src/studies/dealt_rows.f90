@@ -55,13 +55,13 @@ contains
             if (owner(i, ranks) /= ranks%number .or. allocated(error)) cycle
             number = first + i - 1
             call source%make(number, rows(i)%text, error)
-            if (ranks%count == 1 .and. .not. allocated(error)) call file%put(rows(i)%text, error)
+            if (ranks%count == 1 .and. .not. allocated(error)) call file%append(rows(i)%text, error)
         end do
         if (ranks%count > 1) then
             if (ranks%is_writer()) then
                 call gather(ranks, rows)
                 do i = 1, size(rows)
-                    if (.not. allocated(error)) call file%put(rows(i)%text, error)
+                    if (.not. allocated(error)) call file%append(rows(i)%text, error)
                 end do
             else
                 call send(ranks, rows)

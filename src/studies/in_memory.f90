@@ -90,17 +90,17 @@ contains
         call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
         allocate (run%table(1))
-        call take_table(table%data, run%table(1))
+        call move_table(table%data, run%table(1))
     end subroutine run_sweep
 
     !> Moves the columns of a table.
-    subroutine take_table(from, to)
+    subroutine move_table(from, to)
         type(data_table_t), intent(inout) :: from
         type(data_table_t), intent(inout) :: to
         to%name = from%name
         to%rows = from%rows
         call move_alloc(from%column, to%column)
-    end subroutine take_table
+    end subroutine move_table
 
     !> Runs a job whose files nobody else is to see.
     subroutine run_in_private_folder(prepared, options, run, error)
@@ -168,7 +168,7 @@ contains
         if (path(len(path) - 3:) /= '.csv' .or. .not. file_exists(path)) return
         allocate (more(size(run%table) + 1))
         do i = 1, size(run%table)
-            call take_table(run%table(i), more(i))
+            call move_table(run%table(i), more(i))
         end do
         call load_table(path, trim(name), more(size(more)), error)
         call move_alloc(more, run%table)

@@ -1,7 +1,7 @@
 !> A job: an input that has been read, with its case, axes and plan.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_arrays, only: given_axis_t, take_axes
+    use spintop_axes_of_arrays, only: given_axis_t, make_axes_of_arrays
     use spintop_axes_of_scene, only: describe_axes => make_axes
     use spintop_axes_of_table, only: read_axes
     use spintop_axis_entry, only: count_axes
@@ -103,7 +103,7 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         if (allocated(self%given)) then
-            call take_axes(self%given, self%scene, self%table, self%axes, problems)
+            call make_axes_of_arrays(self%given, self%scene, self%table, self%axes, problems)
         else if (self%scene%sweep_table == '') then
             call describe_axes(self%scene, self%table, self%axes, problems)
         else
@@ -152,9 +152,9 @@ contains
             call try_case(of_case)
         end do
         if (of_case%any()) then
-            call problems%take(of_first)
+            call problems%add_all(of_first)
         else
-            call problems%take(of_case)
+            call problems%add_all(of_case)
             allocate (first, source=swept%scene)
         end if
 
@@ -164,7 +164,7 @@ contains
         subroutine try_case(found)
             type(problems_t), intent(inout) :: found !! its problems
             type(case_t) :: empty
-            if (self%axes%cases > 0) call put_values(self%axes, self%first, swept, found)
+            if (self%axes%cases > 0) call set_values(self%axes, self%first, swept, found)
             if (found%any()) return
             self%case = empty
             call make_case(swept%scene, self%case, found)
@@ -173,8 +173,8 @@ contains
 
     end subroutine make_first_case
 
-    !> Puts the values of a case into its scene.
-    subroutine put_values(axes, number, swept, problems)
+    !> Sets the values of a case in its scene.
+    subroutine set_values(axes, number, swept, problems)
         type(axes_t), intent(in) :: axes
         integer(int64), intent(in) :: number
         type(swept_scene_t), intent(inout) :: swept
@@ -185,7 +185,7 @@ contains
         values = axes%values_of(number)
         i = axes%out_of_range(values)
         if (i == 0) then
-            call swept%put(values)
+            call swept%set_values(values)
         else
             associate (axis => axes%axis(i))
                 call problems%add('sweep.mean', 'none of the first ' // to_text(min(axes%cases, most_tried)) // &
@@ -193,7 +193,7 @@ contains
                                   axis%slot%refusal(values(i)), 'use another mean or deviation')
             end associate
         end if
-    end subroutine put_values
+    end subroutine set_values
 
     !> The column of the values of an axis.
     type(column_t) function axis_column(self, i) result(column)
@@ -222,7 +222,7 @@ contains
         do number = 1, self%axes%cases, max(1_int64, self%axes%cases / most_looked_at)
             associate (values => self%axes%values_of(number))
                 if (self%axes%out_of_range(values) > 0) cycle
-                call swept%put(values)
+                call swept%set_values(values)
             end associate
             of_case = problems_t()
             call make_body(swept%scene, body, of_case)
@@ -231,7 +231,7 @@ contains
                 if (of_case%any_warning()) return
                 cycle
             end if
-            call problems%take_warnings(of_case, 'case ' // to_text(number) // ': ', found)
+            call problems%add_warnings(of_case, 'case ' // to_text(number) // ': ', found)
             if (found) return
         end do
     end subroutine warn_of_bodies

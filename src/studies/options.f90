@@ -62,7 +62,7 @@ contains
 
     !> A text as a word of the shell.
     pure function shell_word(text) result(word)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! any text, such as a path
         character(:), allocatable :: word
         character(*), parameter :: plain = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+@%-'
         integer :: i

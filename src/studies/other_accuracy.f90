@@ -8,7 +8,7 @@ module spintop_other_accuracy
     use spintop_scene, only: scene_t
     implicit none
     private
-    public :: take_other_accuracy, other_value, other_accuracies
+    public :: set_other_accuracy, other_value, other_accuracies
 
     !> Number of other accuracies.
     integer, parameter :: other_accuracies = 2
@@ -22,7 +22,7 @@ module spintop_other_accuracy
 contains
 
     !> Changes the accuracy that a scene asks for. With the exact solution nothing changes.
-    pure subroutine take_other_accuracy(scene, plan, number, keeps_rows)
+    pure subroutine set_other_accuracy(scene, plan, number, keeps_rows)
         type(scene_t), intent(inout) :: scene !! contents of the input
         type(plan_t), intent(in) :: plan !! the plan of the scene
         integer, intent(in) :: number !! which of the accuracies
@@ -47,7 +47,7 @@ contains
         end if
         if (scene%steps /= unset_integer) scene%steps = more(number) * scene%steps
         if (is_set(scene%step)) scene%step = scene%step / more(number)
-    end subroutine take_other_accuracy
+    end subroutine set_other_accuracy
 
     !> The value of a number of the input with another accuracy.
     pure real(dp) function other_value(name, value, relative, number) result(other)

@@ -38,12 +38,12 @@ module spintop_reference_motion
     end type reference_t
 
     !> Keeps every motion.
-    type, extends(observer_t) :: keeper_t
+    type, extends(observer_t) :: motion_collector_t
         type(motion_t), allocatable :: motions(:)
         integer :: count = 0
     contains
         procedure :: observe
-    end type keeper_t
+    end type motion_collector_t
 
     !> Tolerances of a computed reference, and of the computation it is compared with.
     real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
@@ -54,13 +54,13 @@ contains
 
     !> The reference of a case at `samples` equally spaced times, both ends included.
     subroutine find_reference(case, samples, kind, max_steps, reference, status)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motion is the reference, over its span
         integer, intent(in) :: samples, kind !! number of times; kind of reference (`reference_names`)
         integer(int64), intent(in) :: max_steps !! for each computation of the reference
         type(reference_t), intent(out) :: reference !! the reference motion
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         if (kind == reference_exact .or. (kind == reference_auto .and. case%body%has_closed_form())) then
-            call take_exact(case, sample_times(case%t_end, samples), reference, status)
+            call find_exact_reference(case, sample_times(case%t_end, samples), reference, status)
         else
             call compute_twice(case, sample_times(case%t_end, samples), max_steps, reference, status)
         end if
@@ -69,14 +69,14 @@ contains
     !> Compares a reference with an independent computation: the exact solution or, for bodies without one, a
     !> Runge-Kutta method; for the exact solution, Taylor's method.
     subroutine check_reference(case, max_steps, reference)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case of the reference; its body decides which method checks it
         integer(int64), intent(in) :: max_steps !! for the independent computation
         type(reference_t), intent(inout) :: reference !! the result of the check is added
         type(reference_t) :: other
         integer :: status
 
         if (case%body%has_closed_form() .and. reference%is_computed) then
-            call take_exact(case, reference%motions%t, other, status)
+            call find_exact_reference(case, reference%motions%t, other, status)
             reference%check = other%source
         else
             reference%check = 'dop853'
@@ -93,7 +93,7 @@ contains
     end subroutine check_reference
 
     !> The exact solution.
-    subroutine take_exact(case, times, reference, status)
+    subroutine find_exact_reference(case, times, reference, status)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: times(:)
         type(reference_t), intent(out) :: reference
@@ -111,7 +111,7 @@ contains
             reference%motions(i) = exact%at(times(i))
             reference%floor(i) = conditioning%floor_at(times(i))
         end do
-    end subroutine take_exact
+    end subroutine find_exact_reference
 
     !> A motion in quadruple precision, the same with a larger tolerance, and one from a start whose numbers
     !> differ by one unit in the last place.
@@ -151,7 +151,7 @@ contains
         integer, intent(out) :: status
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
-        type(keeper_t) :: keeper
+        type(motion_collector_t) :: collector
         type(outcome_t) :: outcome
 
         call create_formulation('rigid_body', formulation, body=case%body)
@@ -159,11 +159,11 @@ contains
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance
         stepper%controls%max_steps = max_steps
-        allocate (keeper%motions(size(times)))
-        call integrate(formulation, stepper, case%body, start, case%t_end, times, keeper, outcome)
+        allocate (collector%motions(size(times)))
+        call integrate(formulation, stepper, case%body, start, case%t_end, times, collector, outcome)
         status = outcome%status
         if (is_good_end(status)) status = status_ok
-        call move_alloc(keeper%motions, motions)
+        call move_alloc(collector%motions, motions)
     end subroutine compute
 
     !> Rotation angles between the attitudes of two motions, rad.
@@ -178,7 +178,7 @@ contains
 
     !> Keeps the motion.
     subroutine observe(self, formulation, t, y, near)
-        class(keeper_t), intent(inout) :: self
+        class(motion_collector_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
         self%count = self%count + 1

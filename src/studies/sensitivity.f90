@@ -6,7 +6,7 @@ module spintop_sensitivity
     use spintop_differences, only: nodes_t, nodes_around
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
-    use spintop_other_accuracy, only: take_other_accuracy
+    use spintop_other_accuracy, only: set_other_accuracy
     use spintop_parameters, only: is_set, parameter_table_t
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
@@ -169,7 +169,7 @@ contains
     !> The nodes around a value of the key.
     type(nodes_t) function nodes(self, value)
         class(sensitive_key_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! value of the key, in its unit
         integer :: i
         nodes = nodes_around(value, keeps_sign=.not. self%slot%accepts(-value))
         call nodes%limit_to([(self%slot%accepts(nodes%x(i)), i=1, size(nodes%x))])
@@ -207,10 +207,10 @@ contains
 
         allocate (varied, source=scene)
         varied%certified = .false.
-        if (present(number)) call take_other_accuracy(varied, given, number, keeps_rows=.true.)
+        if (present(number)) call set_other_accuracy(varied, given, number, keeps_rows=.true.)
         call describe_scene(varied, table)
         call table%find_number(self%name, slot, problem)
-        call slot%put(value)
+        call slot%set(value)
         call make_case(varied, case, problems)
         if (.not. problems%any()) call make_plan(varied, case, plan, problems)
         exists = .not. problems%any()

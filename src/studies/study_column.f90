@@ -35,7 +35,7 @@ contains
     !> Index of a column in a list, 0 if there is none of that name.
     pure integer function place_of(columns, name) result(place)
         class(study_column_t), intent(in) :: columns(:) !! the columns
-        character(*), intent(in) :: name !! its name
+        character(*), intent(in) :: name !! name of the sought column
         do place = size(columns), 1, -1
             if (columns(place)%name == name) return
         end do

@@ -82,7 +82,7 @@ contains
     !> Quantities of the motion that are known without integration.
     subroutine describe_motion(self, case)
         class(summary_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motion is described
         type(nutation_t) :: nutation
         type(fast_top_t) :: fast
         character(:), allocatable :: momentum, energy
@@ -218,7 +218,7 @@ contains
 
     !> A number with readable precision, in decimal or scientific form.
     function decimal(value) result(text)
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the number to show
         character(:), allocatable :: text
         character(40) :: buffer
         if (abs(value) > 0 .and. (abs(value) < 1.0e-3_dp .or. abs(value) >= 1.0e6_dp)) then
@@ -231,7 +231,7 @@ contains
 
     !> A measured number with the precision of measurements, four digits by default.
     function rounded(value, digits) result(text)
-        real(dp), intent(in) :: value !! the value
+        real(dp), intent(in) :: value !! the measured number
         integer, intent(in), optional :: digits !! number of significant digits
         character(:), allocatable :: text
         integer :: significant

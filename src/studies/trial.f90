@@ -67,7 +67,7 @@ contains
 
     !> Computes a case with a plan, with steps at, or dense output for, the times of the reference.
     subroutine run_trial(case, plan, reference, trial)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case to compute
         type(plan_t), intent(inout) :: plan !! model, method and settings
         type(reference_t), intent(in) :: reference !! the reference motion
         type(trial_t), intent(out) :: trial !! result of the computation

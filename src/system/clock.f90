@@ -20,7 +20,7 @@ module spintop_clock
         !> Suspends the calling thread, so that others can use the processor.
         subroutine pause_for(seconds) bind(C, name='spintop_pause')
             import :: c_double
-            real(c_double), value :: seconds !! s
+            real(c_double), value :: seconds !! length of the pause, s
         end subroutine pause_for
 
         subroutine c_utc(text, room) bind(C, name='spintop_utc')

@@ -64,7 +64,7 @@ contains
     !> Appends a text.
     subroutine write_bytes(self, text, error)
         class(output_file_t), intent(in) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the bytes to append
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_write(self%descriptor, text, len(text, int64)), 'write', self%path, error)
     end subroutine write_bytes

@@ -39,7 +39,7 @@ static atomic_llong rows_kept;
 
 // Whether a thread ends the process after a signal, when it has kept what is to be kept; the signal; and the time after
 // which the process ends in any case.
-static atomic_int has_keeper;
+static atomic_int has_journal_thread;
 static atomic_int wanted;
 static const struct itimerval longest_wait = {.it_value = {.tv_usec = 900000}};
 
@@ -59,7 +59,7 @@ static void complain(const char *text, size_t length) {
 }
 
 // Says what is kept of the run, and lets go of its files.
-static void tell(void) {
+static void report_rows_kept(void) {
     char digits[24];
     char *first = digits + sizeof digits;
     long long rows = rows_kept;
@@ -82,7 +82,7 @@ static void end_unplanned(void) {
     static const char text[] = "spintop: stopped by the error above: there is no more memory, or the program has a fault\n";
     if (is_planned) return;
     complain(text, sizeof text - 1);
-    tell();
+    report_rows_kept();
     _exit(exit_internal);
 }
 
@@ -90,34 +90,34 @@ static void end_unplanned(void) {
 // allocator, so it must not ask for memory.
 void spintop_end_without_memory(void) {
     static const char text[] = "spintop: there is no more memory\n";
-    static atomic_flag is_told = ATOMIC_FLAG_INIT;
-    while (atomic_flag_test_and_set(&is_told)) pause();
+    static atomic_flag is_reported = ATOMIC_FLAG_INIT;
+    while (atomic_flag_test_and_set(&is_reported)) pause();
     complain(text, sizeof text - 1);
-    tell();
+    report_rows_kept();
     _exit(exit_internal);
 }
 
 // Ends the process by a signal, after its message.
-static void tell_and_end(int number) {
-    tell();
+static void report_and_end(int number) {
+    report_rows_kept();
     // In the handler of this signal it ends the process when the handler returns.
     signal(number, SIG_DFL);
     raise(number);
 }
 
-// The first signal is left to the keeper, if there is one; a second one ends the process at once.
+// The first signal is left to the journal thread, if there is one; a second one ends the process at once.
 static void answer(int number) {
-    if (has_keeper && wanted == 0) {
+    if (has_journal_thread && wanted == 0) {
         wanted = number;
         setitimer(ITIMER_REAL, &longest_wait, NULL);
         return;
     }
-    tell_and_end(number);
+    report_and_end(number);
 }
 
-// The keeper has taken too long.
+// The journal thread has taken too long.
 static void end_of_wait(int number) {
-    if (wanted != 0) tell_and_end(wanted);
+    if (wanted != 0) report_and_end(wanted);
     (void)number;
 }
 
@@ -135,7 +135,7 @@ static void occupy(int stream) {
 static void answer_crash(int number) {
     (void)number;
     complain(meaning_of_crash, strlen(meaning_of_crash));
-    tell();
+    report_rows_kept();
     _exit(exit_output);
 }
 
@@ -186,14 +186,14 @@ void spintop_begin_process(void) {
     sigaction(SIGALRM, &ending, NULL);
 }
 
-// Whether from now on a keeper ends the process after a signal, by `spintop_end_by_signal`.
-void spintop_set_keeper(int there_is_one) { has_keeper = there_is_one; }
+// Whether from now on a journal thread ends the process after a signal, by `spintop_end_by_signal`.
+void spintop_set_journal_thread(int there_is_one) { has_journal_thread = there_is_one; }
 
 // Whether a signal is to end the process.
 int spintop_end_is_wanted(void) { return wanted != 0; }
 
 // Ends the process by that signal.
-void spintop_end_by_signal(void) { tell_and_end(wanted); }
+void spintop_end_by_signal(void) { report_and_end(wanted); }
 
 void spintop_end_process(int code) {
     is_planned = 1;

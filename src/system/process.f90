@@ -7,8 +7,8 @@ module spintop_process
     use spintop_text, only: to_text
     implicit none
     private
-    public :: begin_process, end_process, check_stacks, show_text, complain_of, end_output
-    public :: watch_signals, keep_rows, watch_no_more, set_keeper, end_is_wanted, end_by_signal
+    public :: begin_process, end_process, check_stacks, print_text, complain_of, end_output
+    public :: watch_signals, keep_rows, stop_watching_signals, set_journal_thread, end_is_wanted, end_by_signal
     public :: expect_crash, leave_libraries
     public :: host_name, peak_memory, physical_memory
 
@@ -43,10 +43,10 @@ module spintop_process
             integer(c_long_long), value :: rows !! number of kept rows
         end subroutine keep_rows
 
-        subroutine c_set_keeper(there_is_one) bind(C, name='spintop_set_keeper')
+        subroutine c_set_journal_thread(there_is_one) bind(C, name='spintop_set_journal_thread')
             import :: c_int
             integer(c_int), value :: there_is_one
-        end subroutine c_set_keeper
+        end subroutine c_set_journal_thread
 
         integer(c_int) function c_end_is_wanted() bind(C, name='spintop_end_is_wanted')
             import :: c_int
@@ -66,8 +66,8 @@ module spintop_process
         end subroutine leave_libraries
 
         !> Ends the messages on signals.
-        subroutine watch_no_more() bind(C, name='spintop_watch_no_more')
-        end subroutine watch_no_more
+        subroutine stop_watching_signals() bind(C, name='spintop_watch_no_more')
+        end subroutine stop_watching_signals
 
         !> Peak memory of the process so far, bytes.
         integer(c_long_long) function peak_memory() bind(C, name='spintop_peak_memory')
@@ -124,15 +124,15 @@ contains
     end subroutine check_stacks
 
     !> Writes a text to standard output.
-    subroutine show_text(text, error)
-        character(*), intent(in) :: text !! the text
+    subroutine print_text(text, error)
+        character(*), intent(in) :: text !! the text to write, with its line ends
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
-    end subroutine show_text
+    end subroutine print_text
 
     !> Writes a text to standard error; a failure is ignored.
     subroutine complain_of(text)
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the message, with its line ends
         type(error_t), allocatable :: ignored
         call check_call(c_write(standard_error, text, len(text, int64)), 'write to', 'standard error', ignored)
     end subroutine complain_of
@@ -154,10 +154,10 @@ contains
     !> Sets whether a thread of this process looks for `end_is_wanted`, keeps what is to be kept, and then calls
     !> `end_by_signal`. After a signal it has nine tenths of a second. Without such a thread, and at a second signal, the
     !> process ends at once.
-    subroutine set_keeper(there_is_one)
+    subroutine set_journal_thread(there_is_one)
         logical, intent(in) :: there_is_one !! whether there is such a thread
-        call c_set_keeper(merge(1_c_int, 0_c_int, there_is_one))
-    end subroutine set_keeper
+        call c_set_journal_thread(merge(1_c_int, 0_c_int, there_is_one))
+    end subroutine set_journal_thread
 
     !> Sets the message with which an invalid access to memory ends the program, with the exit code of an output error: for
     !> calls of a library that does not stand its own failures. '' ends that. In a process of somebody else it does nothing.

@@ -78,9 +78,9 @@ contains
     !> Shows a line that is not overwritten, where progress is shown.
     subroutine note(self, text)
         class(progress_t), intent(in) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the line to show
         if (self%mode == silent) return
-        call show(self, self%name // ': ' // text)
+        call print_line(self, self%name // ': ' // text)
         if (self%mode == terminal) call complain_of(new_line('a'))
     end subroutine note
 
@@ -102,7 +102,7 @@ contains
             room = message_width() - 1 - characters(self%name // ': [] ' // text)
             if (room >= least_bar_length) text = bar(done, self%total, min(room, bar_length)) // ' ' // text
         end if
-        call show(self, self%name // ': ' // text)
+        call print_line(self, self%name // ': ' // text)
         if (now - self%marked(2) < max(recent_least, recent_part * (now - self%started))) return
         self%marked = [self%marked(2), now]
         self%done_at_mark = [self%done_at_mark(2), done]
@@ -111,11 +111,11 @@ contains
     !> Removes the line from a terminal.
     subroutine finish(self)
         class(progress_t), intent(inout) :: self
-        if (self%mode == terminal .and. self%shown > self%started) call show(self, '')
+        if (self%mode == terminal .and. self%shown > self%started) call print_line(self, '')
         self%mode = silent
     end subroutine finish
 
-    subroutine show(self, line)
+    subroutine print_line(self, line)
         class(progress_t), intent(in) :: self
         character(*), intent(in) :: line
         character(*), parameter :: carriage_return = achar(13), erase_line = achar(27) // '[K'
@@ -124,7 +124,7 @@ contains
         else
             call complain_of(line // new_line('a'))
         end if
-    end subroutine show
+    end subroutine print_line
 
     !> `[#########...........]`
     pure function bar(done, total, length) result(text)

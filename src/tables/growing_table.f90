@@ -58,8 +58,8 @@ module spintop_growing_table
         procedure :: set_pause
         procedure :: begin_entry
         procedure :: format => format_block
-        procedure :: put
-        procedure :: take_entry
+        procedure :: append
+        procedure :: make_entry_if_due
         procedure :: keep_entry
         procedure :: end_entry
         procedure :: begin_state
@@ -67,7 +67,7 @@ module spintop_growing_table
         procedure :: abandon
         procedure :: discard
         procedure :: begin_part
-        procedure :: put_to_part
+        procedure :: append_to_part
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
@@ -202,13 +202,13 @@ contains
     end subroutine format_block
 
     !> Adds rows.
-    subroutine put(self, block, error)
+    subroutine append(self, block, error)
         class(growing_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (self%keeps_rows) call self%put_to_part(block, error)
+        if (self%keeps_rows) call self%append_to_part(block, error)
         self%counts = self%counts + block%counts
-    end subroutine put
+    end subroutine append
 
     !> Whether an entry of the current size is due.
     logical function is_due(self)
@@ -223,7 +223,8 @@ contains
         self%due = seconds() + pause
     end subroutine set_pause
 
-    !> Called where the work for an entry begins before `take_entry`, so that the pause after it is as long as all of it asks
+    !> Called where the work for an entry begins before `make_entry_if_due`, so that the pause after it is as long as all of it
+    !> asks
     !> for.
     subroutine begin_entry(self)
         class(growing_table_t), intent(inout) :: self
@@ -231,7 +232,7 @@ contains
     end subroutine begin_entry
 
     !> Makes an entry of the current size, if there are new rows and the last entry is old enough.
-    subroutine take_entry(self, entry, due, error)
+    subroutine make_entry_if_due(self, entry, due, error)
         class(growing_table_t), intent(inout) :: self
         type(journal_entry_t), intent(inout) :: entry !! the current size of the table, if an entry is due
         logical, intent(out) :: due !! whether an entry is due
@@ -247,7 +248,7 @@ contains
         self%in_entry = .true.
         self%kept = self%rows()
         entry%counts = self%counts
-    end subroutine take_entry
+    end subroutine make_entry_if_due
 
     !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
     !> meanwhile.
@@ -314,12 +315,12 @@ contains
     end subroutine begin_part
 
     !> Adds rows to the part.
-    subroutine put_to_part(self, block, error)
+    subroutine append_to_part(self, block, error)
         class(growing_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%table%put(block%text%room(:block%text%length), error)
-    end subroutine put_to_part
+        call self%table%append(block%text%room(:block%text%length), error)
+    end subroutine append_to_part
 
     !> Passes all rows to the system; `entry` gets their bytes and checksum.
     subroutine flush_part(self, entry, error)

@@ -131,7 +131,7 @@ contains
     !> The numbers of a column; NaN where a cell is not a number, and no elements if there is no such column.
     function column(self, name) result(values)
         class(table_t), intent(in) :: self
-        character(*), intent(in) :: name !! its name
+        character(*), intent(in) :: name !! name of the column
         real(dp), allocatable :: values(:)
         type(error_t), allocatable :: ignored
         call self%read_column(name, values, ignored)
@@ -140,7 +140,7 @@ contains
     !> The cells of a column as text; no elements if there is no such column.
     function words(self, name) result(cells)
         class(table_t), intent(in) :: self
-        character(*), intent(in) :: name !! its name
+        character(*), intent(in) :: name !! name of the column
         type(string_t), allocatable :: cells(:)
         integer :: i
         i = self%index_of(name)
@@ -154,7 +154,7 @@ contains
     !> The numbers of a column, or an error: there is no such column, or a cell is not a number.
     subroutine read_column(self, name, values, error, takes_empty)
         class(table_t), intent(in) :: self
-        character(*), intent(in) :: name !! its name
+        character(*), intent(in) :: name !! name of the column
         real(dp), allocatable, intent(out) :: values(:) !! `nan` and `inf` are numbers, as tables contain them
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: takes_empty !! whether an empty cell is NaN, and no error

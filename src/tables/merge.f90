@@ -61,7 +61,7 @@ contains
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
 
-    !> Joins NetCDF tables: their rows are put to a table of the whole.
+    !> Joins NetCDF tables: their rows are appended to a table of the whole.
     subroutine merge_netcdf(path, parts, part_at, head, error)
         character(*), intent(in) :: path, head
         type(string_t), intent(in) :: parts(:)
@@ -92,7 +92,7 @@ contains
                 block%rows = rows
                 if (allocated(error)) exit
                 call ending%add_cells(block%cells(:, :rows))
-                call table%put(block, error)
+                call table%append(block, error)
             end do
             if (.not. allocated(error)) then
                 problem = end_problem(parts(part_at(i))%text, part, ending)
@@ -206,7 +206,7 @@ contains
             call check%pass(block(:length), passed)
             length = min(of_head, len(passed))
             of_head = of_head - length
-            call put_lines(passed(length + 1:))
+            call append_lines(passed(length + 1:))
         end do
         call file%close()
         if (allocated(error)) return
@@ -220,19 +220,19 @@ contains
 
     contains
 
-        !> Puts rows to the table, and comments to the words; these come last.
-        subroutine put_lines(lines)
+        !> Appends rows to the table, and comments to the words; these come last.
+        subroutine append_lines(lines)
             character(*), intent(in) :: lines
             integer :: first
             first = index(nl // lines, nl // '#')
             if (first == 0) first = len(lines) + 1
-            call table%put(lines(:first - 1), error)
+            call table%append(lines(:first - 1), error)
             do while (first <= len(lines))
                 length = index(lines(first:), nl)
                 call append(words, lines(first + len('# '):first + length - 2))
                 first = first + length
             end do
-        end subroutine put_lines
+        end subroutine append_lines
 
     end subroutine copy_part
 

@@ -21,15 +21,15 @@ module spintop_row_block
         type(string_t), allocatable :: notes(:)
         !> The rows as text.
         type(text_buffer_t) :: text
-        !> What is gathered of each row, beside its cells or its text: of row k `digest(k, :)`.
-        real(dp), allocatable :: digest(:, :)
-        !> Number of rows of which it is there.
-        integer :: digested = 0
+        !> What is gathered of each row for statistics, beside its cells or its text: of row k `statistics_cells(k, :)`.
+        real(dp), allocatable :: statistics_cells(:, :)
+        !> Number of rows of which these are there.
+        integer :: statistics_rows = 0
         !> Number of rows with each status.
         integer(int64) :: counts(0:last_status) = 0
     contains
         procedure :: reserve
-        procedure :: reserve_digest
+        procedure :: reserve_statistics_cells
         procedure :: clear
         procedure :: set_note
         procedure :: format
@@ -50,23 +50,23 @@ contains
         allocate (self%cells(columns, rows), self%notes(rows))
     end subroutine reserve
 
-    !> Makes room for what is gathered of rows.
-    subroutine reserve_digest(self, length, rows)
+    !> Makes room for what is gathered of rows for statistics.
+    subroutine reserve_statistics_cells(self, length, rows)
         class(row_block_t), intent(inout) :: self
         integer, intent(in) :: length, rows !! numbers for each row, and number of rows
-        self%digested = rows
-        if (allocated(self%digest)) then
-            if (size(self%digest, 1) == rows .and. size(self%digest, 2) == length) return
-            deallocate (self%digest)
+        self%statistics_rows = rows
+        if (allocated(self%statistics_cells)) then
+            if (size(self%statistics_cells, 1) == rows .and. size(self%statistics_cells, 2) == length) return
+            deallocate (self%statistics_cells)
         end if
-        allocate (self%digest(rows, length))
-    end subroutine reserve_digest
+        allocate (self%statistics_cells(rows, length))
+    end subroutine reserve_statistics_cells
 
     !> Empties the block, and keeps its memory.
     subroutine clear(self)
         class(row_block_t), intent(inout) :: self
         self%rows = 0
-        self%digested = 0
+        self%statistics_rows = 0
         call self%text%clear()
         self%counts = 0
     end subroutine clear
@@ -103,16 +103,16 @@ contains
             do while (i <= size(columns))
                 select case (columns(i)%kind)
                 case (column_of_reals)
-                    call self%text%put_reals(self%cells(i:last(i), k))
+                    call self%text%add_reals(self%cells(i:last(i), k))
                 case (column_of_integers)
-                    call self%text%put_integer(nint(self%cells(i, k), int64))
+                    call self%text%add_integer(nint(self%cells(i, k), int64))
                 case (column_of_words)
-                    call self%text%put_name(columns(i)%words(nint(self%cells(i, k)) + 1)%text)
+                    call self%text%add_name(columns(i)%words(nint(self%cells(i, k)) + 1)%text)
                 case (column_of_notes)
                     if (allocated(self%notes(k)%text)) then
-                        call self%text%put_text(self%notes(k)%text)
+                        call self%text%add_text(self%notes(k)%text)
                     else
-                        call self%text%put_text('')
+                        call self%text%add_text('')
                     end if
                 end select
                 i = last(i) + 1
@@ -137,9 +137,9 @@ contains
         class(row_block_t), intent(inout) :: from, to
         to%rows = from%rows
         to%counts = from%counts
-        to%digested = from%digested
+        to%statistics_rows = from%statistics_rows
         call move_alloc(from%cells, to%cells)
-        call move_alloc(from%digest, to%digest)
+        call move_alloc(from%statistics_cells, to%statistics_cells)
         call move_alloc(from%notes, to%notes)
         to%text%length = from%text%length
         call move_alloc(from%text%room, to%text%room)

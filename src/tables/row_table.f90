@@ -2,7 +2,7 @@
 !>
 !>     call table%format(block)                      ! by any thread
 !>     call table%put(block, error)                  ! by one thread at a time, as
-!>     call table%take_entry(entry, due, error)      ! this and `end_entry` are called;
+!>     call table%make_entry_if_due(entry, due, error)      ! this and `end_entry` are called;
 !>     if (due) call table%keep_entry(entry, error)  ! this without holding up the others
 !>     if (due) call table%end_entry()
 !>     call table%finish(error)                      ! or, after an error, table%abandon(error)
@@ -33,8 +33,8 @@ module spintop_row_table
     contains
         procedure :: rows
         procedure :: format => leave_rows
-        procedure(put), deferred :: put
-        procedure :: take_entry => take_no_entry
+        procedure(append), deferred :: append
+        procedure :: make_entry_if_due => make_no_entry
         procedure :: keep_entry => keep_no_entry
         procedure :: end_entry => end_no_entry
         procedure(finish), deferred :: finish
@@ -43,12 +43,12 @@ module spintop_row_table
 
     abstract interface
         !> Adds rows.
-        subroutine put(self, block, error)
+        subroutine append(self, block, error)
             import :: row_table_t, row_block_t, error_t
             class(row_table_t), intent(inout) :: self
             type(row_block_t), intent(in) :: block !! rows in their order
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine put
+        end subroutine append
 
         !> Renames the file to the table, when all data are on the disk.
         subroutine finish(self, error)
@@ -83,7 +83,7 @@ contains
 
     !> Makes an entry of the current size, if the table has a journal and the last entry is old enough; by
     !> default there is no journal.
-    subroutine take_no_entry(self, entry, due, error)
+    subroutine make_no_entry(self, entry, due, error)
         class(row_table_t), intent(inout) :: self
         type(journal_entry_t), intent(inout) :: entry !! not changed
         logical, intent(out) :: due !! whether an entry is due
@@ -92,7 +92,7 @@ contains
         end associate
         due = .false.
         if (allocated(error)) return
-    end subroutine take_no_entry
+    end subroutine make_no_entry
 
     !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
     !> meanwhile.

@@ -38,7 +38,7 @@ module spintop_table_file
         procedure :: begin
         procedure :: go_on
         procedure :: add_row
-        procedure :: put
+        procedure :: append
         procedure :: write_pending
         procedure :: sync
         procedure :: finish
@@ -93,7 +93,7 @@ contains
         call self%clear(path)
         call check_target(path, error)
         if (.not. allocated(error)) call self%file%create(path // '.new', error)
-        if (.not. allocated(error)) call self%put(head, error)
+        if (.not. allocated(error)) call self%append(head, error)
     end subroutine create_beside
 
     !> Forgets an earlier table.
@@ -124,7 +124,7 @@ contains
         character(*), intent(in) :: head !! the header, ready to write
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%file%truncate(0_int64, error)
-        if (.not. allocated(error)) call self%put(head, error)
+        if (.not. allocated(error)) call self%append(head, error)
         if (.not. allocated(error)) call self%write_pending(error)
     end subroutine begin
 
@@ -148,22 +148,22 @@ contains
         integer :: before
 
         before = self%pending%length
-        call self%pending%put_reals(values)
+        call self%pending%add_reals(values)
         call self%pending%end_row()
         self%bytes = self%bytes + self%pending%length - before
         if (self%pending%length >= block_size) call self%write_pending(error)
     end subroutine add_row
 
     !> Adds rows as text.
-    subroutine put(self, text, error)
+    subroutine append(self, text, error)
         class(table_file_t), intent(inout) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! whole rows, with their line ends
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         call self%pending%append(text)
         self%bytes = self%bytes + len(text)
         if (self%pending%length >= block_size) call self%write_pending(error)
-    end subroutine put
+    end subroutine append
 
     !> Passes all collected bytes to the system.
     subroutine write_pending(self, error)
@@ -189,11 +189,11 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_end_t) :: whole
 
-        call self%put(comment_lines(trailer), error)
+        call self%append(comment_lines(trailer), error)
         if (allocated(error)) return
         whole = self%ending
         call whole%add(self%pending%contents())
-        call self%put(whole%line(), error)
+        call self%append(whole%line(), error)
         if (.not. allocated(error)) call self%write_pending(error)
         if (.not. allocated(error)) call self%finish_part(self%bytes, error)
     end subroutine finish

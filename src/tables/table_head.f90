@@ -28,7 +28,7 @@ contains
         type(text_buffer_t) :: names
         integer :: i
         do i = 1, size(columns)
-            call names%put_name(columns(i))
+            call names%add_name(columns(i))
         end do
         call names%end_row()
         head = comment_lines(comments) // names%contents()

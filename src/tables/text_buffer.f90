@@ -1,8 +1,8 @@
 !> Rows of a table as text in memory, independent of any file. Each thread may have its own.
 !>
-!>     call rows%put_integer(number)
-!>     call rows%put_reals(values)
-!>     call rows%put_text('ok')
+!>     call rows%add_integer(number)
+!>     call rows%add_reals(values)
+!>     call rows%add_text('ok')
 !>     call rows%end_row()
 module spintop_text_buffer
     use, intrinsic :: iso_fortran_env, only: int64
@@ -18,10 +18,10 @@ module spintop_text_buffer
         character(:), allocatable :: room    !! memory, which begins with them
         logical, private :: in_row = .false.
     contains
-        procedure :: put_reals
-        procedure :: put_integer
-        procedure :: put_text
-        procedure :: put_name
+        procedure :: add_reals
+        procedure :: add_integer
+        procedure :: add_text
+        procedure :: add_name
         procedure :: end_row
         procedure :: append
         procedure :: contents
@@ -34,7 +34,7 @@ contains
 
     !> Adds real cells, in the shortest form that gives the same bits when it is read; `nan` and `inf` if not
     !> finite.
-    subroutine put_reals(self, values)
+    subroutine add_reals(self, values)
         class(text_buffer_t), intent(inout) :: self
         real(dp), intent(in), contiguous :: values(:) !! numbers
         integer :: written
@@ -44,24 +44,24 @@ contains
         call self%reserve((real_width + 1) * size(values))
         call write_reals(values, self%room(self%length + 1:), written)
         self%length = self%length + written
-    end subroutine put_reals
+    end subroutine add_reals
 
     !> Adds an integer cell.
-    subroutine put_integer(self, value)
+    subroutine add_integer(self, value)
         class(text_buffer_t), intent(inout) :: self
-        integer(int64), intent(in) :: value !! the value
+        integer(int64), intent(in) :: value !! the content of the cell
         integer :: written
         call self%start_cell()
         call self%reserve(real_width)
         call write_integer(value, self%room(self%length + 1:), written)
         self%length = self%length + written
-    end subroutine put_integer
+    end subroutine add_integer
 
     !> Adds a text cell. A comma becomes a semicolon, a quote a back quote, and other characters that would
     !> break a table (`#`, line ends, control characters) a blank.
-    subroutine put_text(self, text)
+    subroutine add_text(self, text)
         class(text_buffer_t), intent(inout) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the content of the cell
         character(len(text)) :: cell
         integer :: i
 
@@ -78,18 +78,18 @@ contains
         end do
         call self%start_cell()
         call self%append(trim(cell))
-    end subroutine put_text
+    end subroutine add_text
 
     !> Adds the name of a column or of a parameter as a cell, in quotes if it has a comma, as `part.place(2,1)` has
     !> (RFC 4180).
-    subroutine put_name(self, name)
+    subroutine add_name(self, name)
         class(text_buffer_t), intent(inout) :: self
         character(*), intent(in) :: name !! the name, or another word without quotes
         call self%start_cell()
         if (index(name, ',') > 0) call self%append('"')
         call self%append(trim(name))
         if (index(name, ',') > 0) call self%append('"')
-    end subroutine put_name
+    end subroutine add_name
 
     !> Ends the row.
     subroutine end_row(self)
@@ -101,7 +101,7 @@ contains
     !> Adds a text without a change.
     subroutine append(self, text)
         class(text_buffer_t), intent(inout) :: self
-        character(*), intent(in) :: text !! the text
+        character(*), intent(in) :: text !! the text, which is not changed
         call self%reserve(len(text))
         self%room(self%length + 1:self%length + len(text)) = text
         self%length = self%length + len(text)

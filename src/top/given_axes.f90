@@ -83,7 +83,7 @@ contains
 
     !> The rotation about z by an angle.
     pure function about_z(angle) result(q)
-        real(dp), intent(in) :: angle !! rad
+        real(dp), intent(in) :: angle !! rotation angle, rad
         real(dp) :: q(4)
         q = [cos(angle / 2), 0.0_dp, 0.0_dp, sin(angle / 2)]
     end function about_z

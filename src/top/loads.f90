@@ -56,7 +56,7 @@ contains
     !> The momentum of the rotor, J s.
     pure function rotor_momentum_at(effects, t) result(momentum)
         type(effects_t), intent(in) :: effects !! effects on the body
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: momentum(3)
         momentum = effects%rotor_momentum + effects%rotor_torque * t
     end function rotor_momentum_at

@@ -13,7 +13,7 @@ module spintop_motion
     type :: passages_t
         logical :: odd(2) = .false., arrived = .false.
     contains
-        procedure :: carry => carry_passages
+        procedure :: store_or_restore => carry_passages
     end type passages_t
 
     !> Attitude, velocity and acceleration of a top at an instant.
@@ -42,7 +42,7 @@ module spintop_motion
         !> with `gives_omega3` omega3 alone, not the rates.
         logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.
     contains
-        procedure :: carry
+        procedure :: store_or_restore
     end type motion_t
 
     !> A quaternion whose squared norm differs from 1 by less is not scaled.
@@ -51,28 +51,28 @@ module spintop_motion
 contains
 
     !> Carries a motion in progress.
-    subroutine carry(self, archive)
+    subroutine store_or_restore(self, archive)
         class(motion_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%t)
-        call archive%carry(self%angle)
-        call archive%carry(self%rate)
-        call archive%carry(self%omega)
-        call archive%carry(self%omega_rate)
-        call archive%carry(self%quaternion)
-        call archive%carry(self%norm_error)
-        call archive%carry(self%given_angle)
-        call self%passed%carry(archive)
-        call self%given_passed%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%angle)
+        call archive%store_or_restore(self%rate)
+        call archive%store_or_restore(self%omega)
+        call archive%store_or_restore(self%omega_rate)
+        call archive%store_or_restore(self%quaternion)
+        call archive%store_or_restore(self%norm_error)
+        call archive%store_or_restore(self%given_angle)
+        call self%passed%store_or_restore(archive)
+        call self%given_passed%store_or_restore(archive)
+    end subroutine store_or_restore
 
     !> Carries the passages so far.
     subroutine carry_passages(self, archive)
         class(passages_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%odd(1))
-        call archive%carry(self%odd(2))
-        call archive%carry(self%arrived)
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%odd(1))
+        call archive%store_or_restore(self%odd(2))
+        call archive%store_or_restore(self%arrived)
     end subroutine carry_passages
 
     !> Motion from the angles and their rates; the acceleration is left zero.

@@ -62,7 +62,7 @@ contains
     pure subroutine find_force_slopes(body, motions, vertical, square)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motions_t), intent(in) :: motions !! the motion in principal axes
-        real(dp), dimension(instants), intent(out) :: vertical, square !! the slopes
+        real(dp), dimension(instants), intent(out) :: vertical, square !! slopes of the vertical force, and of the squared force
         real(dp), dimension(instants, 3) :: w, b, r, gamma, gamma1, gamma3, b1, wr, br, force, force1
         integer :: m
 

@@ -18,13 +18,13 @@ module spintop_motions
         real(dp) :: omega_rate(instants, 3) !! their time derivatives in body axes, rad/s^2
     contains
         procedure :: fill
-        procedure :: put
+        procedure :: set_motion
         procedure :: motion
     end type motions_t
 
 contains
 
-    !> Takes a motion at all instants.
+    !> Sets the motion at all instants to the same one.
     pure subroutine fill(self, motion)
         class(motions_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
@@ -39,8 +39,8 @@ contains
         end do
     end subroutine fill
 
-    !> Takes a motion at an instant.
-    pure subroutine put(self, i, motion)
+    !> Sets the motion at an instant.
+    pure subroutine set_motion(self, i, motion)
         class(motions_t), intent(inout) :: self
         integer, intent(in) :: i !! number of the instant
         type(motion_t), intent(in) :: motion !! the motion
@@ -48,7 +48,7 @@ contains
         self%quaternion(i, :) = motion%quaternion
         self%omega(i, :) = motion%omega
         self%omega_rate(i, :) = motion%omega_rate
-    end subroutine put
+    end subroutine set_motion
 
     !> The motion at an instant, without angles.
     pure type(motion_t) function motion(self, i)

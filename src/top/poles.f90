@@ -56,7 +56,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the start
         real(dp), intent(in) :: nearly !! how nearly, such as `nearly_plane` or `exactly_plane`
-        real(dp), intent(out) :: axis(3) !! unit vector
+        real(dp), intent(out) :: axis(3) !! unit vector of the axis in body axes, if there is one
         logical, intent(out) :: swings !! whether there is such an axis
         real(dp) :: gamma(3), rate(6), change(3)
         swings = .false.

@@ -121,7 +121,7 @@ contains
     !> The torque at a time, N m.
     pure function at(self, t) result(torque)
         class(torque_table_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: torque(3), h
         integer :: i
         i = interval_at(self%knots, t)
@@ -134,7 +134,7 @@ contains
     !> Its Taylor coefficients about a time, of the polynomial that follows it.
     pure function expansion(self, t) result(coefficient)
         class(torque_table_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         real(dp) :: coefficient(3, 0:max_degree), h
         integer :: i
         i = interval_at(self%knots, t)
@@ -150,7 +150,7 @@ contains
     !> The first knot after a time, s; `huge` if there is none.
     pure real(dp) function next_knot(self, t)
         class(torque_table_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         integer :: i
         next_knot = huge(t)
         i = interval_at(self%knots, t)
@@ -164,7 +164,7 @@ contains
     !> A time in which the torque between two knots changes little, s; of broken lines the ends are enough.
     pure real(dp) function pace(self, t)
         class(torque_table_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         integer, parameter :: parts = 16
         integer :: i
         pace = huge(t)

@@ -1,7 +1,7 @@
-!> A watch that keeps every event it meets, and a path of a motion made up for a test.
+!> A search that keeps every event it meets, and a path of a motion made up for a test.
 module event_log
     use spintop_attitude, only: quaternion_from_angles, vertical_from_quaternion
-    use spintop_events, only: event_watch_t, path_t
+    use spintop_events, only: event_search_t, path_t
     use spintop_exact_motion, only: exact_motion_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
@@ -15,7 +15,7 @@ module event_log
     integer, parameter :: of_turning = 1, of_phi = 2, of_theta = 3, of_psi = 4, of_omega1 = 5, of_gamma1 = 6
 
     !> The events met are `met(:n)`, at `motions(:n)`.
-    type, extends(event_watch_t) :: event_log_t
+    type, extends(event_search_t) :: event_log_t
         !> The quantity of each event of the list.
         integer, allocatable :: of(:)
         !> The motion ends at so many events.
@@ -27,7 +27,7 @@ module event_log
         integer :: evaluations = 0
     contains
         procedure :: quantities
-        procedure :: meet
+        procedure :: handle_event
         procedure :: times_of
     end type event_log_t
 
@@ -57,7 +57,7 @@ contains
         self%evaluations = self%evaluations + 1
     end subroutine quantities
 
-    subroutine meet(self, number, motion)
+    subroutine handle_event(self, number, motion)
         class(event_log_t), intent(inout) :: self
         integer, intent(in) :: number
         type(motion_t), intent(in) :: motion
@@ -65,7 +65,7 @@ contains
         self%met(self%n) = number
         self%motions(self%n) = motion
         self%has_enough = self%n >= self%limit
-    end subroutine meet
+    end subroutine handle_event
 
     !> The times of an event of the list.
     pure function times_of(self, number) result(times)

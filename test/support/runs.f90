@@ -13,7 +13,8 @@ module runs
     use recorder, only: recorder_t
     implicit none
     private
-    public :: watch, unit_body, run_t, carry, carry_from, reference_state, smooth_body, smooth_start, prepare_smooth
+    public :: observe_motion, unit_body, run_t, propagate, propagate_from, reference_state, smooth_body, smooth_start, &
+        prepare_smooth
     public :: attitude_error, observed_order, flow, formulations_for
 
     !> How a run ended.
@@ -29,7 +30,7 @@ contains
 
     !> Follows any body from its start by a method at a tolerance, and keeps what is seen at times;
     !> returns how the run ended.
-    integer function watch(method, body, start, times, tolerance, seen) result(status)
+    integer function observe_motion(method, body, start, times, tolerance, seen) result(status)
         character(*), intent(in) :: method
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -44,7 +45,7 @@ contains
         stepper%controls%absolute_tolerance = tolerance
         call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome)
         status = outcome%status
-    end function watch
+    end function observe_motion
 
     !> A body of unit mass in unit gravity.
     pure type(body_t) function unit_body(inertia, centre_of_mass) result(body)
@@ -77,18 +78,18 @@ contains
         call formulation%prepare(smooth_body(), smooth_start(), y, status)
     end subroutine prepare_smooth
 
-    !> Carries the state `y` over `t_end` seconds, back if that is negative, or until it fails.
-    type(run_t) function carry(stepper, formulation, y, t_end) result(run)
+    !> Propagates the state `y` over `t_end` seconds, back if that is negative, or until it fails.
+    type(run_t) function propagate(stepper, formulation, y, t_end) result(run)
         class(stepper_t), intent(in) :: stepper
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
         class(stepper_t), allocatable :: running
         allocate (running, source=stepper)
-        call carry_from(stepper, formulation, y, t_end, running, run)
-    end function carry
+        call propagate_from(stepper, formulation, y, t_end, running, run)
+    end function propagate
 
     !> The same in a workspace that may have been used before.
-    subroutine carry_from(stepper, formulation, y, t_end, running, run)
+    subroutine propagate_from(stepper, formulation, y, t_end, running, run)
         class(stepper_t), intent(in) :: stepper
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
@@ -111,7 +112,7 @@ contains
         run%t = running%t
         run%y = running%y
         run%counts = running%counts
-    end subroutine carry_from
+    end subroutine propagate_from
 
     !> The state after `t_end` seconds, to rounding.
     function reference_state(formulation, y, t_end) result(y_end)
@@ -123,7 +124,7 @@ contains
         call create_stepper('arkode_erk', stepper)
         stepper%controls%table = 'arkode_fehlberg_13_7_8'
         stepper%controls%steps = 400
-        run = carry(stepper, formulation, y, t_end)
+        run = propagate(stepper, formulation, y, t_end)
         y_end = run%y
     end function reference_state
 
@@ -174,7 +175,7 @@ contains
         do
             previous = error
             previous_order = order
-            run = carry(stepper, formulation, y, t_end)
+            run = propagate(stepper, formulation, y, t_end)
             error = norm2(run%y - exact)
             if (run%status /= status_ok) error = 1
             order = log(previous / error) / log(2.0_dp)

@@ -142,7 +142,7 @@ contains
     !> The theta functions at a time since the start, s.
     pure subroutine evaluate_circular(self, elapsed, values)
         class(circular_series_t), intent(in) :: self
-        real(xp), intent(in) :: elapsed !! s
+        real(xp), intent(in) :: elapsed !! time since the start, s
         type(free_values_t), intent(out) :: values !! attitude and momentum
         complex(dp) :: turns(0:2 * last_elliptic + 1), upper, lower
         real(dp) :: theta3, theta4, sine, cosine

@@ -100,7 +100,7 @@ contains
     !> The theta functions at a time since the start, s.
     pure subroutine evaluate_hyperbolic(self, elapsed, values)
         class(hyperbolic_series_t), intent(in) :: self
-        real(xp), intent(in) :: elapsed !! s
+        real(xp), intent(in) :: elapsed !! time since the start, s
         type(free_values_t), intent(out) :: values !! attitude and momentum
         complex(dp) :: upper, lower
         real(xp) :: z, halves

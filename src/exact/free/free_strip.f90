@@ -318,7 +318,7 @@ contains
 
     !> exp(i angle) of angles, rad; large angles are doubtful.
     pure subroutine find_rotation(angle, rotation, doubt)
-        real(dp), intent(in) :: angle(strip_length) !! rad
+        real(dp), intent(in) :: angle(strip_length) !! the angles, rad
         real(dp), intent(out) :: rotation(strip_length, 2) !! cosine and sine
         real(dp), intent(inout) :: doubt(strip_length) !! set to 1 where the angle is too large
         real(dp), dimension(strip_length) :: half, sine2, cosine2, sine

@@ -69,7 +69,7 @@ contains
 
     !> exp(i angle), the angle reduced before it is rounded.
     pure complex(dp) function unit(angle)
-        real(xp), intent(in) :: angle !! rad
+        real(xp), intent(in) :: angle !! the angle, rad
         real(dp) :: reduced
         reduced = real(angle - (2 * pi_xp) * anint(angle / (2 * pi_xp)), dp)
         unit = cmplx(cos(reduced), sin(reduced), dp)

@@ -132,11 +132,11 @@ contains
                 call advance(strip%phase, along_chi)
                 call find_values(strip, .false.)
                 call find_attitude(strip, attitude)
-                call take_chord(attitude, bend, active, strip%doubt)
+                call count_passages(attitude, bend, active, strip%doubt)
             end do
             active = 1
             attitude%now = arrival
-            call take_chord(attitude, bend, active, strip%doubt)
+            call count_passages(attitude, bend, active, strip%doubt)
         else
             call divide_by_start(attitude, attitude%last)
         end if
@@ -198,7 +198,7 @@ contains
     end subroutine divide_by_start
 
     !> Counts the passages of the negative axis by a chord.
-    pure subroutine take_chord(attitude, bend, active, doubt)
+    pure subroutine count_passages(attitude, bend, active, doubt)
         type(free_attitude_t), intent(inout) :: attitude
         real(dp), intent(in) :: bend(strip_length), active(strip_length)
         real(dp), intent(inout) :: doubt(strip_length)
@@ -226,6 +226,6 @@ contains
                 attitude%last(k, 2 * n) = merge(there(k, 2 * n), y, active(k) > 0)
             end do
         end do
-    end subroutine take_chord
+    end subroutine count_passages
 
 end module spintop_free_turns

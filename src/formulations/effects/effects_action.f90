@@ -86,7 +86,7 @@ contains
     !> none.
     pure real(dp) function next_knot(self, t)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         next_knot = huge(t)
         if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
     end function next_knot
@@ -200,7 +200,7 @@ contains
     !> of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all the time there is.
     pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time, s
         time = huge(t)
         if (.not. all(is_zero(self%effects%vibration_amplitude))) then
             time = 2 * pi / self%effects%vibration_rate / looks_per_period

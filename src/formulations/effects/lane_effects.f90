@@ -32,7 +32,7 @@ module spintop_lane_effects
         type(lane_kinds_t) :: kinds
         type(lane_constants_t) :: of
     contains
-        procedure :: put
+        procedure :: set_lane
         procedure :: expand
     end type lane_effects_t
 
@@ -74,8 +74,8 @@ contains
         has_drag_force = body%effects%drag_force > 0 .and. any(abs(body%centre_of_mass) > 0)
     end function has_drag_force
 
-    !> Puts a body with effects into a lane.
-    pure subroutine put(self, lane, body)
+    !> Sets the constants of a lane for a body with effects.
+    pure subroutine set_lane(self, lane, body)
         class(lane_effects_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties and effects of the body
@@ -99,11 +99,11 @@ contains
             of%phase(lane, :) = effects%vibration_phase
             of%rate(lane) = effects%vibration_rate
         end associate
-        call put_drags(self, lane, body)
-    end subroutine put
+        call set_drags(self, lane, body)
+    end subroutine set_lane
 
     !> The same for the drags. A moment that is linear in omega is damping.
-    pure subroutine put_drags(self, lane, body)
+    pure subroutine set_drags(self, lane, body)
         class(lane_effects_t), intent(inout) :: self
         integer, intent(in) :: lane
         type(body_t), intent(in) :: body
@@ -126,7 +126,7 @@ contains
                 of%drag(n)%power(lane) = 0.5_dp
             end if
         end associate
-    end subroutine put_drags
+    end subroutine set_drags
 
     !> Taylor coefficients of the motions at their states, as by `expand` of `spintop_lane_series`, and the further rows. Where
     !> there is no series, as for a drag at rest, they are not finite.

@@ -166,7 +166,7 @@ contains
         state(21:23) = h
         pivot(:, 0) = 0
         if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)
-        if (abs(self%of%circle) > 0) call put_pivot(self, t, state, pivot(:, 0))
+        if (abs(self%of%circle) > 0) call set_pivot_acceleration(self, t, state, pivot(:, 0))
         call c_expand(order, self%of, state, pivot, of_rate, coefficient, has_series)
         exists = has_series > 0
         if (.not. exists) return
@@ -176,7 +176,7 @@ contains
 
     !> Replaces X and Y by the acceleration B of the pivot and by C = (RB)'/W in body axes, where nothing else needs them:
     !> B' = B x w + W C, C' = C x w - W B. `pivot` are the factors of X and Y in the acceleration.
-    pure subroutine put_pivot(self, t, state, pivot)
+    pure subroutine set_pivot_acceleration(self, t, state, pivot)
         class(smooth_series_t), intent(in) :: self
         real(dp), intent(in) :: t
         real(dp), intent(inout) :: state(:), pivot(3)
@@ -187,7 +187,7 @@ contains
         state(13:15) = matmul(rows, space(:, 0))
         state(17:19) = matmul(rows, space(:, 1)) / self%rate
         pivot = [1, 0, 0]
-    end subroutine put_pivot
+    end subroutine set_pivot_acceleration
 
     !> Terms of the acceleration of the pivot in space axes, z'' + 2 O x z' + O x (O x z) with z = A cos(W t + f): the
     !> term k of cos(W t + f) is W^k/k! cos(W t + f + k pi/2).

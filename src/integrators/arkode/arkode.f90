@@ -182,7 +182,7 @@ contains
         status = status_of(flag)
         if (status /= status_ok .and. self%memory%status /= status_ok) status = self%memory%status
         associate (now => self%memory%now)
-            call take_counts(self)
+            call update_counts(self)
             if (status /= status_ok) return
             self%t_last = self%t
             self%y_last = self%y
@@ -192,14 +192,14 @@ contains
         end associate
     end subroutine take_step
 
-    !> Takes the costs inside ARKODE. Evaluations within steps are counted outside.
-    subroutine take_counts(self)
+    !> Updates the costs by those inside ARKODE. Evaluations within steps are counted outside.
+    subroutine update_counts(self)
         class(arkode_t), intent(inout) :: self
         integer(int64) :: looks
         looks = self%counts%looks
         self%counts = self%memory%now%counts
         self%counts%looks = looks
-    end subroutine take_counts
+    end subroutine update_counts
 
     !> Sets the end of a step to the intended time: ARKODE sums its steps, with rounding errors.
     subroutine set_time(self, t)
@@ -219,7 +219,7 @@ contains
         end associate
         y = self%y
         y = self%memory%interpolate((t - self%t_last) / (self%t - self%t_last))
-        call take_counts(self)
+        call update_counts(self)
     end function state_within
 
     !> Status for a return value of ARKODE.

@@ -23,7 +23,7 @@ module spintop_arkode_memory
     use fsunmatrix_dense_mod, only: FSUNDenseMatrix
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
     use fsunnonlinsol_newton_mod, only: FSUNNonlinSol_Newton
-    use spintop_arkode_stages, only: judge_correction, stage_watch_t
+    use spintop_arkode_stages, only: judge_correction, stage_history_t
     use spintop_arkode_tables, only: arkode_table_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_error_weight, only: error_weight_t
@@ -63,7 +63,7 @@ module spintop_arkode_memory
         !> Cost of the run before this memory was created: ARKODE counts from there.
         type(counts_t), private :: earlier
         !> Ends the iterations for stages with a fixed step size.
-        type(stage_watch_t), private :: stage_watch
+        type(stage_history_t), private :: stage_history
         type(c_ptr), private :: context = c_null_ptr, integrator = c_null_ptr
         type(N_Vector), pointer, private :: state_vector => null()
         type(SUNMatrix), pointer, private :: matrix => null()
@@ -192,9 +192,9 @@ contains
         integer(index_kind) :: n
 
         n = int(self%states, index_kind)
-        self%stage_watch%scale = self%formulation%scale / self%unit
-        self%stage_watch%cyclic = self%formulation%cyclic
-        if (controls%fixed_point) self%stage_watch%divergence = growth_allowed
+        self%stage_history%scale = self%formulation%scale / self%unit
+        self%stage_history%cyclic = self%formulation%cyclic
+        if (controls%fixed_point) self%stage_history%divergence = growth_allowed
         associate (ark => self%integrator)
             if (controls%fixed_point) then
                 self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
@@ -217,7 +217,7 @@ contains
             end if
             call self%keep(FARKStepSetNonlinConvCoef(ark, stage_share))
             if (.not. self%adaptive) call self%keep(FSUNNonlinSolSetConvTestFn( &
-                self%nonlinear_solver, c_funloc(judge_correction), c_loc(self%stage_watch)))
+                self%nonlinear_solver, c_funloc(judge_correction), c_loc(self%stage_history)))
             call self%keep(FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
         end associate
     end subroutine set_implicit_options
@@ -260,7 +260,7 @@ contains
         flag = self%flag
         if (flag < 0) return
         before = self%now
-        self%stage_watch%y = self%now%y / self%unit
+        self%stage_history%y = self%now%y / self%unit
         self%status = status_ok
         flag = FARKStepEvolve(self%integrator, t_end, self%state_vector, t_reached, ARK_ONE_STEP)
         if (flag < 0) then

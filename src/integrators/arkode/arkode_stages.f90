@@ -8,10 +8,10 @@ module spintop_arkode_stages
         SUN_NLS_CONV_RECVR, SUN_NLS_SUCCESS, SUNNonlinearSolver
     implicit none
     private
-    public :: stage_watch_t, judge_correction
+    public :: stage_history_t, judge_correction
 
     !> Data of the step, and of the iteration so far.
-    type :: stage_watch_t
+    type :: stage_history_t
         !> State at the beginning of the step, and the scales of its variables; cyclic variables may have any
         !> magnitude.
         real(dp) :: y(max_states) = 0, scale(max_states) = 1
@@ -22,7 +22,7 @@ module spintop_arkode_stages
         !> to the one before; and the number of corrections since the smallest.
         real(dp), private :: previous = 0, smallest = 0, rate = 1
         integer, private :: idle = 0
-    end type stage_watch_t
+    end type stage_history_t
 
     !> An iteration has converged to rounding if its next correction is below the first value, or if the
     !> correction no longer decreases and is below the second.
@@ -38,8 +38,8 @@ contains
         type(N_Vector), intent(inout) :: del !! the last correction
         real(c_double), value :: tolerance !! tolerance of ARKODE, not used
         type(N_Vector), intent(inout) :: weights !! weights of ARKODE, not used
-        type(c_ptr), value :: data !! a `stage_watch_t`
-        type(stage_watch_t), pointer :: watch
+        type(c_ptr), value :: data !! a `stage_history_t`
+        type(stage_history_t), pointer :: history
         real(c_double), pointer :: total(:), last(:)
         real(dp) :: magnitude, rate
         integer(c_int) :: iteration(1), failure
@@ -49,32 +49,32 @@ contains
 
         associate (unused => tolerance, also_unused => weights)
         end associate
-        call c_f_pointer(data, watch)
+        call c_f_pointer(data, history)
         total => FN_VGetArrayPointer(change)
         last => FN_VGetArrayPointer(del)
         n = size(last)
-        magnitude = maxval(abs(last) / max(watch%scale(:n), abs(total), &
-            merge(0.0_dp, abs(watch%y(:n)), watch%cyclic(:n))))
+        magnitude = maxval(abs(last) / max(history%scale(:n), abs(total), &
+            merge(0.0_dp, abs(history%y(:n)), history%cyclic(:n))))
         failure = FSUNNonlinSolGetCurIter(solver, iteration)
         if (iteration(1) == 0) then
-            watch%previous = huge(magnitude)
-            watch%smallest = huge(magnitude)
-            watch%idle = 0
-            watch%rate = first_rate
+            history%previous = huge(magnitude)
+            history%smallest = huge(magnitude)
+            history%idle = 0
+            history%rate = first_rate
         end if
         ! The larger of two successive rates, because a correction of an angle causes one of its rate.
-        rate = merge(1.0_dp, magnitude / watch%previous, iteration(1) == 0)
-        watch%idle = merge(0, watch%idle + 1, magnitude < watch%smallest)
-        watch%smallest = min(watch%smallest, magnitude)
+        rate = merge(1.0_dp, magnitude / history%previous, iteration(1) == 0)
+        history%idle = merge(0, history%idle + 1, magnitude < history%smallest)
+        history%smallest = min(history%smallest, magnitude)
         verdict = SUN_NLS_CONTINUE
-        if (min(max(rate, watch%rate), 1.0_dp) * magnitude <= negligible &
-            .or. watch%idle > 1 .and. magnitude <= acceptable) then
+        if (min(max(rate, history%rate), 1.0_dp) * magnitude <= negligible &
+            .or. history%idle > 1 .and. magnitude <= acceptable) then
             verdict = SUN_NLS_SUCCESS
-        else if (.not. magnitude <= max(watch%divergence * watch%previous, acceptable)) then
+        else if (.not. magnitude <= max(history%divergence * history%previous, acceptable)) then
             verdict = SUN_NLS_CONV_RECVR
         end if
-        watch%previous = magnitude
-        watch%rate = rate
+        history%previous = magnitude
+        history%rate = rate
     end function judge_correction
 
 end module spintop_arkode_stages

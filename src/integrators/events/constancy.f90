@@ -39,8 +39,8 @@ module spintop_constancy
 contains
 
     !> Which events have a quantity that is at its level, and constant to rounding.
-    subroutine find_constant(watch, body, start, is_constant)
-        class(event_quantities_t), intent(inout) :: watch !! the events and their quantities
+    subroutine find_constant(search, body, start, is_constant)
+        class(event_quantities_t), intent(inout) :: search !! the events and their quantities
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the motion at the start
         logical, intent(out) :: is_constant(:) !! one for each event
@@ -50,7 +50,7 @@ contains
         integer :: i
 
         fall = greatest_fall_rate(body)
-        is_constant = watch%events%occasion == occasion_none .and. .not. watch%events%turn_by_turn
+        is_constant = search%events%occasion == occasion_none .and. .not. search%events%turn_by_turn
         call keep_those_at_level(start)
         if (.not. any(is_constant)) return
         if (changes_later(body)) is_constant = .false.
@@ -65,7 +65,7 @@ contains
             call keep_those_at_level(motion)
         end do
         ! The angles of the next motion are near those of the last one that was seen.
-        call watch%quantities(start, values)
+        call search%quantities(start, values)
 
     contains
 
@@ -73,13 +73,13 @@ contains
         subroutine keep_those_at_level(here)
             type(motion_t), intent(in) :: here
             real(dp), dimension(size(is_constant)) :: noise, distance
-            call watch%quantities(here, values)
-            distance = distance_from_level(watch%events, values)
+            call search%quantities(here, values)
+            distance = distance_from_level(search%events, values)
             if (.not. any(is_constant .and. is_finite(distance))) then
                 is_constant = .false.
                 return
             end if
-            call find_noise(watch, fall, here, values, noise)
+            call find_noise(search, fall, here, values, noise)
             is_constant = is_constant .and. is_finite(distance) .and. distance <= margin * noise
         end subroutine keep_those_at_level
 
@@ -141,8 +141,8 @@ contains
     end subroutine step
 
     !> What quantities change by between a motion and its neighbours: their rounding errors.
-    subroutine find_noise(watch, fall, motion, values, noise)
-        class(event_quantities_t), intent(inout) :: watch !! the quantities
+    subroutine find_noise(search, fall, motion, values, noise)
+        class(event_quantities_t), intent(inout) :: search !! the quantities
         real(dp), intent(in) :: fall !! `greatest_fall_rate` of the body, rad/s
         type(motion_t), intent(in) :: motion !! the motion
         real(dp), intent(in) :: values(:) !! the quantities there
@@ -150,9 +150,9 @@ contains
         integer :: i
         noise = 0
         do i = 1, neighbours
-            call watch%quantities(neighbour(fall, motion, i), watch%one)
-            watch%one = abs(watch%one - values)
-            where (is_finite(watch%one)) noise = max(noise, watch%one)
+            call search%quantities(neighbour(fall, motion, i), search%one)
+            search%one = abs(search%one - values)
+            where (is_finite(search%one)) noise = max(noise, search%one)
         end do
     end subroutine find_noise
 

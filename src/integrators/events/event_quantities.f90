@@ -26,7 +26,7 @@ module spintop_event_quantities
         !> The quantities at the latest instants; workspace.
         type(recent_values_t) :: recent
         real(dp), allocatable :: one(:)
-        !> The motion at the instants that were looked at last at once, and the quantities.
+        !> The motion at the instants that were computed last at once, and the quantities.
         type(motions_t), private :: ahead
         real(dp), allocatable, private :: several(:, :)
     contains
@@ -36,7 +36,7 @@ module spintop_event_quantities
         procedure :: value_at
         procedure :: find_passage
         procedure, private :: find_near
-        procedure :: take_quarters
+        procedure :: find_quarters
     end type event_quantities_t
 
     integer, parameter :: half = instants / 2
@@ -125,7 +125,7 @@ contains
         if (last > 0) before = [a + (b - a) * (last - 1) / 4, g(last)]
         call bracket%begin(before(1), before(2), a + (b - a) * (i - 1) / 4, g(i), spacing(max(abs(side%t), abs(b))))
         do while (.not. bracket%found)
-            call bracket%take(self%value_at(path, k, bracket%trial) - side%level)
+            call bracket%add_value(self%value_at(path, k, bracket%trial) - side%level)
         end do
         t = bracket%trial
         is_found = bracket%status == status_ok .and. abs(bracket%residual) <= 2 * side%farthest
@@ -165,11 +165,11 @@ contains
     !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
     !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call. It moves
     !> `b` to the end of that time if this is not much earlier.
-    subroutine take_quarters(self, path, a, b, limit, values, last)
+    subroutine find_quarters(self, path, a, b, limit, values, last)
         class(event_quantities_t), intent(inout) :: self
         class(path_t), intent(inout) :: path !! the motion
-        real(dp), intent(in) :: a, limit !! s
-        real(dp), intent(inout) :: b !! s
+        real(dp), intent(in) :: a, limit !! beginning of the interval, and the latest time to look at, s
+        real(dp), intent(inout) :: b !! end of the interval, which may be moved, s
         real(dp), intent(out) :: values(:, :) !! a row for each event
         type(motion_t), intent(out) :: last !! the motion at `b`
         real(dp) :: t(instants), slack
@@ -197,6 +197,6 @@ contains
             values(:, i) = self%several(first - 1 + i, :)
         end do
         last = self%ahead%motion(first - 1 + half)
-    end subroutine take_quarters
+    end subroutine find_quarters
 
 end module spintop_event_quantities

@@ -26,14 +26,14 @@ module spintop_events
     use spintop_path, only: path_t
     implicit none
     private
-    public :: event_t, event_watch_t, path_t, carry_search
+    public :: event_t, event_search_t, path_t, store_or_restore_search
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
-    type, extends(event_quantities_t), abstract :: event_watch_t
-        !> Set by `meet` to end the motion.
+    type, extends(event_quantities_t), abstract :: event_search_t
+        !> Set by `handle_event` to end the motion.
         logical :: has_enough = .false.
         !> The search ends where one of the events has happened so often, or where there is no memory for those
-        !> found: then the watch is full.
+        !> found: then the search is full.
         integer :: most_events = huge(1)
         logical :: is_full = .false.
         !> Whether phi and psi count their turns up to events; otherwise they are the values nearest to those of the start.
@@ -46,7 +46,7 @@ module spintop_events
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
         real(dp) :: t = 0
-        !> For `meet`: the work of effects from the start to the event, by its parts, J.
+        !> For `handle_event`: the work of effects from the start to the event, by its parts, J.
         real(dp) :: work(works) = 0
         !> The motion at that time; if `needs_angles`, with the angles and their rates.
         type(motion_t) :: here
@@ -57,30 +57,30 @@ module spintop_events
         type(side_t), allocatable, private :: sides(:)
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
-        procedure(meet), deferred :: meet
-        procedure :: miss
+        procedure(handle_event), deferred :: handle_event
+        procedure :: handle_doubtful_event
         procedure :: check
         procedure :: begin
         procedure :: judge
-        procedure :: look
+        procedure :: find_events
         procedure :: knows
-        procedure :: happen
-        procedure :: carry => carry_search
+        procedure :: record_occasion
+        procedure :: store_or_restore => store_or_restore_search
         procedure, private :: search
         procedure, private :: refine
         procedure, private :: measure_rounding
-        procedure, private :: take_side
+        procedure, private :: update_side
         procedure, private :: advance
-    end type event_watch_t
+    end type event_search_t
 
     abstract interface
         !> Called at event `number` of the list, in increasing order of time.
-        subroutine meet(self, number, motion)
-            import :: event_watch_t, motion_t
-            class(event_watch_t), intent(inout) :: self
+        subroutine handle_event(self, number, motion)
+            import :: event_search_t, motion_t
+            class(event_search_t), intent(inout) :: self
             integer, intent(in) :: number !! index of the event in `events`
             type(motion_t), intent(in) :: motion !! the motion at the event
-        end subroutine meet
+        end subroutine handle_event
     end interface
 
     !> Each time after so many halvings of an interval the rounding error is measured, over this fraction of what is
@@ -92,24 +92,24 @@ contains
 
     !> `status_ok`, or `status_bad_events` if an event has another direction than -1, 0 or 1, or a level that is not finite.
     pure integer function check(self) result(status)
-        class(event_watch_t), intent(in) :: self
+        class(event_search_t), intent(in) :: self
         status = status_ok
         if (.not. allocated(self%events)) return
         if (.not. all(abs(self%events%direction) <= 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
 
     !> Called at a passage that does not count, because the quantity was within its noise since the one before.
-    subroutine miss(self, number, motion)
-        class(event_watch_t), intent(inout) :: self
+    subroutine handle_doubtful_event(self, number, motion)
+        class(event_search_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the passage
         associate (unused => self, also_unused => number, not_used => motion)
         end associate
-    end subroutine miss
+    end subroutine handle_doubtful_event
 
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! the motion at the start
         integer :: i
@@ -135,7 +135,7 @@ contains
 
     !> Judges which quantities are constant at their levels, and then have no events: after `begin`, of a motion of that body.
     subroutine judge(self, body, motion)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! the motion at the start
         call find_constant(self, body, motion, self%sides%is_constant)
@@ -143,8 +143,8 @@ contains
 
     !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
     !> the path allows.
-    subroutine look(self, path, t)
-        class(event_watch_t), intent(inout) :: self
+    subroutine find_events(self, path, t)
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
@@ -175,18 +175,18 @@ contains
                 call self%search(path, next, t)
             end if
         end do
-    end subroutine look
+    end subroutine find_events
 
     !> Whether an occasion is one of the events.
     pure logical function knows(self, occasion)
-        class(event_watch_t), intent(in) :: self
+        class(event_search_t), intent(in) :: self
         integer, intent(in) :: occasion !! one of those of `spintop_event`
         knows = any(self%events%occasion == occasion)
     end function knows
 
-    !> Meets the events of an occasion, at the motion at that instant.
-    subroutine happen(self, occasion, motion, work)
-        class(event_watch_t), intent(inout) :: self
+    !> Records the events of an occasion, at the motion at that instant.
+    subroutine record_occasion(self, occasion, motion, work)
+        class(event_search_t), intent(inout) :: self
         integer, intent(in) :: occasion !! one of those of `spintop_event`
         type(motion_t), intent(in) :: motion !! the motion then
         real(dp), intent(in) :: work(works) !! the work of effects from the start to then, J
@@ -198,35 +198,35 @@ contains
             self%is_full = self%events(k)%count >= self%most_events
             if (self%is_full) return
             self%events(k)%count = self%events(k)%count + 1
-            call self%meet(k, motion)
+            call self%handle_event(k, motion)
         end do
         if (.not. self%has_enough) return
         self%t = motion%t
         self%here = motion
-    end subroutine happen
+    end subroutine record_occasion
 
-    !> Carries the state of the search, after `begin`.
-    subroutine carry_search(self, archive)
-        class(event_watch_t), intent(inout) :: self !! the search
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+    !> Stores or restores the state of the search, after `begin`.
+    subroutine store_or_restore_search(self, archive)
+        class(event_search_t), intent(inout) :: self !! the search
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
         integer :: i
-        call archive%carry(self%t)
-        call self%here%carry(archive)
-        call archive%carry(self%has_enough)
-        call archive%carry(self%is_full)
-        call archive%carry(self%is_paused)
-        call archive%carry(self%pace)
+        call archive%store_or_restore(self%t)
+        call self%here%store_or_restore(archive)
+        call archive%store_or_restore(self%has_enough)
+        call archive%store_or_restore(self%is_full)
+        call archive%store_or_restore(self%is_paused)
+        call archive%store_or_restore(self%pace)
         do i = 1, size(self%events)
-            call archive%carry(self%events(i)%count)
-            call archive%carry(self%values(i))
-            call self%sides(i)%carry(archive)
+            call archive%store_or_restore(self%events(i)%count)
+            call archive%store_or_restore(self%values(i))
+            call self%sides(i)%store_or_restore(archive)
         end do
-    end subroutine carry_search
+    end subroutine store_or_restore_search
 
-    !> Searches for passages from the last instant to the next one, `last` or earlier, and meets them in
-    !> order. An event very soon after the start is the start. `motion_last` is the motion at `last`, if known.
+    !> Searches for passages from the last instant to the next one, `last` or earlier, and handles them in order. An event very
+    !> soon after the start is the start. `motion_last` is the motion at `last`, if known.
     subroutine search(self, path, last, limit, motion_last)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         real(dp), intent(in) :: last, limit
         type(motion_t), intent(in), optional :: motion_last
@@ -239,7 +239,7 @@ contains
         self%five(:, 1) = self%values
         b = last
         if (self%takes_several) then
-            call self%take_quarters(path, self%t, b, limit, self%five(:, 2:), there)
+            call self%find_quarters(path, self%t, b, limit, self%five(:, 2:), there)
         else
             call self%advance(path, b, there, motion_last)
             if (path%is_spent()) return
@@ -251,11 +251,11 @@ contains
             if (self%sides(k)%is_constant) cycle
             before = found%n
             values = self%five(k, :)
-            call self%sides(k)%look_for_clear(values, noise(k))
-            call self%sides(k)%take_stay(self%events(k), b, values, stays)
+            call self%sides(k)%update_is_clear(values, noise(k))
+            call self%sides(k)%advance_if_staying(self%events(k), b, values, stays)
             if (stays) cycle
             call self%sides(k)%aim(self%events(k), self%t, values)
-            call self%sides(k)%look_for_clear(values, noise(k))
+            call self%sides(k)%update_is_clear(values, noise(k))
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             call self%sides(k)%forget_rounding(self%t)
             if (is_near) call self%measure_rounding(path, k, self%t, b)
@@ -269,12 +269,12 @@ contains
             call path%at(found%t(i), motion)
             self%work = path%work_until(found%t(i))
             k = found%event(i)
-            if (k < 0) call self%miss(-k, motion)
+            if (k < 0) call self%handle_doubtful_event(-k, motion)
             if (k < 0) cycle
             self%is_full = self%events(k)%count >= self%most_events
             if (self%is_full) return
             self%events(k)%count = self%events(k)%count + 1
-            call self%meet(k, motion)
+            call self%handle_event(k, motion)
             if (.not. self%has_enough) cycle
             self%t = found%t(i)
             self%here = motion
@@ -285,9 +285,9 @@ contains
         self%values = self%five(:, 5)
     end subroutine search
 
-    !> Takes the quantities at five instants from the last one to `b`, or to an earlier time up to which no angle turns too far.
+    !> Finds the quantities at five instants from the last one to `b`, or to an earlier time up to which no angle turns too far.
     subroutine advance(self, path, b, there, motion_last)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         real(dp), intent(inout) :: b
         type(motion_t), intent(out) :: there
@@ -315,7 +315,7 @@ contains
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in
     !> each part, and takes the parts in order. `g` contains the distances from the level at five instants.
     recursive subroutine refine(self, path, k, a, b, g, depth, found)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k, depth
         real(dp), intent(in) :: a, b, g(5)
@@ -326,7 +326,7 @@ contains
         if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
-            call self%take_side(path, k, a, b, g, found)
+            call self%update_side(path, k, a, b, g, found)
             return
         end if
         quarter = (b - a) / 4
@@ -347,7 +347,7 @@ contains
     !> Measures the rounding error of the quantity of event `k` at the beginning of the interval from `a` to `b`. It may be
     !> larger there than where it was measured before: near a pole it varies by orders of magnitude.
     subroutine measure_rounding(self, path, k, a, b)
-        class(event_watch_t), intent(inout) :: self
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
         real(dp), intent(in) :: a, b
@@ -366,8 +366,8 @@ contains
 
     !> Sets the side of the level on which the quantity of event `k` is at the end of the interval from `a` to `b`. If it
     !> differs from the last one, there is a passage in between.
-    subroutine take_side(self, path, k, a, b, g, found)
-        class(event_watch_t), intent(inout) :: self
+    subroutine update_side(self, path, k, a, b, g, found)
+        class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         integer, intent(in) :: k
         real(dp), intent(in) :: a, b, g(5)
@@ -394,6 +394,6 @@ contains
             side%t = b
             side%distance = distance
         end associate
-    end subroutine take_side
+    end subroutine update_side
 
 end module spintop_events

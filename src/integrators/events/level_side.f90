@@ -28,11 +28,11 @@ module spintop_level_side
         !> next passage counts.
         logical :: is_clear = .true., was_clear = .true.
     contains
-        procedure :: look_for_clear
+        procedure :: update_is_clear
         procedure :: aim
-        procedure :: take_stay
+        procedure :: advance_if_staying
         procedure :: forget_rounding
-        procedure :: carry
+        procedure :: store_or_restore
     end type side_t
 
     !> A start value so close to the level, relatively, is at the level.
@@ -43,11 +43,11 @@ module spintop_level_side
 contains
 
     !> Notes whether the quantity is beyond its noise somewhere in an interval, on its side.
-    pure subroutine look_for_clear(self, values, noise)
+    pure subroutine update_is_clear(self, values, noise)
         class(side_t), intent(inout) :: self
         real(dp), intent(in) :: values(5), noise !! the quantity at equal distances, and its noise
         if (.not. self%is_clear) self%is_clear = any(self%sign * (values - self%level) > noise)
-    end subroutine look_for_clear
+    end subroutine update_is_clear
 
     !> Selects the level of the event for an interval: of several levels the one nearest to the quantity.
     pure subroutine aim(self, event, t, values)
@@ -79,7 +79,7 @@ contains
 
     !> Whether the quantity surely stays on its side of the only level of the event in an interval; if it does, its end, at
     !> time b, is taken.
-    pure subroutine take_stay(self, event, b, values, stays)
+    pure subroutine advance_if_staying(self, event, b, values, stays)
         class(side_t), intent(inout) :: self
         type(event_t), intent(in) :: event !! the event
         real(dp), intent(in) :: b, values(5) !! s; the quantity at equal distances in the interval
@@ -94,29 +94,29 @@ contains
         self%rounding = 0
         self%t = b
         self%distance = values(5) - self%level
-    end subroutine take_stay
+    end subroutine advance_if_staying
 
     !> Forgets the rounding error that was measured: it may be another one in the next interval, which begins at time t.
     pure subroutine forget_rounding(self, t)
         class(side_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! beginning of the next interval, s
         self%rounding = 0
         if (self%sign == 0 .and. t < self%early) self%rounding = self%noise
     end subroutine forget_rounding
 
     !> Carries the side.
-    subroutine carry(self, archive)
+    subroutine store_or_restore(self, archive)
         class(side_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%level)
-        call archive%carry(self%sign)
-        call archive%carry(self%t)
-        call archive%carry(self%distance)
-        call archive%carry(self%rounding)
-        call archive%carry(self%farthest)
-        call archive%carry(self%is_clear)
-        call archive%carry(self%was_clear)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%level)
+        call archive%store_or_restore(self%sign)
+        call archive%store_or_restore(self%t)
+        call archive%store_or_restore(self%distance)
+        call archive%store_or_restore(self%rounding)
+        call archive%store_or_restore(self%farthest)
+        call archive%store_or_restore(self%is_clear)
+        call archive%store_or_restore(self%was_clear)
+    end subroutine store_or_restore
 
     !> Whether an angle with turns changes too much between two instants to be followed.
     elemental logical function turns_far(event, before, after)
@@ -127,7 +127,7 @@ contains
 
     !> 1 or -1.
     elemental integer function sign_of(x)
-        real(dp), intent(in) :: x !! a number
+        real(dp), intent(in) :: x !! a number that is not zero
         sign_of = merge(1, -1, x > 0)
     end function sign_of
 

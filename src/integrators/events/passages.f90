@@ -29,7 +29,7 @@ contains
     subroutine add(self, event, t)
         class(passages_t), intent(inout) :: self
         integer, intent(in) :: event !! its number
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time of the passage, s
         integer, allocatable :: more_events(:)
         real(dp), allocatable :: more_times(:)
         integer :: failure

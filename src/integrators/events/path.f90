@@ -68,7 +68,7 @@ contains
         integer :: i
         do i = 1, instants
             if (i <= used) call self%at_without_angles(t(i), motion)
-            call motions%put(i, motion)
+            call motions%set_motion(i, motion)
         end do
     end subroutine at_several
 

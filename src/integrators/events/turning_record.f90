@@ -29,15 +29,15 @@ module spintop_turning_record
         real(dp) :: theta(2) = [huge(1.0_dp), -huge(1.0_dp)]
         real(dp) :: rate(2) = [huge(1.0_dp), -huge(1.0_dp)]
     contains
-        procedure :: take
+        procedure :: add
         procedure :: count_in
-        procedure :: take_before
+        procedure :: add_before
     end type turning_points_t
 
 contains
 
-    !> Takes the next turning point.
-    pure subroutine take(self, motion)
+    !> Adds the next turning point.
+    pure subroutine add(self, motion)
         class(turning_points_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at the turning point
         call self%count_in(motion)
@@ -45,7 +45,7 @@ contains
         self%last = time_and_angles(motion)
         if (self%n == 0) self%first = self%last
         self%n = self%n + 1
-    end subroutine take
+    end subroutine add
 
     !> Time, s, phi and psi without the half turns at poles, rad.
     pure function time_and_angles(motion) result(values)
@@ -54,15 +54,15 @@ contains
         values = [motion%t, motion%angle(1:3:2) - pi * half_turns(motion%passed)]
     end function time_and_angles
 
-    !> Takes one before all others.
-    pure subroutine take_before(self, motion)
+    !> Adds a turning point before all others.
+    pure subroutine add_before(self, motion)
         class(turning_points_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at the turning point
         self%first = time_and_angles(motion)
         if (self%n == 0) self%last = self%first
         self%n = self%n + 1
         call self%count_in(motion)
-    end subroutine take_before
+    end subroutine add_before
 
     !> A turning point within the noise of the motion.
     pure subroutine interrupt(turns)
@@ -93,8 +93,8 @@ contains
             ! The last one may be this one.
             if (turns(before)%n == 0 .or. turns(kind)%last(1) > turns(before)%last(1)) return
         end if
-        if (turns(before)%n == 0 .and. is_zero(axis_height_rate(start))) call turns(before)%take(start)
-        call turns(kind)%take(last)
+        if (turns(before)%n == 0 .and. is_zero(axis_height_rate(start))) call turns(before)%add(start)
+        call turns(kind)%add(last)
     end subroutine count_end
 
     !> Whether theta turns at a motion: its rate is zero to rounding, and its acceleration is not.
@@ -121,7 +121,7 @@ contains
                  gamma(1) * omega_rate(2), -gamma(2) * omega_rate(1)]
     end subroutine find_bend
 
-    !> Takes the extremes.
+    !> Updates the extremes.
     pure subroutine count_in(self, motion)
         class(turning_points_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at the turning point

@@ -14,12 +14,12 @@ module spintop_rest
 
     !> Whether the body rests, and how near it is to rest.
     type :: rest_t
-        !> Whether the body lies still, since the time `t_stuck`, s.
+        !> Whether the body is at rest, since the time `t_stuck`, s.
         logical :: is_resting = .false.
         real(dp) :: t_stuck = 0
         !> Whether the method steps by series, which end where a motion reverses without dry friction, too.
         logical :: has_series = .false.
-        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where it was looked at.
+        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where they were computed.
         real(dp), private :: largest = 0, steepest = 0
         !> What was seen last: the end of a step is the beginning of the next. A deceleration that does not matter is zero.
         type(turning_t), private :: seen
@@ -28,8 +28,8 @@ module spintop_rest
         procedure :: latest_end
         procedure :: note_turning
         procedure :: settle
-        procedure :: carry
-        procedure, private :: look
+        procedure :: store_or_restore
+        procedure, private :: set_motion
         procedure, private :: check_rest
     end type rest_t
 
@@ -45,7 +45,7 @@ module spintop_rest
 
 contains
 
-    !> Looks at the start.
+    !> Examines the start.
     subroutine begin(self, formulation, stepper, has_series)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
@@ -60,7 +60,7 @@ contains
 
     !> Looks at the angular velocity. How fast it decreases is zero where nothing depends on its direction: without dry
     !> friction, but for series under a drag, which end near where the motion turns.
-    subroutine look(self, formulation, t, y)
+    subroutine set_motion(self, formulation, t, y)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
@@ -70,7 +70,7 @@ contains
         self%steepest = max(self%steepest, self%seen%slowing)
         if (.not. (formulation%action%may_stick &
                    .or. (self%has_series .and. self%seen%slowing > turning * self%steepest))) self%seen%slowing = 0
-    end subroutine look
+    end subroutine set_motion
 
     !> The time up to which a step from a state may reach: half of that to rest.
     real(dp) function latest_end(self, formulation, t, y)
@@ -78,7 +78,7 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         latest_end = huge(t)
-        call self%look(formulation, t, y)
+        call self%set_motion(formulation, t, y)
         if (self%seen%slowing > 0 .and. self%seen%speed > 0) latest_end = t + share * self%seen%speed / self%seen%slowing
     end function latest_end
 
@@ -113,7 +113,7 @@ contains
         real(dp) :: allowed, left, y(max_states)
 
         is_stopped = .false.
-        call self%look(formulation, stepper%t, stepper%y)
+        call self%set_motion(formulation, stepper%t, stepper%y)
         if (.not. self%seen%speed > 0) then
             call self%check_rest(formulation, stepper%t, stepper%y)
             return
@@ -136,18 +136,18 @@ contains
         stepper%rest = 0
     end subroutine settle
 
-    !> Carries the state at the end of a step.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step.
+    subroutine store_or_restore(self, archive)
         class(rest_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%is_resting)
-        call archive%carry(self%t_stuck)
-        call archive%carry(self%largest)
-        call archive%carry(self%steepest)
-        call archive%carry(self%seen%t)
-        call archive%carry(self%seen%speed)
-        call archive%carry(self%seen%slowing)
-        call archive%carry(self%seen%across)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%is_resting)
+        call archive%store_or_restore(self%t_stuck)
+        call archive%store_or_restore(self%largest)
+        call archive%store_or_restore(self%steepest)
+        call archive%store_or_restore(self%seen%t)
+        call archive%store_or_restore(self%seen%speed)
+        call archive%store_or_restore(self%seen%slowing)
+        call archive%store_or_restore(self%seen%across)
+    end subroutine store_or_restore
 
 end module spintop_rest

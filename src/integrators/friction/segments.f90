@@ -11,7 +11,7 @@ module spintop_segments
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: formulation_t, structure_none, structure_series
     use spintop_kinds, only: dp
-    use spintop_lying, only: lying_t
+    use spintop_resting, only: resting_t
     use spintop_rest, only: rest_t
     use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
@@ -33,14 +33,14 @@ module spintop_segments
         logical, private :: must_cross = .false.
         !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
         logical, private :: keeps_direction = .false.
-        type(lying_t), private :: lying
+        type(resting_t), private :: lying
         type(dop853_t), private :: crossing
     contains
         procedure :: begin
         procedure :: advance
         procedure :: settle
         procedure :: may_keep
-        procedure :: carry
+        procedure :: store_or_restore
         procedure :: stepper_of
         procedure, private :: go_over
         procedure, private :: latest_end
@@ -109,7 +109,7 @@ contains
         if (kind /= self%kind) then
             self%kind = kind
             next => self%stepper_of(method)
-            call next%take_over(stepper)
+            call next%copy_counts(stepper)
             stepper => next
         end if
         if (kind == by_runge_kutta) stepper%t_end = self%latest_end(formulation, stepper, method%t_end)
@@ -218,13 +218,13 @@ contains
         may_keep = self%kind /= by_runge_kutta
     end function may_keep
 
-    !> Carries the state at the end of a step.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step.
+    subroutine store_or_restore(self, archive)
         class(segments_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call self%rest%carry(archive)
-        call archive%carry(self%occasion)
-        call archive%carry(self%kind)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call self%rest%store_or_restore(archive)
+        call archive%store_or_restore(self%occasion)
+        call archive%store_or_restore(self%kind)
+    end subroutine store_or_restore
 
 end module spintop_segments

@@ -33,7 +33,7 @@ module spintop_implicit_runge_kutta
     contains
         procedure :: begin
         procedure :: step
-        procedure :: carry
+        procedure :: store_or_restore
     end type implicit_runge_kutta_t
 
     !> Number of iterations after which a step has not converged.
@@ -62,31 +62,31 @@ contains
         call begin_on_grid(self, formulation, status)
     end subroutine begin
 
-    !> Carries the state at the end of a step, with the stages and the matrices that the next one begins with.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step, with the stages and the matrices that the next one begins with.
+    subroutine store_or_restore(self, archive)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
         real(dp) :: parts(max_states, 2)
         integer :: i, j, k
 
-        call self%run_state_t%carry(archive)
+        call self%run_state_t%store_or_restore(archive)
         do i = 1, max_implicit_stages
-            call archive%carry(self%z(:, i))
+            call archive%store_or_restore(self%z(:, i))
         end do
-        call archive%carry(self%h_stages)
+        call archive%store_or_restore(self%h_stages)
         do k = 1, max_modes
             do i = 1, max_states
                 parts(:, 1) = real(self%factors(:, i, k), dp)
                 parts(:, 2) = aimag(self%factors(:, i, k))
                 do j = 1, 2
-                    call archive%carry(parts(:, j))
+                    call archive%store_or_restore(parts(:, j))
                 end do
                 self%factors(:, i, k) = cmplx(parts(:, 1), parts(:, 2), dp)
-                call archive%carry(self%pivots(i, k))
+                call archive%store_or_restore(self%pivots(i, k))
             end do
         end do
-        call archive%carry(self%h_factors)
-    end subroutine carry
+        call archive%store_or_restore(self%h_factors)
+    end subroutine store_or_restore
 
     !> One step of the method. The initial guess of the stages is the polynomial of the last step. If it
     !> fails, the slope is the guess, with a new Jacobian; if that fails too, continuation is used.

@@ -52,7 +52,7 @@ contains
     subroutine find_jacobian(formulation, run, t, y, jacobian, status)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         class(run_state_t), intent(inout) :: run !! counts the evaluations
-        real(dp), intent(in) :: t, y(max_states) !! where
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state at which the derivatives are taken
         real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j, in `formulation%units()`, 1/s
         integer, intent(out) :: status !! that of the right-hand side
         !> Increment of a component relative to its magnitude, and the smallest magnitude used for this,

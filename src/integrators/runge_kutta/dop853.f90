@@ -50,7 +50,7 @@ module spintop_dop853
         procedure :: step
         procedure :: state_within
         procedure :: states_within
-        procedure :: carry
+        procedure :: store_or_restore
     end type dop853_t
 
     interface
@@ -86,13 +86,13 @@ contains
         end if
     end subroutine begin
 
-    !> Carries the state at the end of a step.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step.
+    subroutine store_or_restore(self, archive)
         class(dop853_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call self%run_state_t%carry(archive)
-        call archive%carry(self%last_error)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call self%run_state_t%store_or_restore(archive)
+        call archive%store_or_restore(self%last_error)
+    end subroutine store_or_restore
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
     !> with it, one for the order of this method. Times are relative to the time in which the state would

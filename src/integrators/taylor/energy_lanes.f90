@@ -2,7 +2,7 @@
 module spintop_energy_lanes
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
-    use spintop_lane_watch, only: lane_watch_t
+    use spintop_lane_monitor, only: lane_monitor_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -12,7 +12,7 @@ module spintop_energy_lanes
     public :: energy_lanes_t
 
     !> Watches the energy, of bodies with effects less their work; `error_max` is the largest relative error of each case.
-    type, extends(lane_watch_t) :: energy_lanes_t
+    type, extends(lane_monitor_t) :: energy_lanes_t
         real(dp), allocatable :: error_max(:)
         !> Half the moments of inertia, and the torque of gravity, both over the scale of the energy; the energy at
         !> the start, likewise.
@@ -22,7 +22,7 @@ module spintop_energy_lanes
     contains
         procedure :: prepare
         procedure :: begin
-        procedure :: look
+        procedure :: observe
         procedure :: finish
     end type energy_lanes_t
 
@@ -54,8 +54,8 @@ contains
         call self%work%begin(lane, body, energy_scale(body, start))
     end subroutine begin
 
-    !> Takes the errors at the ends of the last step.
-    subroutine look(self, run)
+    !> Records the errors at the ends of the last step.
+    subroutine observe(self, run)
         class(energy_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), dimension(lanes) :: energy, frame, scale
@@ -74,7 +74,7 @@ contains
             self%largest(i) = merge(self%largest(i), energy(i), energy(i) <= self%largest(i) &
                                     .or. .not. self%largest(i) <= huge(1.0_dp))
         end do
-    end subroutine look
+    end subroutine observe
 
     !> Energies over their scales.
     pure subroutine find_energies(self, run, energy)

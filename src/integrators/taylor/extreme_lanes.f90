@@ -13,7 +13,7 @@ module spintop_extreme_lanes
     use spintop_poles, only: polar_precession_rate, precession_is_lost
     use spintop_quantities, only: angular_acceleration
     use spintop_lane_products, only: multiply, multiply_slopes, square
-    use spintop_root_watch, only: find_derivatives, find_row, of_interval, root_watch_t, rounding, states_at
+    use spintop_root_monitor, only: find_derivatives, find_row, of_interval, root_monitor_t, rounding, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_vectors, only: cross
     implicit none
@@ -33,7 +33,7 @@ module spintop_extreme_lanes
     integer, parameter :: least_degree = 12
 
     !> Watches a quantity.
-    type, extends(root_watch_t) :: extreme_lanes_t
+    type, extends(root_monitor_t) :: extreme_lanes_t
         !> The quantity, one of those above.
         integer :: quantity = centre_height
         !> Its least and its largest value, or in magnitude the largest, in each case: rad/s, m or N.
@@ -46,7 +46,7 @@ module spintop_extreme_lanes
         procedure :: prepare
         procedure :: begin
         procedure :: find_polynomials
-        procedure :: take
+        procedure :: record_roots
         procedure :: finish
     end type extreme_lanes_t
 
@@ -190,8 +190,8 @@ contains
         d(:, 0) = across(:, 1)**2 + across(:, 2)**2
     end subroutine find_sine2
 
-    !> Takes extremes.
-    subroutine take(self, run, u, slope)
+    !> Records extremes.
+    subroutine record_roots(self, run, u, slope)
         class(extreme_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), intent(in) :: u(lanes), slope(lanes)
@@ -201,7 +201,7 @@ contains
         integer :: i
         h = run%now%t - run%now%t_last
         t = u * h
-        call take_at(self, run, t, slope, x)
+        call record_at(self, run, t, slope, x)
         if (self%quantity /= precession_rate) return
         ! Near a pole the terms that the series leave out are large beside the distance. There the rate is largest where body z is
         ! nearest, whose velocity is all but constant.
@@ -212,11 +212,11 @@ contains
             t(i) = t(i) + x(i, 6) * (x(i, 4) * x(i, 2) - x(i, 5) * x(i, 1)) / max(x(i, 1)**2 + x(i, 2)**2, tiny(sine2))
             t(i) = min(max(t(i), 0.0_dp), h(i))
         end do
-        if (any(is_near)) call take_at(self, run, t, merge(slope, 0.0_dp, is_near), x)
-    end subroutine take
+        if (any(is_near)) call record_at(self, run, t, merge(slope, 0.0_dp, is_near), x)
+    end subroutine record_roots
 
     !> Takes the values at the times t after the beginning of the step, in lanes where `slope` is not zero.
-    subroutine take_at(self, run, t, slope, x)
+    subroutine record_at(self, run, t, slope, x)
         class(extreme_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: t(lanes), slope(lanes)
@@ -228,7 +228,7 @@ contains
         do i = 1, lanes
             if (abs(slope(i)) > 0) call keep(self, i, x, value(i), slope(i))
         end do
-    end subroutine take_at
+    end subroutine record_at
 
     !> Keeps the value at an end of the motion in a lane.
     pure subroutine keep_end(self, run, lane)

@@ -270,9 +270,9 @@ contains
     pure subroutine way(self, c, t, there, xi)
         class(lane_step_t), intent(in) :: self
         real(dp), intent(in) :: c(rows, 0:self%order)
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         type(way_t), intent(out) :: there
-        real(dp), intent(out) :: xi !! rad
+        real(dp), intent(out) :: xi !! the angle that completes the attitude then, rad
         real(dp) :: x(4, 0:2)
         complex(dp) :: z(0:2), turn, spin
         integer :: k

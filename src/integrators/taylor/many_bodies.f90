@@ -10,7 +10,7 @@ module spintop_many_bodies
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_kinds_t
     use spintop_lane_effects, only: kinds_of
-    use spintop_lane_watch, only: watch_slot_t
+    use spintop_lane_monitor, only: monitor_slot_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_ok, status_bad_input, status_bad_span, status_unsuitable
@@ -38,14 +38,14 @@ contains
     !> body reverses (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
     !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
     !> the sizes of the arrays differ.
-    subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, watches)
+    subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
         type(controls_t), intent(in) :: controls !! settings of the method
         type(body_t), intent(in) :: bodies(:) !! mass properties, one for each case
         type(motion_t), intent(in) :: starts(:) !! starts, one for each case
-        real(dp), intent(in) :: t_end(:) !! s
+        real(dp), intent(in) :: t_end(:) !! ends of the spans, one for each case, s
         type(motion_t), intent(out) :: ends(:) !! motions at the end of the span, one for each case
         type(outcome_t), intent(out) :: outcomes(:) !! status, time reached and cost of each case
-        type(watch_slot_t), intent(inout), optional :: watches(:) !! measure quantities along the motions
+        type(monitor_slot_t), intent(inout), optional :: monitors(:) !! measure quantities along the motions
         integer :: kind(size(bodies)), i
 
         outcomes%status = controls_status(lanes_info, controls)
@@ -54,9 +54,9 @@ contains
             return
         end if
         if (any(outcomes%status /= status_ok)) return
-        if (present(watches)) then
-            do i = 1, size(watches)
-                call watches(i)%watch%prepare(size(bodies))
+        if (present(monitors)) then
+            do i = 1, size(monitors)
+                call monitors(i)%monitor%prepare(size(bodies))
             end do
         end if
         do i = 1, size(bodies)
@@ -68,7 +68,8 @@ contains
         end do
         do while (any(kind /= refused))
             i = maxval(kind)
-            call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, outcomes, watches)
+            call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, &
+                outcomes, monitors)
             where (kind == i) kind = refused
         end do
     end subroutine integrate_many
@@ -98,7 +99,7 @@ contains
     end function kind_of
 
     !> Integrates the cases with the same effects.
-    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, watches)
+    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, monitors)
         type(controls_t), intent(in) :: controls
         integer, intent(in) :: cases(:) !! their numbers
         type(body_t), intent(in) :: bodies(:)
@@ -106,12 +107,12 @@ contains
         real(dp), intent(in) :: t_end(:)
         type(motion_t), intent(inout) :: ends(:)
         type(outcome_t), intent(inout) :: outcomes(:)
-        type(watch_slot_t), intent(inout), optional :: watches(:)
+        type(monitor_slot_t), intent(inout), optional :: monitors(:)
         type(taylor_lanes_t), target :: run
-        integer :: case_in(lanes), next, lane, i, watching
+        integer :: case_in(lanes), next, lane, i, monitor_count
 
-        watching = 0
-        if (present(watches)) watching = size(watches)
+        monitor_count = 0
+        if (present(monitors)) monitor_count = size(monitors)
         if (allocated(bodies(cases(1))%effects)) then
             call run%set(controls, kinds_of(bodies(cases(1))))
         else
@@ -124,16 +125,16 @@ contains
                 do while (.not. run%now%t(lane) < run%now%t_end(lane))
                     if (case_in(lane) > 0) then
                         call unload(run, lane, bodies(case_in(lane)), ends(case_in(lane)), outcomes(case_in(lane)))
-                        do i = 1, watching
-                            call watches(i)%watch%finish(run, lane, case_in(lane))
+                        do i = 1, monitor_count
+                            call monitors(i)%monitor%finish(run, lane, case_in(lane))
                         end do
                     end if
                     case_in(lane) = 0
                     if (next > size(cases)) exit
                     associate (case => cases(next))
                         call run%load(lane, bodies(case), starts(case), t_end(case))
-                        do i = 1, watching
-                            call watches(i)%watch%begin(run, lane, bodies(case), starts(case))
+                        do i = 1, monitor_count
+                            call monitors(i)%monitor%begin(run, lane, bodies(case), starts(case))
                         end do
                         case_in(lane) = case
                     end associate
@@ -142,9 +143,9 @@ contains
             end do
             if (all(case_in == 0)) exit
             call run%advance()
-            if (watching > 0) call run%find_powers()
-            do i = 1, watching
-                call watches(i)%watch%look(run)
+            if (monitor_count > 0) call run%find_powers()
+            do i = 1, monitor_count
+                call monitors(i)%monitor%observe(run)
             end do
         end do
     end subroutine integrate_kind

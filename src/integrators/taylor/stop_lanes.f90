@@ -9,7 +9,7 @@ module spintop_stop_lanes
     use spintop_lane_series, only: rows
     use spintop_motion, only: motion_t
     use spintop_quantities, only: axis_height_rate
-    use spintop_root_watch, only: find_height_rates, of_interval, root_watch_t, rounding
+    use spintop_root_monitor, only: find_height_rates, of_interval, root_monitor_t, rounding
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -27,9 +27,9 @@ module spintop_stop_lanes
     !> A value so close to its level at the start, relatively, is at the level.
     real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp)
 
-    !> Ends a motion at the n-th event. Handed over before the other watches, which then see no more than the motion up to
+    !> Ends a motion at the n-th event. Handed over before the other monitors, which then see no more than the motion up to
     !> there.
-    type, extends(root_watch_t) :: stop_lanes_t
+    type, extends(root_monitor_t) :: stop_lanes_t
         !> What passes, one of those above, and which component of a vector.
         integer :: passing = passing_nothing, component = 1
         !> The value, in the unit of what passes it; and which passages count: those rising, those falling.
@@ -39,8 +39,8 @@ module spintop_stop_lanes
         integer :: wanted = 1
         !> An angle in any turn; full turns from the start instead of the angle, each of which is met once, either way.
         logical :: every_turn = .false., turn_by_turn = .false.
-        !> Whether the event came, of each case.
-        logical, allocatable :: came(:)
+        !> Whether the event occurred, of each case.
+        logical, allocatable :: event_occurred(:)
         integer, private :: left(lanes) = 0
         !> Times up to which a passage is the start itself, s.
         real(dp), private :: started(lanes) = 0
@@ -55,7 +55,7 @@ module spintop_stop_lanes
         procedure :: prepare
         procedure :: begin
         procedure :: find_polynomials
-        procedure :: take
+        procedure :: record_roots
         procedure :: finish
         procedure, private :: begin_angle
         procedure, private :: begin_form
@@ -68,8 +68,8 @@ contains
     subroutine prepare(self, cases)
         class(stop_lanes_t), intent(inout) :: self
         integer, intent(in) :: cases !! number of cases
-        if (allocated(self%came)) deallocate (self%came)
-        allocate (self%came(cases), source=.false.)
+        if (allocated(self%event_occurred)) deallocate (self%event_occurred)
+        allocate (self%event_occurred(cases), source=.false.)
         self%sign = 0
     end subroutine prepare
 
@@ -289,8 +289,8 @@ contains
         end do
     end subroutine add_product
 
-    !> Takes passages, and ends the lanes that have enough.
-    subroutine take(self, run, u, slope)
+    !> Records passages, and ends the lanes that have enough.
+    subroutine record_roots(self, run, u, slope)
         class(stop_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), intent(in) :: u(lanes), slope(lanes)
@@ -310,7 +310,7 @@ contains
             self%left(lane) = self%left(lane) - 1
             if (self%left(lane) == 0) call run%stop(lane, t)
         end do
-    end subroutine take
+    end subroutine record_roots
 
     !> Whether a root is a passage of the level: not by the opposite angle, or in another turn.
     logical function counts(self, run, lane, u)
@@ -343,7 +343,7 @@ contains
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         associate (unused => run)
         end associate
-        self%came(case) = self%left(lane) <= 0
+        self%event_occurred(case) = self%left(lane) <= 0
     end subroutine finish
 
 end module spintop_stop_lanes

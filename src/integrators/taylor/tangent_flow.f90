@@ -16,7 +16,7 @@ module spintop_tangent_flow
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: carry_tangents, take_tangent_step, step_limit
+    public :: propagate_tangents, take_tangent_step, step_limit
     public :: order, product_of, smallest_spacings, step_size
 
     !> Default maximum number of steps.
@@ -33,7 +33,7 @@ contains
     !> seconds, of either sign, in at most `max_steps` steps. On failure they are those of the last step that
     !> succeeded. `status_bad_input`: the duration is not finite, or a column is not six finite numbers;
     !> `status_non_finite`, `status_bad_body`: the body is not valid.
-    pure subroutine carry_tangents(body, duration, columns, status, max_steps)
+    pure subroutine propagate_tangents(body, duration, columns, status, max_steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: duration !! s, of either sign
         real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, Pi); other columns: tangent vectors
@@ -57,7 +57,7 @@ contains
             left = left - h
         end do
         if (abs(left) > 0) status = status_step_limit
-    end subroutine carry_tangents
+    end subroutine propagate_tangents
 
     !> Takes one step of at most `left` seconds, with its sign; `h` is the size of the step.
     pure subroutine take_tangent_step(body, left, columns, h, status)
@@ -121,7 +121,7 @@ contains
     pure real(dp) function step_size(unit, coefficient, longest) result(h)
         real(dp), intent(in) :: unit(6) !! scales of the components
         real(dp), intent(in) :: coefficient(:, :, 0:) !! Taylor coefficients of the columns
-        real(dp), intent(in) :: longest !! s
+        real(dp), intent(in) :: longest !! largest size of the step, s
         real(dp) :: whole, term, rate, least
         integer :: i, k
         h = longest

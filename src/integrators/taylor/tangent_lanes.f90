@@ -8,7 +8,7 @@ module spintop_tangent_lanes
     use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
-    use spintop_lane_tangents, only: carry_tangents, components
+    use spintop_lane_tangents, only: propagate_tangents, components
     use spintop_status, only: status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
@@ -20,7 +20,7 @@ module spintop_tangent_lanes
     !> Fraction of the part that the last terms allow, its smallest and largest ratio to the one before.
     real(dp), parameter :: safety = 0.8_dp, least_ratio = 1.0e-3_dp, most_ratio = 4
 
-    !> Perturbations of the motions in all lanes. `set`, `load` some lanes, then `carry` after every step.
+    !> Perturbations of the motions in all lanes. `set`, `load` some lanes, then `propagate` after every step.
     type :: tangent_lanes_t
         !> The perturbations (lane, component, number): delta, epsilon. They are across the vertical; the rotation
         !> about it is kept apart, rad.
@@ -37,7 +37,7 @@ module spintop_tangent_lanes
     contains
         procedure :: set
         procedure :: load
-        procedure :: carry
+        procedure :: propagate
         procedure, private :: try
         procedure, private :: divide
         procedure, private :: settle
@@ -79,8 +79,8 @@ contains
         self%status(lane) = status_ok
     end subroutine load
 
-    !> Carries all perturbations over the last step.
-    subroutine carry(self, run)
+    !> Propagates all perturbations over the last step.
+    subroutine propagate(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         real(dp) :: after(lanes, components, size(self%z, 3)), duration(lanes), excess(lanes)
@@ -95,7 +95,7 @@ contains
         end if
         call self%settle(run)
         call self%scale_down(run)
-    end subroutine carry
+    end subroutine propagate
 
     !> Perturbations after a duration. `excess` is the ratio of the last terms to the tolerance; in lanes that do
     !> not move it is zero.
@@ -119,8 +119,8 @@ contains
             which(n) = v
         end do
         associate (now => run%now)
-            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, n, which, free, &
-                                self%change, self%z, after, whole, last)
+            call propagate_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, n, which, free, &
+                                    self%change, self%z, after, whole, last)
         end associate
         excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
         ! What is not finite exceeds as well.
@@ -140,7 +140,7 @@ contains
         end associate
     end function is_idle
 
-    !> Carries the perturbations over the last step in parts, in the lanes that need it; the others take `after`.
+    !> Propagates the perturbations over the last step in parts, in the lanes that need it; the others take `after`.
     subroutine divide(self, run, duration, after, excess)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run

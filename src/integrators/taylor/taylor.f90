@@ -29,7 +29,7 @@ module spintop_taylor
         procedure :: state_within
         procedure :: states_within
         procedure :: bound_of_changes
-        procedure :: carry
+        procedure :: store_or_restore
         procedure :: order
     end type taylor_t
 
@@ -102,13 +102,13 @@ contains
         self%h = self%t_end - self%t
     end subroutine begin
 
-    !> Carries the state at the end of a step.
-    subroutine carry(self, archive)
+    !> Stores or restores the state at the end of a step.
+    subroutine store_or_restore(self, archive)
         class(taylor_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call self%run_state_t%carry(archive)
-        call archive%carry(self%least)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call self%run_state_t%store_or_restore(archive)
+        call archive%store_or_restore(self%least)
+    end subroutine store_or_restore
 
     !> What a coefficient may lose by underflow: products of two variables are multiplied by a rate over a
     !> momentum at most, or by a torque.

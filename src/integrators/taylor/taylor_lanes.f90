@@ -92,7 +92,7 @@ module spintop_taylor_lanes
         procedure :: stop => stop_lane
         procedure :: find_powers
         procedure :: motion
-        procedure :: look_at_other
+        procedure :: find_other_angle
         procedure :: is_in_pole
         procedure :: angles_at
         procedure, private :: step_of
@@ -179,7 +179,7 @@ contains
             now%body%swing(lane, :) = cshift(moment, 1) / inertia
         end associate
         if (allocated(self%effects)) then
-            call self%effects%put(lane, body)
+            call self%effects%set_lane(lane, body)
             self%has_cusps(lane) = body%effects%has_cusps()
             self%dragged(lane, :) = 0
             if (body%effects%drag_force > 0) self%dragged(lane, :) = body%centre_of_mass
@@ -242,11 +242,11 @@ contains
     pure subroutine stop_lane(self, lane, t)
         class(taylor_lanes_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
-        real(dp), intent(in) :: t !! s
+        real(dp), intent(in) :: t !! time within the last step, s
         real(dp) :: change(parts)
         integer :: k
         associate (now => self%now)
-            call self%look_at_other(lane, t, now%other_then(lane), self%passed(lane))
+            call self%find_other_angle(lane, t, now%other_then(lane), self%passed(lane))
             now%other(lane) = now%other_then(lane)
             now%side(lane) = now%side_last(lane)
             change = 0
@@ -304,18 +304,18 @@ contains
     end function step_of
 
     !> The other angle in a lane at a time within the last step, and the passages through poles up to there.
-    pure subroutine look_at_other(self, lane, t, other, passed)
+    pure subroutine find_other_angle(self, lane, t, other, passed)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
-        real(dp), intent(out) :: other !! rad
+        real(dp), intent(out) :: other !! the other angle, (s phi - psi)/2, rad
         type(passages_t), intent(out) :: passed !! the passages
         type(lane_step_t) :: step
         other = self%now%other_last(lane)
         passed = self%passed_last(lane)
         step = self%step_of(lane)
         call step%follow(self%c(lane, :, :), t, other, passed)
-    end subroutine look_at_other
+    end subroutine find_other_angle
 
     !> Whether body z may be in a pole at a place (Gamma1, Gamma2), or was in the last step.
     pure logical function is_in_pole(self, lane, gamma)
@@ -340,7 +340,7 @@ contains
         do k = self%order, 0, -1
             now = now * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
         end do
-        call self%look_at_other(lane, t, other, passed)
+        call self%find_other_angle(lane, t, other, passed)
         if (any(abs(now(1:2)) > 0) .and. .not. passed%arrived) other = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
         angles = [self%now%side_last(lane) * (now(4) / 2 + other), now(4) / 2 - other]
     end function angles_at

@@ -12,7 +12,7 @@ module spintop_turning_lanes
     use spintop_motion, only: motion_t, passages_t
     use spintop_pole_passages, only: half_turns
     use spintop_quantities, only: angular_acceleration, axis_height_rate
-    use spintop_root_watch, only: find_height_rates, of_interval, root_watch_t, states_at
+    use spintop_root_monitor, only: find_height_rates, of_interval, root_monitor_t, states_at
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_turning_record, only: turning_points_t, turns_at, upper, lower
     implicit none
@@ -34,7 +34,7 @@ module spintop_turning_lanes
     end type lane_turns_t
 
     !> Watches the turning points; `turns` is of each kind and case.
-    type, extends(root_watch_t) :: turning_lanes_t
+    type, extends(root_monitor_t) :: turning_lanes_t
         type(turning_points_t), allocatable :: turns(:, :)
         type(lane_turns_t), private :: lane(upper:lower)
         logical, private :: starts_turning(lanes) = .false.
@@ -43,7 +43,7 @@ module spintop_turning_lanes
         procedure :: prepare
         procedure :: begin
         procedure :: find_polynomials
-        procedure :: take
+        procedure :: record_roots
         procedure :: finish
     end type turning_lanes_t
 
@@ -97,9 +97,9 @@ contains
         call of_interval(degree, run%power, a)
     end subroutine find_polynomials
 
-    !> Takes the turning points at shares `u` of the step: a lower one where `slope` of Gamma3' is positive, an
-    !> upper one where it is negative, none where it is zero.
-    subroutine take(self, run, u, slope)
+    !> Records the turning points at shares `u` of the step: a lower one where `slope` of Gamma3' is positive, an upper one
+    !> where it is negative, none where it is zero.
+    subroutine record_roots(self, run, u, slope)
         class(turning_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp), intent(in) :: u(lanes), slope(lanes)
@@ -133,7 +133,7 @@ contains
         call keep(self%lane(lower), max(slope, 0.0_dp), self%is_noise, at, inclination, rate)
         call keep(self%lane(upper), max(-slope, 0.0_dp), self%is_noise, at, inclination, rate)
         if (any(self%is_noise)) call interrupt(self)
-    end subroutine take
+    end subroutine record_roots
 
     !> Interrupts the count in lanes with a turning point within the noise of the motion.
     pure subroutine interrupt(self)
@@ -210,7 +210,7 @@ contains
             do i = 1, lanes
                 if (.not. abs(wanted(i)) > 0) cycle
                 if (doubt(i) > 0 .or. run%is_in_pole(i, state(i, 4:5))) then
-                    call run%look_at_other(i, now%t_last(i) + t(i), other(i), passed(i))
+                    call run%find_other_angle(i, now%t_last(i) + t(i), other(i), passed(i))
                 end if
             end do
         end associate
@@ -236,7 +236,7 @@ contains
             if (all(turns%n > 0) .and. turns(lower)%first(1) < turns(upper)%first(1)) kind = lower
             other_kind = upper + lower - kind
         end associate
-        call self%turns(other_kind, case)%take_before(self%start(lane))
+        call self%turns(other_kind, case)%add_before(self%start(lane))
     end subroutine finish
 
     !> The turning points of one kind in a lane.

@@ -11,7 +11,7 @@ module spintop_axes_of_arrays
     use spintop_text, only: to_text
     implicit none
     private
-    public :: given_axis_t, take_axes
+    public :: given_axis_t, make_axes_of_arrays
 
     !> The values of a parameter, one for each case.
     type :: given_axis_t
@@ -24,8 +24,8 @@ contains
 
     !> The axes of some arrays, which have the same length. Without any, there is one case: that of the scene. With
     !> problems the axes have no cases.
-    subroutine take_axes(given, scene, table, axes, problems)
-        type(given_axis_t), intent(in) :: given(:) !! the values
+    subroutine make_axes_of_arrays(given, scene, table, axes, problems)
+        type(given_axis_t), intent(in) :: given(:) !! names of the parameters, and a value of each for every case
         type(scene_t), intent(in) :: scene !! contents of the input
         type(parameter_table_t), intent(in) :: table !! its parameters
         type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
@@ -67,6 +67,6 @@ contains
         else
             call axes%combine(combine_zip, int(axes%axis(1)%count, int64), 1_int64)
         end if
-    end subroutine take_axes
+    end subroutine make_axes_of_arrays
 
 end module spintop_axes_of_arrays

@@ -3,7 +3,7 @@ module spintop_axes_of_scene
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_axis_entry, only: axis_entry_t, count_axes, entry_of, find_swept, is_drawn
-    use spintop_axis_laws, only: components_of, take_covariance, take_law
+    use spintop_axis_laws, only: components_of, read_covariance, read_law
     use spintop_compare, only: is_finite
     use spintop_distributions, only: law_uniform
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
@@ -45,7 +45,7 @@ contains
         end if
         call check_cases(scene, problems)
         call make_each(scene, table, axes%axis, problems)
-        call take_covariance(scene, count_axes(scene), combination == combine_saltelli, factor, problems)
+        call read_covariance(scene, count_axes(scene), combination == combine_saltelli, factor, problems)
         if (combination == combine_zip .and. .not. problems%any()) call check_lengths(axes%axis, problems)
         if (.not. problems%any()) call check_design(scene, combination, axes%axis, problems)
         if (problems%any()) return
@@ -151,19 +151,19 @@ contains
         is_made = .true.
         axis%whole = axis%slot%is_whole()
         if (entry%law /= law_uniform) then
-            call take_law(entry, axis, problems)
+            call read_law(entry, axis, problems)
             return
         end if
         if (is_set(entry%mean) .or. is_set(entry%deviation)) then
             call problems%add(entry%key('distribution'), 'the values of ' // entry%in_words() // ' are uniform', &
                               "omit mean and deviation, or use distribution = 'normal' or 'lognormal'")
         end if
-        call take_values(entry, axis, found, problems)
+        call read_values(entry, axis, found, problems)
         if (found) call check_values(entry, axis, problems)
     end subroutine make_axis
 
     !> The values listed, or the interval; `found` tells whether there are any.
-    subroutine take_values(entry, axis, found, problems)
+    subroutine read_values(entry, axis, found, problems)
         type(axis_entry_t), intent(in) :: entry
         type(axis_t), intent(inout) :: axis
         logical, intent(out) :: found
@@ -184,17 +184,17 @@ contains
             call problems%add(entry%key('count'), 'a random axis has no number of values', &
                               'omit it; sweep.cases is the number of cases')
         else if (has_ends .and. (entry%drawn .or. entry%has_count())) then
-            call take_interval(entry, axis, problems)
+            call read_interval(entry, axis, problems)
             found = .true.
         else
             call problems%add(entry%key('parameter'), entry%in_words() // ' has no values', &
                               'give values, or ' // &
                               trim(merge('from and to       ', 'from, to and count', entry%drawn)))
         end if
-    end subroutine take_values
+    end subroutine read_values
 
     !> Values with equal differences or equal ratios, or the ends of an interval.
-    subroutine take_interval(entry, axis, problems)
+    subroutine read_interval(entry, axis, problems)
         type(axis_entry_t), intent(in) :: entry
         type(axis_t), intent(inout) :: axis
         type(problems_t), intent(inout) :: problems
@@ -217,7 +217,7 @@ contains
             call problems%add(entry%key('to'), 'the ends of ' // entry%in_words() // ' are too far apart', &
                               'use other ends')
         end if
-    end subroutine take_interval
+    end subroutine read_interval
 
     !> Checks that all listed values, or both ends of an interval, are in the range of the parameter, and are
     !> whole numbers if it is an integer.

@@ -12,7 +12,7 @@ module spintop_axis_laws
     use spintop_text, only: join, to_text
     implicit none
     private
-    public :: components_of, take_law, take_covariance
+    public :: components_of, read_law, read_covariance
 
     !> The parameters that can be uniform on a sphere, and what each of them is.
     character(*), parameter :: on_sphere(*) = [character(18) :: 'initial.quaternion', 'initial.omega', &
@@ -47,9 +47,9 @@ contains
         end do
     end function find_sphere
 
-    !> Takes the distribution of an axis that is not uniform over an interval or a list; problems are reported once for
-    !> all components of a vector.
-    subroutine take_law(entry, axis, problems)
+    !> Reads the distribution of an axis that is not uniform over an interval or a list; problems are reported once for all
+    !> components of a vector.
+    subroutine read_law(entry, axis, problems)
         type(axis_entry_t), intent(in) :: entry !! what the scene says of the axis
         type(axis_t), intent(inout) :: axis !! its name, slot and component are known
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
@@ -67,9 +67,9 @@ contains
         else if (axis%law == law_sphere) then
             call check_sphere(entry, axis, problems)
         else
-            call take_normal(entry, axis, problems)
+            call read_normal(entry, axis, problems)
         end if
-    end subroutine take_law
+    end subroutine read_law
 
     !> Reports parameters of a distribution on an axis that is uniform.
     subroutine check_sphere(entry, axis, problems)
@@ -89,8 +89,8 @@ contains
         end if
     end subroutine check_sphere
 
-    !> Takes mean and standard deviation of a value or of its logarithm.
-    subroutine take_normal(entry, axis, problems)
+    !> Reads mean and standard deviation of a value or of its logarithm.
+    subroutine read_normal(entry, axis, problems)
         type(axis_entry_t), intent(in) :: entry
         type(axis_t), intent(inout) :: axis
         type(problems_t), intent(inout) :: problems
@@ -116,11 +116,11 @@ contains
                                   'use another mean or deviation')
             end if
         end if
-    end subroutine take_normal
+    end subroutine read_normal
 
-    !> Takes the covariance of normal values, or of the logarithms of log-normal ones: the lower triangular factor of
-    !> the axes with such values in their order; empty where no covariance is given.
-    subroutine take_covariance(scene, entries, independent, factor, problems)
+    !> Reads the covariance of normal values, or of the logarithms of log-normal ones: the lower triangular factor of the axes
+    !> with such values in their order; empty where no covariance is given.
+    subroutine read_covariance(scene, entries, independent, factor, problems)
         type(scene_t), intent(in) :: scene !! contents of the input
         integer, intent(in) :: entries !! number of axes in the input
         logical, intent(in) :: independent !! whether the axes must be independent
@@ -156,7 +156,7 @@ contains
             call problems%add('sweep.covariance', 'the covariance matrix is not positive definite', &
                               'each correlation is between -1 and 1, and all together are those of some variables')
         end if
-    end subroutine take_covariance
+    end subroutine read_covariance
 
     !> Checks that covariances are those of axes with normal values, and that the matrix is symmetric.
     subroutine check_covariance(scene, normal, problems)

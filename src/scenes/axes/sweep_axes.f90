@@ -62,7 +62,7 @@ module spintop_sweep_axes
         type(number_slot_t), allocatable, private :: slots(:)
     contains
         procedure :: copy => copy_scene
-        procedure :: put => put_values
+        procedure :: set_values => set_values
     end type swept_scene_t
 
 contains
@@ -140,7 +140,7 @@ contains
     !> The values of the axes in case `number`, from 1.
     pure function values_of(self, number) result(values)
         class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number !! number of the block
+        integer(int64), intent(in) :: number !! number of the case, from 1
         real(dp) :: values(size(self%axis))
         call self%find_values(number, values)
     end function values_of
@@ -148,7 +148,7 @@ contains
     !> The same into memory of the caller, for loops over millions of cases.
     pure subroutine find_values(self, number, values)
         class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number !! number of the block
+        integer(int64), intent(in) :: number !! number of the case, from 1
         real(dp), intent(out) :: values(:) !! one value for each axis
         real(dp) :: fractions(self%design%dimensions)
         integer(int64) :: rest, n
@@ -289,7 +289,7 @@ contains
     !> Whether a parameter of a group varies.
     pure logical function varies(self, group)
         class(axes_t), intent(in) :: self
-        character(*), intent(in) :: group !! the group
+        character(*), intent(in) :: group !! name of the group, as `top`
         integer :: i
         varies = .false.
         do i = 1, size(self%axis)
@@ -357,9 +357,8 @@ contains
         end do
     end subroutine copy_scene
 
-    !> Puts the values of a case, in the order of the axes, into the scene: those from the first that
-    !> may have changed.
-    subroutine put_values(self, values, first)
+    !> Sets the values of a case, in the order of the axes, in the scene: those from the first that may have changed.
+    subroutine set_values(self, values, first)
         class(swept_scene_t), target, intent(inout) :: self
         real(dp), intent(in) :: values(:) !! one value for each axis
         integer, intent(in), optional :: first !! number of that axis; all are set if it is absent
@@ -367,8 +366,8 @@ contains
         begin = 1
         if (present(first)) begin = first
         do i = begin, size(self%slots)
-            call self%slots(i)%put(values(i))
+            call self%slots(i)%set(values(i))
         end do
-    end subroutine put_values
+    end subroutine set_values
 
 end module spintop_sweep_axes

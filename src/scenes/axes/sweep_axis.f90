@@ -67,7 +67,7 @@ contains
     pure subroutine list_values(self, first, values)
         class(axis_t), intent(in) :: self
         integer, intent(in) :: first !! number of the first of them, from 1
-        real(dp), intent(out) :: values(:) !! the values
+        real(dp), intent(out) :: values(:) !! as many values from that number on, in the unit of the parameter
         integer :: k
         do k = 1, size(values)
             values(k) = self%value(first + k - 1)
@@ -80,7 +80,7 @@ contains
     !> the same probability (with logarithmic spacing k has a probability proportional to log(1 + 1/k)).
     elemental real(dp) function draw(self, fraction)
         class(axis_t), intent(in) :: self
-        real(dp), intent(in) :: fraction !! position in the step, from 0 to 1
+        real(dp), intent(in) :: fraction !! probability of a smaller value, in (0, 1)
         real(dp) :: least, largest
         if (allocated(self%listed)) then
             draw = self%listed(min(size(self%listed), 1 + int(fraction * size(self%listed))))

@@ -6,7 +6,7 @@ module spintop_benchmark_columns
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: benchmark_row_t, benchmark_columns, put_row
+    public :: benchmark_row_t, benchmark_columns, add_row
 
     !> A quantity of a benchmark: what the cells of a row are made of.
     type :: benchmark_row_t
@@ -54,24 +54,24 @@ module spintop_benchmark_columns
 contains
 
     !> Adds a row, a cell per column.
-    subroutine put_row(row, cells)
+    subroutine add_row(row, cells)
         type(benchmark_row_t), intent(in) :: row !! the row
         type(text_buffer_t), intent(inout) :: cells !! the row is appended
-        call cells%put_text(row%benchmark)
-        call cells%put_text(row%quantity)
-        call cells%put_reals([row%t, row%truth, row%truth_error])
-        call cells%put_text(row%reference)
-        call cells%put_reals([row%published, abs(row%published - row%truth)])
-        call cells%put_text(row%published_method)
-        call cells%put_reals([row%goal])
-        call cells%put_text(row%method)
-        call cells%put_text(row%formulation)
-        call cells%put_text(row%setting)
-        call cells%put_reals([row%value, row%error])
-        call cells%put_integer(row%evaluations)
-        call cells%put_reals([row%time])
-        call cells%put_text(row%source)
+        call cells%add_text(row%benchmark)
+        call cells%add_text(row%quantity)
+        call cells%add_reals([row%t, row%truth, row%truth_error])
+        call cells%add_text(row%reference)
+        call cells%add_reals([row%published, abs(row%published - row%truth)])
+        call cells%add_text(row%published_method)
+        call cells%add_reals([row%goal])
+        call cells%add_text(row%method)
+        call cells%add_text(row%formulation)
+        call cells%add_text(row%setting)
+        call cells%add_reals([row%value, row%error])
+        call cells%add_integer(row%evaluations)
+        call cells%add_reals([row%time])
+        call cells%add_text(row%source)
         call cells%end_row()
-    end subroutine put_row
+    end subroutine add_row
 
 end module spintop_benchmark_columns

@@ -5,7 +5,7 @@
 module spintop_benchmark_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_benchmark_cases, only: benchmark_t, benchmarks, figure_t, figures
-    use spintop_benchmark_columns, only: benchmark_columns, benchmark_row_t, put_row
+    use spintop_benchmark_columns, only: benchmark_columns, benchmark_row_t, add_row
     use spintop_case, only: case_t, make_case
     use spintop_clock, only: seconds
     use spintop_compare, only: is_finite
@@ -13,7 +13,7 @@ module spintop_benchmark_study
     use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_cases
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, find_cases
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
@@ -108,7 +108,7 @@ contains
         integer :: i
 
         associate (unused => diagnostics, names => job%scene%benchmark_cases)
-            call take_cases('benchmark.cases', 'benchmark', names, benchmarks%name, self%chosen, problems)
+            call find_cases('benchmark.cases', 'benchmark', names, benchmarks%name, self%chosen, problems)
             if (all(names == '')) self%chosen = [(i, i=1, size(benchmarks))]
         end associate
     end subroutine check
@@ -196,8 +196,8 @@ contains
         call try_methods(scene, case, wanted, truth, goals, attempts)
         do k = 1, size(wanted)
             call cells%clear()
-            call put_row(row_of(benchmark, case, wanted(k), k, truth(k), truth_error(k), goals(k), attempts), cells)
-            call file%put(cells%contents(), error)
+            call add_row(row_of(benchmark, case, wanted(k), k, truth(k), truth_error(k), goals(k), attempts), cells)
+            call file%append(cells%contents(), error)
             if (allocated(error)) return
         end do
         call summary%add(benchmark%name, in_words(wanted, truth))
@@ -237,7 +237,7 @@ contains
         call view%set(case)
         seen = motion
         seen%given_angle = case%start%given_angle
-        call view%look(seen, as_computed=.true.)
+        call view%set_motion(seen, as_computed=.true.)
         do k = 1, size(wanted)
             call find_trajectory_column(trim(wanted(k)%column), column, found)
             values(k) = column%value(view)

@@ -18,7 +18,7 @@ contains
     subroutine choose_events(study, scene, case, events, problems)
         type(study_info_t), intent(in) :: study !! the kind of study
         type(scene_t), intent(in) :: scene !! contents of the input
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case: whether its body has effects decides which events it can have
         type(column_event_t), allocatable, intent(out) :: events(:) !! events to search for
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(column_event_t), allocatable :: some(:)

@@ -6,7 +6,7 @@ module spintop_event_recorder
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
-    use spintop_events, only: carry_search, event_watch_t
+    use spintop_events, only: store_or_restore_search, event_search_t
     use spintop_files, only: file_exists, rename_file
     use spintop_growing_table, only: refusal
     use spintop_journal, only: journal_entry_t
@@ -28,7 +28,7 @@ module spintop_event_recorder
         column_t('number', '', 'number of this event so far')]
 
     !> Searches for events of columns.
-    type, extends(event_watch_t) :: event_recorder_t
+    type, extends(event_search_t) :: event_recorder_t
         !> Number of events in the table.
         integer :: rows = 0
         !> An error of writing, which also ends the motion.
@@ -52,10 +52,10 @@ module spintop_event_recorder
         procedure :: close_table
         procedure :: discard_table
         procedure :: abandon_table
-        procedure :: carry
-        procedure :: carry_record
+        procedure :: store_or_restore
+        procedure :: store_or_restore_record
         procedure :: quantities
-        procedure :: meet
+        procedure :: handle_event
     end type event_recorder_t
 
 contains
@@ -65,7 +65,7 @@ contains
         class(event_recorder_t), intent(inout) :: self
         type(column_event_t), intent(in) :: events(:) !! the events
         integer, intent(in) :: n !! number of the event that ends the motion
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motion is searched
         self%events = events%event
         self%is_listed = events%is_listed
         self%ends = events%ends
@@ -83,8 +83,8 @@ contains
     !> Starts a table of the listed events in memory, with these columns of the trajectory.
     subroutine keep_table(self, columns, case, scene)
         class(event_recorder_t), intent(inout) :: self
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of the trajectory
-        type(case_t), intent(in) :: case !! body, start and span
+        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
+        type(case_t), intent(in) :: case !! the case of the motion, from which the columns get their values
         type(scene_t), intent(in) :: scene !! contents of the input
         integer, parameter :: first_rows = 16
         call self%row%set(columns, case, scene)
@@ -92,12 +92,12 @@ contains
     end subroutine keep_table
 
     !> Starts the table of the listed events, with these columns of the trajectory; or opens that of an interrupted run, to
-    !> which `carry_record` returns.
+    !> which `store_or_restore_record` returns.
     subroutine open_table(self, path, head, columns, case, scene, resumes, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
-        type(trajectory_column_t), intent(in) :: columns(:) !! indices of the columns of the trajectory
-        type(case_t), intent(in) :: case !! body, start and span
+        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
+        type(case_t), intent(in) :: case !! the case of the motion, from which the columns get their values
         type(scene_t), intent(in) :: scene !! contents of the input
         logical, intent(in) :: resumes !! whether an interrupted run is resumed
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
@@ -136,38 +136,38 @@ contains
         call self%file%abandon()
     end subroutine abandon_table
 
-    !> Carries the state of the search, after `begin`.
-    subroutine carry(self, archive)
+    !> Stores or restores the state of the search, after `begin`.
+    subroutine store_or_restore(self, archive)
         class(event_recorder_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call carry_search(self, archive)
-        call self%quantity%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call store_or_restore_search(self, archive)
+        call self%quantity%store_or_restore(archive)
+    end subroutine store_or_restore
 
-    !> Carries the state of the table, which is then on the disk, and the number of events until the motion ends.
-    subroutine carry_record(self, archive)
+    !> Stores or restores the state of the table, which is then on the disk, and the number of events until the motion ends.
+    subroutine store_or_restore_record(self, archive)
         class(event_recorder_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
         type(journal_entry_t) :: entry
         character(:), allocatable :: problem
 
-        call archive%carry(self%rows)
-        call archive%carry(self%ended_by)
-        call archive%carry(self%left)
+        call archive%store_or_restore(self%rows)
+        call archive%store_or_restore(self%ended_by)
+        call archive%store_or_restore(self%left)
         if (.not. allocated(self%file%path)) return
-        call self%row%carry(archive)
+        call self%row%store_or_restore(archive)
         if (.not. archive%recalls) then
             call self%file%write_pending(self%error)
             if (.not. allocated(self%error)) call self%file%sync(self%error)
             entry%bytes = self%file%bytes
             entry%checksum = self%file%ending%checksum()
         end if
-        call archive%carry(entry%bytes)
-        call archive%carry(entry%checksum)
+        call archive%store_or_restore(entry%bytes)
+        call archive%store_or_restore(entry%checksum)
         if (.not. archive%recalls) return
         call self%file%go_on(entry, problem, self%error)
         if (problem /= '') self%error = refusal(self%file%path, problem)
-    end subroutine carry_record
+    end subroutine store_or_restore_record
 
     !> The columns of the events, or the change of azimuth since the start.
     subroutine quantities(self, motion, values)
@@ -179,7 +179,7 @@ contains
     end subroutine quantities
 
     !> Writes an event, and ends the motion if this is the event that ends it.
-    subroutine meet(self, number, motion)
+    subroutine handle_event(self, number, motion)
         class(event_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
@@ -189,11 +189,11 @@ contains
             call keep_row([real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)], &
                           self%rows, self%kept)
         else if (self%is_listed(number)) then
-            call line%put_text(trim(self%events(number)%name))
-            call line%put_integer(int(self%events(number)%count, int64))
-            call self%row%put(self%row%row(motion, work=self%work), line)
+            call line%add_text(trim(self%events(number)%name))
+            call line%add_integer(int(self%events(number)%count, int64))
+            call self%row%write_row(self%row%row(motion, work=self%work), line)
             call line%end_row()
-            call self%file%put(line%contents(), self%error)
+            call self%file%append(line%contents(), self%error)
             self%rows = self%rows + 1
         end if
         if (self%ends(number)) then
@@ -201,7 +201,7 @@ contains
             if (self%left == 0) self%ended_by = number
         end if
         self%has_enough = self%ended_by > 0 .or. allocated(self%error)
-    end subroutine meet
+    end subroutine handle_event
 
     !> Adds a row to those that are kept.
     subroutine keep_row(row, rows, kept)

@@ -73,16 +73,16 @@ contains
         allocate (events(0))
         equals = index(text, '=')
         if (equals == 0) then
-            call take_named(trim(adjustl(lower_case(text))), events, problem, hint)
+            call find_named_events(trim(adjustl(lower_case(text))), events, problem, hint)
         else
             left = trim(adjustl(text(:equals - 1)))
             right = trim(adjustl(lower_case(text(equals + 1:))))
-            call take_column(left, right, events, problem, hint)
+            call find_column_events(left, right, events, problem, hint)
         end if
     end subroutine read_event
 
     !> The events for a name.
-    subroutine take_named(name, events, problem, hint)
+    subroutine find_named_events(name, events, problem, hint)
         character(*), intent(in) :: name
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
@@ -104,10 +104,10 @@ contains
         hint = did_you_mean(name, named_events%name)
         if (hint == '') hint = 'an event is ' // join(pack(named_events%name, named_events%what /= ''), ', ') &
                                // ' or ' // event_grammar
-    end subroutine take_named
+    end subroutine find_named_events
 
     !> The events for `COLUMN = VALUE [every turn] [rising|falling]`.
-    subroutine take_column(left, right, events, problem, hint)
+    subroutine find_column_events(left, right, events, problem, hint)
         character(*), intent(in) :: left, right
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
@@ -163,6 +163,6 @@ contains
             one%event%name = label // direction_names(direction)
             events = [events, one]
         end do
-    end subroutine take_column
+    end subroutine find_column_events
 
 end module spintop_event_text

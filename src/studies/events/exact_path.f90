@@ -21,18 +21,18 @@ module spintop_exact_path
         logical :: counts_turns = .true.
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
-        !> Keeps the state of the run; asked after this number of looks.
-        class(keeping_observer_t), pointer :: keeper => null()
+        !> Keeps the state of the run; asked after this number of evaluations.
+        class(keeping_observer_t), pointer :: keeping_observer => null()
         integer(int64), private :: next_question = 0
     contains
-        procedure :: carry => carry_path
+        procedure :: store_or_restore => store_or_restore_path
         procedure :: wants_pause
         procedure :: begin
         procedure :: restart
         procedure :: at
     end type exact_path_t
 
-    !> The keeper is asked after so many looks whether it wants to keep the state.
+    !> The observer is asked after so many evaluations whether it wants to keep the state.
     integer, parameter :: looks_a_question = 1024
 
 contains
@@ -40,7 +40,7 @@ contains
     !> Prepares the exact solution of a case; the work is at most `most_looks` instants.
     subroutine begin(self, case, most_looks, status)
         class(exact_path_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case; its body must have a closed form
         integer(int64), intent(in) :: most_looks !! bound of the work
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         call prepare_exact_motion(case%body, case%start, self%exact, status)
@@ -52,7 +52,7 @@ contains
     !> Returns to the start of the case, with a new bound of the work.
     subroutine restart(self, case, most_looks)
         class(exact_path_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case to whose start the path returns
         integer(int64), intent(in) :: most_looks !! bound of the work
         self%looks = 0
         self%most_looks = most_looks
@@ -77,21 +77,21 @@ contains
         end if
     end subroutine at
 
-    !> Carries the state of the path, after `begin`.
-    subroutine carry_path(self, archive)
+    !> Stores or restores the state of the path, after `begin`.
+    subroutine store_or_restore_path(self, archive)
         class(exact_path_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%looks)
-        call self%last%carry(archive)
-    end subroutine carry_path
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%looks)
+        call self%last%store_or_restore(archive)
+    end subroutine store_or_restore_path
 
     !> Whether it is time to keep the state of the run.
     logical function wants_pause(self)
         class(exact_path_t), intent(inout) :: self
         wants_pause = .false.
-        if (.not. associated(self%keeper) .or. self%looks < self%next_question) return
+        if (.not. associated(self%keeping_observer) .or. self%looks < self%next_question) return
         self%next_question = self%looks + looks_a_question
-        wants_pause = self%keeper%wants_state()
+        wants_pause = self%keeping_observer%wants_state()
     end function wants_pause
 
 end module spintop_exact_path

@@ -1,4 +1,4 @@
-!> What a nutation watch measures of a motion, and the events by which it does.
+!> What a nutation recorder measures of a motion, and the events by which it does.
 module spintop_measures
     implicit none
     private

@@ -70,12 +70,12 @@ module spintop_fit_model
 
 contains
 
-    !> Takes measurements, and the scene of their motion with the numbers that are sought.
+    !> Sets the measurements, and the scene of their motion with the numbers that are sought.
     subroutine prepare(self, scene, keys, case, plan, measured)
         class(fit_model_t), target, intent(inout) :: self
         type(scene_t), intent(in) :: scene !! contents of the input
         type(sensitive_key_t), intent(in) :: keys(:) !! the sought numbers, in that scene
-        type(case_t), intent(in) :: case !! body, start and span of the scene
+        type(case_t), intent(in) :: case !! the case of the scene, whose motion has the measured columns
         type(plan_t), intent(in) :: plan !! model and method
         type(measurements_t), intent(in) :: measured !! the measurements
         type(parameter_table_t) :: table
@@ -172,8 +172,8 @@ contains
     !> The residuals at some values of the sought numbers, in units of the standard deviations: row by row.
     subroutine evaluate(self, x, residuals, is_valid)
         class(fit_model_t), intent(inout) :: self
-        real(dp), intent(in) :: x(:) !! the values
-        real(dp), intent(out) :: residuals(:) !! the residuals
+        real(dp), intent(in) :: x(:) !! values of the sought numbers, in their units
+        real(dp), intent(out) :: residuals(:) !! measured less computed, in units of the standard deviations
         logical, intent(out) :: is_valid !! whether there is such a motion
         real(dp) :: readings(size(self%measured%columns), self%rows)
         integer :: i, n
@@ -217,14 +217,14 @@ contains
         readings = no_number
         is_valid = .false.
         if (.not. accepts(self, x)) return
-        call put(self, x, problems)
+        call set_case(self, x, problems)
         if (problems%any()) return
         call find_instants(self%scene%fit, self%measured%t(:size(readings, 2)), t)
         if (t(1) < 0) return
         self%case%t_end = t(size(t))
         allocate (quantities(size(self%columns), size(t)), source=no_number)
         if (self%plan%exact) then
-            if (self%case%body%has_closed_form()) call take_exactly(self, t, quantities)
+            if (self%case%body%has_closed_form()) call find_exact_values(self, t, quantities)
         else
             call integrate_to_times(self, t, quantities)
         end if
@@ -242,24 +242,24 @@ contains
     end function accepts
 
     !> Makes the case with some values of the sought numbers.
-    subroutine put(self, x, problems)
+    subroutine set_case(self, x, problems)
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(in) :: x(:)
         type(problems_t), intent(inout) :: problems
         integer :: i
         do i = 1, size(x)
-            call self%slots(i)%put(x(i))
+            call self%slots(i)%set(x(i))
         end do
         if (self%ties_inertia) self%scene%inertia(2) = self%scene%inertia(1)
         call make_case(self%scene, self%case, problems)
-    end subroutine put
+    end subroutine set_case
 
     !> The plan of the motion in which one of the sought numbers has another value than `x`, above or below: a closed form, or
     !> equations of symmetric tops, may not be for such a body.
     subroutine plan_with_another(self, i, x, plan, problems)
         class(fit_model_t), intent(inout) :: self
         integer, intent(in) :: i !! which number
-        real(dp), intent(in) :: x(:) !! the values
+        real(dp), intent(in) :: x(:) !! values of the sought numbers, in their units
         type(plan_t), intent(out) :: plan !! the plan; valid without errors in `problems`
         type(problems_t), intent(out) :: problems !! why there is no such motion
         real(dp), parameter :: steps(2) = [1.0e-6_dp, -1.0e-6_dp]
@@ -280,12 +280,12 @@ contains
         real(dp), intent(in) :: x(:)
         type(plan_t), intent(out) :: plan
         type(problems_t), intent(out) :: problems
-        call put(self, x, problems)
+        call set_case(self, x, problems)
         if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)
     end subroutine plan_with
 
     !> The quantities of the exact solution.
-    subroutine take_exactly(self, t, quantities)
+    subroutine find_exact_values(self, t, quantities)
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(in) :: t(:)
         real(dp), intent(inout) :: quantities(:, :)
@@ -298,14 +298,14 @@ contains
         call self%maker%set(self%columns, self%case)
         do i = 1, size(t)
             if (self%maker%wants_angles_of(path%exact)) then
-                call self%maker%put_exact_row(path%exact, t(i), quantities(:, i))
+                call self%maker%find_exact_row(path%exact, t(i), quantities(:, i))
                 cycle
             end if
             call path%at(t(i), motion)
             if (path%is_spent()) return
             quantities(:, i) = self%maker%row(motion)
         end do
-    end subroutine take_exactly
+    end subroutine find_exact_values
 
     !> The quantities of a motion that is integrated.
     subroutine integrate_to_times(self, t, quantities)
@@ -313,14 +313,14 @@ contains
         real(dp), intent(inout) :: t(:)
         real(dp), intent(inout) :: quantities(:, :)
         type(writer_t), allocatable :: writer
-        type(event_recorder_t), allocatable :: no_watch
+        type(event_recorder_t), allocatable :: no_recorder
         type(outcome_t) :: outcome
 
         allocate (writer)
-        call writer%take_columns(self%columns, self%case, self%scene)
+        call writer%set_columns(self%columns, self%case, self%scene)
         allocate (writer%kept, mold=quantities)
         writer%kept = no_number
-        call compute_motion(self%scene, self%case, self%plan, t, writer, outcome, no_watch)
+        call compute_motion(self%scene, self%case, self%plan, t, writer, outcome, no_recorder)
         if (is_good_end(outcome%status)) quantities = writer%kept
     end subroutine integrate_to_times
 
@@ -328,7 +328,7 @@ contains
     pure real(dp) function step_scale(self, i, x) result(step)
         class(fit_model_t), intent(in) :: self
         integer, intent(in) :: i !! which number
-        real(dp), intent(in) :: x !! its value
+        real(dp), intent(in) :: x !! its value, in its unit
         step = max(abs(x), self%scales(i))
         if (.not. step > 0) step = 1
     end function step_scale
@@ -337,7 +337,7 @@ contains
     pure real(dp) function limited(self, i, x)
         class(fit_model_t), intent(in) :: self
         integer, intent(in) :: i !! which number
-        real(dp), intent(in) :: x !! a value
+        real(dp), intent(in) :: x !! any value of the parameter, in its unit
         limited = self%slots(i)%nearest(x)
         if (is_set(self%ranges(i, 1))) limited = max(limited, self%ranges(i, 1))
         if (is_set(self%ranges(i, 2))) limited = min(limited, self%ranges(i, 2))

@@ -85,7 +85,7 @@ contains
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
         if (problems%any()) return
-        call take_span(self%measured%t + job%scene%fit%time_offset + job%scene%fit%averaged / 2, job%scene, problems)
+        call set_span(self%measured%t + job%scene%fit%time_offset + job%scene%fit%averaged / 2, job%scene, problems)
         call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
         call plan_for_all(self, job, problems)
@@ -133,7 +133,7 @@ contains
     end subroutine plan_for_all
 
     !> Sets the end of the motion, or checks that it is not before the last measurement.
-    subroutine take_span(t, scene, problems)
+    subroutine set_span(t, scene, problems)
         real(dp), intent(in) :: t(:)
         type(scene_t), intent(inout) :: scene
         type(problems_t), intent(inout) :: problems
@@ -142,7 +142,7 @@ contains
             if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // ' s', &
                                                       'omit t_end')
         end associate
-    end subroutine take_span
+    end subroutine set_span
 
     !> Numbers of parameters and measurements.
     function explain(self, job) result(phrase)

@@ -67,12 +67,12 @@ contains
         if (allocated(error)) return
         do i = 1, size(keys)
             call cells%clear()
-            call cells%put_name(keys(i)%name)
-            call cells%put_text(keys(i)%unit)
-            call cells%put_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), start(i), &
+            call cells%add_name(keys(i)%name)
+            call cells%add_text(keys(i)%unit)
+            call cells%add_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), start(i), &
                                   estimate%singular_values(i), estimate%covariance(i, :)])
             call cells%end_row()
-            call file%put(cells%contents(), error)
+            call file%append(cells%contents(), error)
             if (allocated(error)) exit
         end do
         if (.not. allocated(error)) call file%finish(trailer, error)

@@ -31,7 +31,7 @@ contains
         type(listing_t) :: list
 
         if (topic == '') then
-            call show_topics(lines)
+            call print_topics(lines)
         else
             call check_topic(topic, error)
             if (allocated(error)) return
@@ -43,7 +43,7 @@ contains
     end subroutine list_topic
 
     !> The topics with what each of them lists.
-    subroutine show_topics(lines)
+    subroutine print_topics(lines)
         type(string_t), allocatable, intent(out) :: lines(:)
         integer :: i
         allocate (lines(size(topics) + 2))
@@ -52,7 +52,7 @@ contains
         do i = 1, size(topics)
             lines(i + 2)%text = '  ' // topics(i)%name // '  ' // trim(topics(i)%what)
         end do
-    end subroutine show_topics
+    end subroutine print_topics
 
     !> A topic, or all of them, as a JSON document.
     subroutine list_as_json(topic, lines, error)

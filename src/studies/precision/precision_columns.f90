@@ -9,7 +9,7 @@ module spintop_precision_columns
     use spintop_trial, only: errors_t, trial_t
     implicit none
     private
-    public :: precision_row_t, precision_view_t, precision_columns, sort_rows, mark_front, put_row
+    public :: precision_row_t, precision_view_t, precision_columns, sort_rows, mark_front, add_row
 
     !> A method with a setting.
     type :: precision_row_t
@@ -26,7 +26,7 @@ module spintop_precision_columns
         logical :: is_front = .false.
     end type precision_row_t
 
-    !> What the cells of a row are made of: the problem, and a row of it that is looked at.
+    !> What the cells of a row are made of: the problem, and its current row.
     type :: precision_view_t
         !> Name of the problem, and its reference motion.
         character(:), allocatable :: problem
@@ -35,7 +35,7 @@ module spintop_precision_columns
         !> Its largest errors, and those at the end; NaN if the computation failed.
         type(errors_t) :: largest, last
     contains
-        procedure :: look
+        procedure :: set_row
     end type precision_view_t
 
     !> Errors that a failed computation has not reached.
@@ -122,8 +122,8 @@ contains
         end do
     end subroutine mark_front
 
-    !> Looks at a row of the problem.
-    subroutine look(self, row)
+    !> Sets the current row of the problem.
+    subroutine set_row(self, row)
         class(precision_view_t), intent(inout) :: self
         type(precision_row_t), intent(in) :: row !! the row
         self%row = row
@@ -132,37 +132,37 @@ contains
         if (row%trial%status == status_ok) return
         self%largest = unknown
         self%last = unknown
-    end subroutine look
+    end subroutine set_row
 
-    !> Adds the row that is looked at, a cell per column, and the values of the swept parameters.
-    subroutine put_row(now, values, cells)
+    !> Adds the current row, a cell per column, and the values of the swept parameters.
+    subroutine add_row(now, values, cells)
         type(precision_view_t), intent(in) :: now !! the problem and its row
         real(dp), intent(in) :: values(:) !! of the swept parameters
         type(text_buffer_t), intent(inout) :: cells !! the row is appended
-        call cells%put_text(now%problem)
-        call cells%put_text(now%row%method)
-        call cells%put_text(now%row%formulation)
-        call cells%put_text(now%row%setting)
+        call cells%add_text(now%problem)
+        call cells%add_text(now%row%method)
+        call cells%add_text(now%row%formulation)
+        call cells%add_text(now%row%setting)
         associate (largest => now%largest, last => now%last, counts => now%row%trial%counts, reference => now%reference)
-            call cells%put_reals([last%orientation, last%tip, largest%orientation])
-            call cells%put_integer(counts%steps)
-            call cells%put_integer(counts%rejected)
-            call cells%put_integer(counts%evaluations)
-            call cells%put_reals([now%row%time, largest%energy])
-            call cells%put_text(status_names(now%row%trial%status))
-            call cells%put_reals([largest%tip])
-            call cells%put_integer(counts%jacobians)
-            call cells%put_reals([largest%vertical, largest%axial, largest%quaternion])
-            call cells%put_reals([last%angle, last%rate, largest%angle, largest%rate])
-            call cells%put_reals([maxval(reference%floor)])
-            call cells%put_text(reference%source)
-            call cells%put_reals([reference%uncertainty, reference%disagreement])
+            call cells%add_reals([last%orientation, last%tip, largest%orientation])
+            call cells%add_integer(counts%steps)
+            call cells%add_integer(counts%rejected)
+            call cells%add_integer(counts%evaluations)
+            call cells%add_reals([now%row%time, largest%energy])
+            call cells%add_text(status_names(now%row%trial%status))
+            call cells%add_reals([largest%tip])
+            call cells%add_integer(counts%jacobians)
+            call cells%add_reals([largest%vertical, largest%axial, largest%quaternion])
+            call cells%add_reals([last%angle, last%rate, largest%angle, largest%rate])
+            call cells%add_reals([maxval(reference%floor)])
+            call cells%add_text(reference%source)
+            call cells%add_reals([reference%uncertainty, reference%disagreement])
         end associate
-        call cells%put_text(yes_or_no(now%row%is_front))
-        call cells%put_text(yes_or_no(now%row%is_auto))
-        call cells%put_reals(values)
+        call cells%add_text(yes_or_no(now%row%is_front))
+        call cells%add_text(yes_or_no(now%row%is_auto))
+        call cells%add_reals(values)
         call cells%end_row()
-    end subroutine put_row
+    end subroutine add_row
 
     !> A logical in a table.
     pure character(3) function yes_or_no(is_so)

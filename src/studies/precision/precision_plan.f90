@@ -4,7 +4,7 @@ module spintop_precision_plan
     use spintop_diagnostics, only: diagnostics_t
     use spintop_formulation, only: structure_quadruple
     use spintop_kinds, only: dp
-    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_methods
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, add_methods
     use spintop_methods, only: exact_info, method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
@@ -63,10 +63,10 @@ contains
         if (size(formulations) == 0) formulations = ['auto']
         allocate (plan%choices(0))
         if (all(scene%precision_methods == '')) then
-            call take_methods('work_precision.methods', pack(known%name, known%needs /= structure_quadruple), known, &
-                              formulations, plan%choices, problems)
+            call add_methods('work_precision.methods', pack(known%name, known%needs /= structure_quadruple), known, &
+                             formulations, plan%choices, problems)
         else
-            call take_methods('work_precision.methods', scene%precision_methods, known, formulations, plan%choices, problems)
+            call add_methods('work_precision.methods', scene%precision_methods, known, formulations, plan%choices, problems)
         end if
         plan%tolerances = pack(scene%precision_tolerances, is_set(scene%precision_tolerances))
         if (size(plan%tolerances) == 0) plan%tolerances = default_tolerances
@@ -113,7 +113,7 @@ contains
     subroutine read_reference(input, scene, case, plan, problems, diagnostics)
         character(*), intent(in) :: input !! path of the input
         type(scene_t), intent(in) :: scene !! contents of the input
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case: whether its body has a closed form decides which references there are
         type(precision_plan_t), intent(inout) :: plan !! the stored reference is set
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added

@@ -15,7 +15,7 @@ module spintop_precision_study
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t, make_plan
-    use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, put_row, sort_rows
+    use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, add_row, sort_rows
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference, set_setting
     use spintop_precision_summary, only: auto_tally_t, summarize_problem
     use spintop_problems, only: problems_t
@@ -150,7 +150,7 @@ contains
         call summary%headline('')
         do k = first, last
             if (size(values) > 0) values = job%axes%values_of(k)
-            call swept%put(values)
+            call swept%set_values(values)
             call run_problem(job, self%plan, swept%scene, name_of_problem(job, k), values, trials * (k - 1), file, &
                              progress, rows, failures, tally, summary, error)
             if (allocated(error)) exit
@@ -230,7 +230,7 @@ contains
             call give_up('is omitted: ' // problems%first())
             return
         end if
-        call take_reference(study, scene, case, reference, status)
+        call prepare_reference(study, scene, case, reference, status)
         if (status /= status_ok) then
             call give_up('has no reference: ' // status_meaning(status))
             return
@@ -245,10 +245,10 @@ contains
         view%problem = name
         view%reference = reference
         do i = 1, size(results)
-            call view%look(results(i))
-            call put_row(view, values, text)
+            call view%set_row(results(i))
+            call add_row(view, values, text)
         end do
-        call file%put(text%contents(), error)
+        call file%append(text%contents(), error)
         rows = rows + size(results)
         call tally%compare(name, results)
         if (job%axes%cases > most_told) return
@@ -268,7 +268,7 @@ contains
     end subroutine run_problem
 
     !> The reference of a case.
-    subroutine take_reference(study, scene, case, reference, status)
+    subroutine prepare_reference(study, scene, case, reference, status)
         type(precision_plan_t), intent(in) :: study !! methods and settings
         type(scene_t), intent(in) :: scene
         type(case_t), intent(in) :: case
@@ -281,7 +281,7 @@ contains
             call find_reference(case, study%samples, study%reference, int(scene%max_steps, int64), reference, status)
         end if
         if (status == status_ok) call check_reference(case, int(scene%max_steps, int64), reference)
-    end subroutine take_reference
+    end subroutine prepare_reference
 
     !> Computes a row for each method and setting.
     subroutine run_methods(study, scene, case, reference, done, progress, rows, summary)

@@ -28,7 +28,7 @@ contains
         character(*), intent(in) :: input !! path of the input: the table's is relative to it
         character(*), intent(in) :: key !! parameter that holds the path
         character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case: the motion must have its start, its span and its axes
         type(reference_t), intent(out) :: reference !! the stored motion
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
@@ -48,7 +48,7 @@ contains
         call check_motion(cells, key, case, problems)
         if (problems%any()) return
         reference%source = path(index(path, '/', back=.true.) + 1:)
-        call take_motions(cells, case, reference)
+        call read_motions(cells, case, reference)
     end subroutine read_motion
 
     !> Reads the required columns: column i of `cells` is a row of the table. Not allocated if there is an
@@ -132,7 +132,7 @@ contains
     end subroutine check_motion
 
     !> The motions of the rows, in the axes of the computation. Their accuracy is unknown.
-    subroutine take_motions(cells, case, reference)
+    subroutine read_motions(cells, case, reference)
         real(dp), intent(in) :: cells(:, :)
         type(case_t), intent(in) :: case
         type(reference_t), intent(inout) :: reference
@@ -147,6 +147,6 @@ contains
             motion = motion_from_quaternion(cells(1, i), cells(2:5, i) / norm2(cells(2:5, i)), cells(6:8, i), motion%angle)
             reference%motions(i) = case%turn%turned_motion(motion)
         end do
-    end subroutine take_motions
+    end subroutine read_motions
 
 end module spintop_stored_motion

@@ -35,7 +35,7 @@ contains
     !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
     !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
     subroutine time_trial(case, plan, expected, repeats, time, counts, motion, status)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose computation is timed
         type(plan_t), intent(inout) :: plan !! model, method and settings
         real(dp), intent(in) :: expected !! expected time of one computation, s
         integer, intent(in) :: repeats !! maximum number of measurements

@@ -46,7 +46,7 @@ contains
         end do
     end function wanted_proofs
 
-    !> Takes a motion as it was given. Without wanted quantities nothing is done.
+    !> Prepares the proof of a motion as it was given. Without wanted quantities nothing is done.
     subroutine open(self, wanted, certified, body, start, radii)
         class(row_proof_t), intent(inout) :: self
         logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved

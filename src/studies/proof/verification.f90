@@ -65,7 +65,7 @@ contains
             return
         end if
         call read_table(job%input, found%table, error, takes_damaged=.true.)
-        if (.not. allocated(error)) call take_numbers(job, found, error)
+        if (.not. allocated(error)) call read_numbers(job, found, error)
         if (allocated(error)) return
         call check_proof_cells(found%table, job%scene%certified, found%wrong)
         if (found%is_sweep) then
@@ -81,7 +81,7 @@ contains
     end subroutine verify_table
 
     !> The numbers that have true values, and their bounds.
-    subroutine take_numbers(job, found, error)
+    subroutine read_numbers(job, found, error)
         type(job_t), intent(in) :: job
         type(verification_t), intent(inout) :: found
         type(error_t), allocatable, intent(out) :: error
@@ -97,15 +97,15 @@ contains
             if (k == proof_of_orientation) cycle
             found%names(k) = proof_names(k)
             if (found%is_sweep .and. k <= proof_of_psi) found%names(k) = trim(proof_names(k)) // '_end'
-            call take_column(found%table, trim(found%names(k)), found%printed(k, :), found%has_number(k), error)
-            if (.not. allocated(error)) call take_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), &
+            call read_column(found%table, trim(found%names(k)), found%printed(k, :), found%has_number(k), error)
+            if (.not. allocated(error)) call read_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), &
                                                          found%has_bound(k), error)
             if (allocated(error)) return
         end do
-    end subroutine take_numbers
+    end subroutine read_numbers
 
     !> The numbers of a column, if there is one.
-    subroutine take_column(table, name, values, is_there, error)
+    subroutine read_column(table, name, values, is_there, error)
         type(table_t), intent(in) :: table
         character(*), intent(in) :: name
         real(dp), intent(inout) :: values(:)
@@ -117,7 +117,7 @@ contains
         if (.not. is_there) return
         call table%read_column(name, numbers, error)
         if (.not. allocated(error)) values = numbers
-    end subroutine take_column
+    end subroutine read_column
 
     !> The rows of a trajectory.
     subroutine verify_trajectory(job, found, error)
@@ -158,11 +158,11 @@ contains
         if (.not. (allocated(error) .or. found%has_events)) call check_cases(job, cases, found%wrong, error)
         if (allocated(error)) return
         allocate (ends(size(cases)), source=no_number)
-        call take_column(found%table, 't_end', ends, has_end, error)
+        call read_column(found%table, 't_end', ends, has_end, error)
         printed = no_number
         do i = 1, size(values)
             if (allocated(error)) return
-            call take_column(found%table, job%axes%axis(i)%name, printed(:, i), is_there(i), error)
+            call read_column(found%table, job%axes%axis(i)%name, printed(:, i), is_there(i), error)
         end do
         if (allocated(error)) return
         allocate (status, source=found%table%words('status'))
@@ -177,7 +177,7 @@ contains
             call check_values(job, row, merge(printed(row, :), values, is_there), values, found%wrong)
             if (size(status) > 0) call check_cells(found, row, is_good_end(status_number(status(row)%text)))
             if (.not. any(is_finite(found%printed(:, row)))) cycle
-            call swept%put(values)
+            call swept%set_values(values)
             call make_again(swept%scene, case, error)
             if (allocated(error)) return
             if (.not. is_finite(ends(row))) ends(row) = case%t_end

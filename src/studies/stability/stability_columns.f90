@@ -8,7 +8,7 @@ module spintop_stability_columns
     use spintop_verdict, only: verdict_names, verdict_unsuitable
     implicit none
     private
-    public :: stability_row_t, stability_columns, put_row
+    public :: stability_row_t, stability_columns, add_row
 
     !> A method on a case: what the cells of a row are made of.
     type :: stability_row_t
@@ -59,32 +59,32 @@ module spintop_stability_columns
 contains
 
     !> Adds a row, a cell per column.
-    subroutine put_row(row, cells)
+    subroutine add_row(row, cells)
         type(stability_row_t), intent(in) :: row !! the row
         type(text_buffer_t), intent(inout) :: cells !! the row is appended
-        call cells%put_text(row%case)
-        call cells%put_text(row%method)
-        call cells%put_text(row%formulation)
-        call cells%put_text(verdict_names(row%verdict))
+        call cells%add_text(row%case)
+        call cells%add_text(row%method)
+        call cells%add_text(row%formulation)
+        call cells%add_text(verdict_names(row%verdict))
         associate (errors => row%trial%errors, counts => row%trial%counts)
-            call cells%put_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, errors%axial, &
+            call cells%add_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, errors%axial, &
                                   errors%quaternion, row%inherent_error])
-            call cells%put_integer(counts%steps)
-            call cells%put_integer(counts%rejected)
-            call cells%put_integer(counts%evaluations)
+            call cells%add_integer(counts%steps)
+            call cells%add_integer(counts%rejected)
+            call cells%add_integer(counts%evaluations)
         end associate
-        call cells%put_reals([row%trial%time])
+        call cells%add_reals([row%trial%time])
         ! A combination that does not suit the body was not run.
         if (row%verdict == verdict_unsuitable) then
-            call cells%put_text(verdict_names(verdict_unsuitable))
+            call cells%add_text(verdict_names(verdict_unsuitable))
         else
-            call cells%put_text(status_names(row%trial%status))
+            call cells%add_text(status_names(row%trial%status))
         end if
-        call cells%put_reals([row%trial%t, row%upright_growth, row%lyapunov_exponent])
-        call cells%put_text(row%reference)
-        call cells%put_reals([row%reference_error])
-        call cells%put_text(row%reason)
+        call cells%add_reals([row%trial%t, row%upright_growth, row%lyapunov_exponent])
+        call cells%add_text(row%reference)
+        call cells%add_reals([row%reference_error])
+        call cells%add_text(row%reason)
         call cells%end_row()
-    end subroutine put_row
+    end subroutine add_row
 
 end module spintop_stability_columns

@@ -4,7 +4,7 @@ module spintop_stability_plan
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
-    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, take_cases, take_methods
+    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, find_cases, add_methods
     use spintop_methods, only: method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
@@ -48,21 +48,21 @@ contains
         if (all(scene%stability_cases == '')) then
             plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
         else
-            call take_cases('stability.cases', 'case', scene%stability_cases, [character(24) :: hard_cases%name, own_case], &
+            call find_cases('stability.cases', 'case', scene%stability_cases, [character(24) :: hard_cases%name, own_case], &
                             plan%cases, problems)
             where (plan%cases > size(hard_cases)) plan%cases = 0 ! the case of the input
         end if
         if (all(scene%stability_methods == '')) then
-            call take_all_methods(plan%methods)
+            call choose_all_methods(plan%methods)
         else
             allocate (plan%methods(0))
-            call take_methods('stability.methods', scene%stability_methods, method_infos(), ['auto'], plan%methods, &
-                              problems)
+            call add_methods('stability.methods', scene%stability_methods, method_infos(), ['auto'], plan%methods, &
+                             problems)
         end if
     end subroutine make_stability_plan
 
     !> Every method with the formulation that suits the body, some also with others.
-    subroutine take_all_methods(choices)
+    subroutine choose_all_methods(choices)
         type(method_choice_t), allocatable, intent(out) :: choices(:)
         type(method_info_t), allocatable :: methods(:)
         integer :: i, k, slash
@@ -77,7 +77,7 @@ contains
                 choices = [choices, method_choice_t(methods(i), more_choices(k)(slash + 1:))]
             end do
         end do
-    end subroutine take_all_methods
+    end subroutine choose_all_methods
 
     !> The scene of a case: of the catalogue, or (index 0) the input itself.
     subroutine scene_of_case(input, place, scene, error)

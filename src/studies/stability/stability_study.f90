@@ -26,7 +26,7 @@ module spintop_stability_study
     use spintop_reference_motion, only: reference_t, find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene, only: scene_t
-    use spintop_stability_columns, only: put_row, stability_row_t, stability_columns
+    use spintop_stability_columns, only: add_row, stability_row_t, stability_columns
     use spintop_stability_plan, only: make_stability_plan, own_case, scene_of_case, scene_of_trial, stability_plan_t
     use spintop_status, only: status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
@@ -226,7 +226,7 @@ contains
             self%trials = self%trials + 1
             if (.not. is_new) cycle
             self%verdicts(k, row%verdict) = self%verdicts(k, row%verdict) + 1
-            call put_row(row, cells)
+            call add_row(row, cells)
             call self%progress%update(self%trials)
         end do
         rows = cells%contents()

@@ -2,7 +2,7 @@
 module spintop_azimuth_lanes
     use spintop_body, only: body_t
     use spintop_kinds, only: dp
-    use spintop_lane_watch, only: lane_watch_t
+    use spintop_lane_monitor, only: lane_monitor_t
     use spintop_motion, only: motion_t
     use spintop_sweep_quantities, only: precession_period
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -14,7 +14,7 @@ module spintop_azimuth_lanes
     real(dp), parameter :: rounding = 4 * epsilon(1.0_dp)
 
     !> Watches the azimuth.
-    type, extends(lane_watch_t) :: azimuth_lanes_t
+    type, extends(lane_monitor_t) :: azimuth_lanes_t
         !> Whether the motion of each case reached the period, and its change of phi then, rad.
         logical, allocatable :: seen(:)
         real(dp), allocatable :: azimuth(:)
@@ -25,7 +25,7 @@ module spintop_azimuth_lanes
     contains
         procedure :: prepare
         procedure :: begin
-        procedure :: look
+        procedure :: observe
         procedure :: finish
     end type azimuth_lanes_t
 
@@ -57,8 +57,8 @@ contains
         self%azimuth_in(lane) = -start%angle(1)
     end subroutine begin
 
-    !> Takes the azimuth in lanes that reached the period in the last step.
-    subroutine look(self, run)
+    !> Records the azimuth in lanes that reached the period in the last step.
+    subroutine observe(self, run)
         class(azimuth_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp) :: angles(2)
@@ -75,7 +75,7 @@ contains
                 self%period(lane) = huge(1.0_dp)
             end do
         end associate
-    end subroutine look
+    end subroutine observe
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, case)

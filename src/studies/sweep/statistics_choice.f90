@@ -287,7 +287,7 @@ contains
                        any(is_set([scene%bins_from(number), scene%bins_to(number)]))
             do axis = 1, size(job%axes%axis)
                 if (job%axes%axis(axis)%name /= name) cycle
-                call look_at(job%axes%axis(axis), values, range)
+                call find_axis_values(job%axes%axis(axis), values, range)
                 has_range = .true.
                 if (is_given .or. size(values) == 0 .or. size(values) > most_values) exit
                 over%bins = bins_around(values)
@@ -308,7 +308,7 @@ contains
     end subroutine choose_bins_of
 
     !> The values of an axis, increasing, each once (none if it has an interval), and its range.
-    subroutine look_at(axis, values, range)
+    subroutine find_axis_values(axis, values, range)
         type(axis_t), intent(in) :: axis
         real(dp), allocatable, intent(out) :: values(:)
         type(range_of_bins_t), intent(inout) :: range
@@ -337,7 +337,7 @@ contains
             values = [values, smallest]
             found = smallest
         end do
-    end subroutine look_at
+    end subroutine find_axis_values
 
     !> Bins of a range; none if there are problems.
     subroutine make_bins(range, bins, problems)

@@ -1,5 +1,5 @@
 !> Cases of a sweep that are integrated together, in vector lanes: bodies without a closed form, of which the table
-!> contains the end of the span, or what the watches in lanes measure.
+!> contains the end of the span, or what the monitors in lanes measure.
 module spintop_sweep_batch
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
@@ -14,21 +14,21 @@ module spintop_sweep_batch
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: find_free_constants, put_fast_top, put_end
+    use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end
     use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, of_inherent, &
         of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, of_vertical_force
-    use spintop_sweep_stability, only: put_stability
-    use spintop_sweep_watches, only: sweep_watches_t, ends_in_lanes
+    use spintop_sweep_stability, only: compute_stability
+    use spintop_sweep_monitors, only: sweep_monitors_t, ends_in_lanes
     implicit none
     private
     public :: sweep_batch_t
 
     !> The engine for bodies without a closed form, with Taylor's method for the equations of any body, with effects that have
-    !> series and without, and with no event before the end that the watches in lanes do not find.
+    !> series and without, and with no event before the end that the monitors in lanes do not find.
     type, extends(engine_t) :: sweep_batch_t
-        type(sweep_watches_t), private :: watches
-        !> The settings for which the watches were made.
-        type(controls_t), private :: watched
+        type(sweep_monitors_t), private :: monitors
+        !> The settings for which the monitors were made.
+        type(controls_t), private :: monitored
     contains
         procedure, nopass :: takes
         procedure :: compute
@@ -73,7 +73,7 @@ contains
         starts_beside_pole = sine > through_pole .and. sine < beside
     end function starts_beside_pole
 
-    !> Whether watches in lanes would find a quantity by equations that hold without effects.
+    !> Whether monitors in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
         logical, intent(in) :: wanted(kinds_of_work)
         needs_plain_body = wanted(of_inherent) .or. wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_nutation_rate) &
@@ -113,22 +113,22 @@ contains
             alone([of_lyapunov, of_singular]) = .false.
         end if
         associate (controls => slots(list(1))%plan%stepper%controls)
-            is_new = .not. allocated(self%watches%slots)
-            if (.not. is_new) is_new = .not. are_like(self%watched, controls)
-            if (is_new) call self%watches%create(in_lanes, controls, task%events, task%stop_after)
-            self%watched = controls
+            is_new = .not. allocated(self%monitors%slots)
+            if (.not. is_new) is_new = .not. are_like(self%monitored, controls)
+            if (is_new) call self%monitors%create(in_lanes, controls, task%events, task%stop_after)
+            self%monitored = controls
             allocate (ends(size(list)), outcomes(size(list)))
             call integrate_many(controls, slots(list)%case%body, slots(list)%case%start, slots(list)%case%t_end, ends, outcomes, &
-                                self%watches%slots)
+                                self%monitors%slots)
         end associate
         do i = 1, size(list)
-            call take_quantities(self, i, ends(i), outcomes(i), task%wanted, alone, slots(list(i)))
+            call set_quantities(self, i, ends(i), outcomes(i), task%wanted, alone, slots(list(i)))
         end do
     end subroutine compute
 
-    !> Takes the quantities of case `i` of those integrated. A motion with effects that came to a point where it has no series is
-    !> left to others.
-    subroutine take_quantities(self, i, last, outcome, wanted, alone, slot)
+    !> Stores the quantities of case `i` of those integrated. A motion with effects that came to a point where it has no series
+    !> is left to others.
+    subroutine set_quantities(self, i, last, outcome, wanted, alone, slot)
         type(sweep_batch_t), intent(in) :: self
         integer, intent(in) :: i
         type(motion_t), intent(in) :: last
@@ -141,17 +141,17 @@ contains
             return
         end if
         slot%status = outcome%status
-        if (is_good_end(slot%status)) call put_stability(slot, last%t, alone)
-        if (wanted(of_fast_top)) call put_fast_top(slot)
+        if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
+        if (wanted(of_fast_top)) call set_fast_top(slot)
         slot%result%evaluations = real(outcome%counts%evaluations, dp)
         if (is_good_end(slot%status)) then
-            ! Without an energy error, which a watch measures if it is wanted.
-            call put_end(slot, last, (slot%result%energy_error_max))
-            call self%watches%put(slot%case, wanted, i, last, slot%result, slot%status, slot%note)
+            ! Without an energy error, which a monitor measures if it is wanted.
+            call set_end(slot, last, (slot%result%energy_error_max))
+            call self%monitors%store_quantities(slot%case, wanted, i, last, slot%result, slot%status, slot%note)
             call find_free_constants(slot, wanted)
         else
             call slot%fail(slot%status)
         end if
-    end subroutine take_quantities
+    end subroutine set_quantities
 
 end module spintop_sweep_batch

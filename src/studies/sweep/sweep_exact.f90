@@ -17,11 +17,11 @@ module spintop_sweep_exact
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_no_stop
-    use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_fast_top, put_azimuth, put_end, &
-        put_details, precession_period, lowest_height
+    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
+        set_details, precession_period, lowest_height
     use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, &
         of_lowest, of_nutation, of_period, of_turns
-    use spintop_sweep_stability, only: put_stability
+    use spintop_sweep_stability, only: compute_stability
     implicit none
     private
     public :: sweep_exact_t, stop_exactly
@@ -60,17 +60,17 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
-        logical :: came(size(list))
+        logical :: event_occurred(size(list))
         integer :: i, status
 
         if (.not. allocated(self%block)) allocate (self%block)
-        came = .true.
+        event_occurred = .true.
         associate (block => self%block, wanted => task%wanted)
             block%n = size(list)
             do i = 1, size(list)
                 associate (slot => slots(list(i)))
                     if (size(task%events) > 0) then
-                        call stop_exactly(slot%case, task%events, task%stop_after, slot%max_steps, status, came(i))
+                        call stop_exactly(slot%case, task%events, task%stop_after, slot%max_steps, status, event_occurred(i))
                         if (status /= status_ok) call slot%fail(status)
                     end if
                     call load_lane(slot%case, wanted, block, i)
@@ -82,7 +82,7 @@ contains
             do i = 1, size(list)
                 associate (slot => slots(list(i)))
                     if (slot%status == status_ok) call unload_lane(block, i, wanted, slot)
-                    if (slot%status == status_ok .and. .not. came(i)) call slot%note%add(note_no_stop)
+                    if (slot%status == status_ok .and. .not. event_occurred(i)) call slot%note%add(note_no_stop)
                 end associate
             end do
         end associate
@@ -108,35 +108,37 @@ contains
         if (wanted(of_period)) block%t_period(lane) = precession_period(case%body, case%start)
     end subroutine load_lane
 
-    !> Ends the span of a case at the n-th of the events. `came` reports whether it occurred, `status` whether
-    !> the allowed work was sufficient.
-    subroutine stop_exactly(case, events, n, max_steps, status, came)
+    !> Ends the span of a case at the n-th of the events. `event_occurred` reports whether there was one, `status` whether the
+    !> allowed work was sufficient.
+    subroutine stop_exactly(case, events, n, max_steps, status, event_occurred)
         type(case_t), intent(inout) :: case !! its span is set to the time of the event
         type(column_event_t), intent(in) :: events(:) !! the events
         integer, intent(in) :: n !! number of the event that ends the motion
         integer(int64), intent(inout) :: max_steps !! remaining work of the case
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        logical, intent(out) :: came !! whether the event occurred
+        logical, intent(out) :: event_occurred !! whether the n-th event occurred within the span
         ! These objects are large, and a thread may have a small stack.
         type(exact_path_t), allocatable :: path
-        type(event_recorder_t), allocatable :: watch
+        type(event_recorder_t), allocatable :: recorder
 
-        came = .false.
-        allocate (path, watch)
+        event_occurred = .false.
+        allocate (path, recorder)
         call path%begin(case, looks_per_step * max_steps, status)
         if (status /= status_ok) then
             ! The kernel reports the status.
             status = status_ok
             return
         end if
-        call watch%set(events, n, case)
-        call watch%begin(case%body, path%exact%at(0.0_dp))
-        call watch%judge(case%body, case%start)
-        call watch%look(path, case%t_end)
+        call recorder%set(events, n, case)
+        call recorder%begin(case%body, path%exact%at(0.0_dp))
+        call recorder%judge(case%body, case%start)
+        call recorder%find_events(path, case%t_end)
         max_steps = max_steps - path%looks / looks_per_step
-        came = watch%has_enough
-        if (.not. came .and. watch%t < case%t_end) status = merge(status_too_many_events, status_step_limit, watch%is_full)
-        if (came) case%t_end = watch%t
+        event_occurred = recorder%has_enough
+        if (.not. event_occurred .and. recorder%t < case%t_end) status = &
+            merge(status_too_many_events, status_step_limit, &
+                recorder%is_full)
+        if (event_occurred) case%t_end = recorder%t
     end subroutine stop_exactly
 
     !> The quantities of the case in a lane of a computed block.
@@ -151,9 +153,9 @@ contains
             return
         end if
         if (wanted(of_nutation)) call unload_nutation(block, lane, wanted, slot)
-        if (wanted(of_fast_top)) call put_fast_top(slot)
+        if (wanted(of_fast_top)) call set_fast_top(slot)
         if (wanted(of_period)) then
-            call put_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), slot%result, slot%note)
+            call set_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), slot%result, slot%note)
         end if
         if (wanted(of_end) .or. wanted(of_energy)) then
             call unload_end(block, lane, wanted, slot)
@@ -161,9 +163,9 @@ contains
         end if
         slot%result%evaluations = 0
         slot%result%orientation_error = 0
-        if (wanted(of_details)) call put_details(slot)
+        if (wanted(of_details)) call set_details(slot)
         if (wanted(of_free)) call find_free_constants(slot, wanted)
-        call put_stability(slot, slot%case%t_end, wanted)
+        call compute_stability(slot, slot%case%t_end, wanted)
         if (wanted(of_inherent)) then
             slot%result%inherent_error = inherent_error(slot%case%body, slot%case%start, slot%case%t_end)
         end if
@@ -189,7 +191,7 @@ contains
         end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
         if (wanted(of_lowest)) slot%result%com_z_min = lowest_height(slot%case, nutation%theta_max)
-        call put_nutation(slot, nutation)
+        call set_nutation(slot, nutation)
     end subroutine unload_nutation
 
     !> The end of the span, as far as a sweep table needs it. Angles about another axis need the whole attitude; counting
@@ -223,7 +225,7 @@ contains
                 end if
             end if
         end associate
-        call put_end(slot, last, block%energy_error(lane))
+        call set_end(slot, last, block%energy_error(lane))
     end subroutine unload_end
 
 end module spintop_sweep_exact

@@ -152,7 +152,7 @@ contains
 
     !> A time in the unit that suits it.
     function duration(time) result(text)
-        real(dp), intent(in) :: time !! s
+        real(dp), intent(in) :: time !! the time, s
         character(:), allocatable :: text
         real(dp), parameter :: minute = 60, hour = 3600, day = 86400
         if (time < 1) then

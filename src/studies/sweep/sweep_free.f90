@@ -7,10 +7,10 @@ module spintop_sweep_free
     use spintop_quantities, only: energy_scale, kinetic_energy
     use spintop_status, only: status_ok
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_quantities, only: put_azimuth, put_end, put_fast_top, put_free_constants
+    use spintop_sweep_quantities, only: set_azimuth, set_end, set_fast_top, set_free_constants
     use spintop_sweep_result, only: kinds_of_work, of_end, of_energy, of_fast_top, of_inherent, of_measured, &
         of_period, of_range, of_turns
-    use spintop_sweep_stability, only: put_stability
+    use spintop_sweep_stability, only: compute_stability
     implicit none
     private
     public :: sweep_free_t
@@ -59,7 +59,7 @@ contains
             call block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_turns))
             do i = 1, size(list)
                 if (block%status(i) == status_ok) then
-                    call take_quantities(block, i, wanted, slots(list(i)))
+                    call set_quantities(block, i, wanted, slots(list(i)))
                 else
                     call slots(list(i))%fail(block%status(i))
                 end if
@@ -68,7 +68,7 @@ contains
     end subroutine compute
 
     !> The quantities of the i-th case of a computed block.
-    subroutine take_quantities(block, i, wanted, slot)
+    subroutine set_quantities(block, i, wanted, slot)
         type(free_block_t), intent(in) :: block
         integer, intent(in) :: i
         logical, intent(in) :: wanted(kinds_of_work)
@@ -76,9 +76,9 @@ contains
         type(motion_t) :: last
         real(dp) :: change
 
-        call put_stability(slot, slot%case%t_end, wanted)
-        if (wanted(of_fast_top)) call put_fast_top(slot)
-        if (wanted(of_period)) call put_azimuth(.false., 0.0_dp, slot%result, slot%note)
+        call compute_stability(slot, slot%case%t_end, wanted)
+        if (wanted(of_fast_top)) call set_fast_top(slot)
+        if (wanted(of_period)) call set_azimuth(.false., 0.0_dp, slot%result, slot%note)
         associate (case => slot%case)
             if (wanted(of_end) .or. wanted(of_energy)) then
                 last%t = case%t_end
@@ -87,13 +87,13 @@ contains
                 last%angle = block%angle_end(i, :)
                 last%rate(2) = block%theta_rate_end(i)
                 change = kinetic_energy(case%body, last) - kinetic_energy(case%body, case%start)
-                call put_end(slot, last, abs(change) / energy_scale(case%body, case%start))
+                call set_end(slot, last, abs(change) / energy_scale(case%body, case%start))
             end if
             slot%result%evaluations = 0
             slot%result%orientation_error = 0
             if (wanted(of_inherent)) slot%result%inherent_error = inherent_error(case%body, case%start, case%t_end)
         end associate
-        call put_free_constants(slot, block%constants(i), wanted)
-    end subroutine take_quantities
+        call set_free_constants(slot, block%constants(i), wanted)
+    end subroutine set_quantities
 
 end module spintop_sweep_free

@@ -11,7 +11,7 @@ module spintop_sweep_quantities
     use spintop_free_motion, only: free_constants_t, free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: nutation_watch_t, no_class
+    use spintop_nutation_recorder, only: nutation_recorder_t, no_class
     use spintop_status, only: status_ok, status_non_finite, status_meanings
     use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
@@ -22,22 +22,22 @@ module spintop_sweep_quantities
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: put_nutation, put_measured, put_measured_nutation, put_fast_top, put_azimuth, put_end, put_details, &
+    public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
         precession_period, lowest_height
     public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error, explain_not_stuck
-    public :: find_free_constants, put_free_constants
+    public :: find_free_constants, set_free_constants
 
 contains
 
     !> The whole nutation of a closed form, without the height of the centre of mass.
-    subroutine put_nutation(slot, nutation)
+    subroutine set_nutation(slot, nutation)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
         associate (seen => as_given(slot%case, nutation))
-            call put_extremes(seen, slot%result)
-            call put_means(slot%case, seen, slot%result, slot%note)
+            call set_extremes(seen, slot%result)
+            call set_means(slot%case, seen, slot%result, slot%note)
         end associate
-    end subroutine put_nutation
+    end subroutine set_nutation
 
     !> A nutation in the axes, and relative to the frame, of the input.
     pure type(nutation_t) function as_given(case, nutation) result(seen)
@@ -56,14 +56,14 @@ contains
     end function as_given
 
     !> The extremes of theta and of the precession rate.
-    subroutine put_extremes(nutation, values)
+    subroutine set_extremes(nutation, values)
         type(nutation_t), intent(in) :: nutation
         type(sweep_result_t), intent(inout) :: values
         values%theta_min = nutation%theta_min
         values%theta_max = nutation%theta_max
         values%delta_u = nutation%delta_u
         values%phi_rate_max = nutation%phi_rate_max
-    end subroutine put_extremes
+    end subroutine set_extremes
 
     !> The precession rate of a top relative to a frame that turns that is largest in magnitude. With u = cos(theta) the
     !> rate (lz - l3 u)/(I1 (1 - u^2)) is largest at a turning point; less the rate of the frame it may be so at the other
@@ -95,7 +95,7 @@ contains
     end function largest_relative_rate
 
     !> The period, and what happens in it.
-    subroutine put_means(case, nutation, values, note)
+    subroutine set_means(case, nutation, values, note)
         type(case_t), intent(in) :: case
         type(nutation_t), intent(in) :: nutation
         type(sweep_result_t), intent(inout) :: values
@@ -117,45 +117,45 @@ contains
         end if
         precession_time = precession_period(case%body, case%start)
         if (precession_time > 0) values%nutations_in_period = precession_time / nutation%period
-    end subroutine put_means
+    end subroutine set_means
 
     !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
     pure real(dp) function lowest_height(case, theta_max)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case of a top, for its centre of mass
         real(dp), intent(in) :: theta_max !! in the axes of the computation, rad
         lowest_height = case%body%centre_of_mass(3) * cos(theta_max)
     end function lowest_height
 
     !> What was measured along the motion.
-    subroutine put_measured(slot, watch, wanted)
+    subroutine set_measured(slot, recorder, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        type(nutation_watch_t), intent(in) :: watch !! the measured nutation
+        type(nutation_recorder_t), intent(in) :: recorder !! the measured nutation
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(nutation_t) :: nutation
         logical :: is_whole
 
         associate (values => slot%result)
-            if (watch%measures%nutation_rate) values%theta_rate_max = watch%theta_rate_max
-            if (watch%measures%force) values%force_max = watch%force_max
-            if (watch%measures%vertical_force) then
-                values%force_z_min = watch%force_z_min
-                values%force_z_max = watch%force_z_max
+            if (recorder%measures%nutation_rate) values%theta_rate_max = recorder%theta_rate_max
+            if (recorder%measures%force) values%force_max = recorder%force_max
+            if (recorder%measures%vertical_force) then
+                values%force_z_min = recorder%force_z_min
+                values%force_z_max = recorder%force_z_max
             end if
-            if (watch%measures%lowest) values%com_z_min = watch%com_z_min
+            if (recorder%measures%lowest) values%com_z_min = recorder%com_z_min
         end associate
-        call watch%nutation(nutation, is_whole)
-        call put_measured_nutation(slot%case, wanted, nutation, is_whole, watch%is_noisy(), slot%result, slot%note)
-    end subroutine put_measured
+        call recorder%nutation(nutation, is_whole)
+        call set_measured_nutation(slot%case, wanted, nutation, is_whole, recorder%is_noisy(), slot%result, slot%note)
+    end subroutine set_measured
 
     !> A measured nutation: extremes over the span, and what needs a whole nutation.
-    subroutine put_measured_nutation(case, wanted, nutation, is_whole, is_noisy, values, note)
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine set_measured_nutation(case, wanted, nutation, is_whole, is_noisy, values, note)
+        type(case_t), intent(in) :: case !! the case whose motion was measured
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
         logical, intent(in) :: is_whole, is_noisy !! whether there was a whole nutation; whether one was within the noise
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
         type(note_t), intent(inout) :: note !! notes on the case
-        call put_extremes(nutation, values)
+        call set_extremes(nutation, values)
         if (.not. wanted(of_whole)) return
         if (.not. is_whole) then
             if (is_noisy) then
@@ -165,16 +165,16 @@ contains
             end if
             return
         end if
-        call put_means(case, nutation, values, note)
+        call set_means(case, nutation, values, note)
         values%spin_per_nutation = nutation%spin
         values%motion_class = nutation%class
         if ((wanted(of_fastest) .or. wanted(of_class)) .and. nutation%class == no_class) then
             call note%add(note_no_class, 'it changes from nutation to nutation')
         end if
-    end subroutine put_measured_nutation
+    end subroutine set_measured_nutation
 
     !> The formulas of the paper for a fast top.
-    subroutine put_fast_top(slot)
+    subroutine set_fast_top(slot)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(fast_top_t) :: motion
 
@@ -195,10 +195,10 @@ contains
             values%nutations_per_turn_fast_top = motion%nutations_per_turn
             values%fast_top_ratio = motion%ratio
         end associate
-    end subroutine put_fast_top
+    end subroutine set_fast_top
 
     !> Details of the whole nutation of a top with a closed form.
-    subroutine put_details(slot)
+    subroutine set_details(slot)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t) :: nutation
         type(force_extremes_t) :: force
@@ -224,10 +224,10 @@ contains
             values%force_z_min = force%lowest_vertical
             values%force_z_max = force%highest_vertical
         end associate
-    end subroutine put_details
+    end subroutine set_details
 
     !> The azimuth after T_p, from the change of phi in that time (rad), if the motion reached it.
-    subroutine put_azimuth(seen, azimuth, values, note)
+    subroutine set_azimuth(seen, azimuth, values, note)
         logical, intent(in) :: seen !! whether the motion reached T_p
         real(dp), intent(in) :: azimuth !! change of phi in T_p, rad
         type(sweep_result_t), intent(inout) :: values !! the quantities of the case
@@ -237,37 +237,37 @@ contains
         else
             call note%add(note_no_azimuth, 'the span has no step at T_p')
         end if
-    end subroutine put_azimuth
+    end subroutine set_azimuth
 
     !> The end of the span: `motion` is in the axes of the computation.
-    subroutine put_end(slot, motion, energy_error)
+    subroutine set_end(slot, motion, energy_error)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(motion_t), intent(in) :: motion !! the motion at the end of the span, in the axes of the computation
         real(dp), intent(in) :: energy_error !! largest relative energy error
         slot%result%energy_error_max = energy_error
         if (slot%case%turn%is_turned()) then
-            call put_seen(slot%case%turn%back(motion, motion%given_angle))
+            call set_end_as_given(slot%case%turn%back(motion, motion%given_angle))
         else
-            call put_seen(motion)
+            call set_end_as_given(motion)
         end if
 
     contains
 
         !> The same in the axes in which the body was given.
-        subroutine put_seen(seen)
+        subroutine set_end_as_given(seen)
             type(motion_t), intent(in) :: seen
             slot%result%t_end = seen%t
             slot%result%theta_end = seen%angle(2)
             slot%result%phi_end = seen%angle(1)
             slot%result%psi_end = seen%angle(3)
             slot%result%theta_rate_end = seen%rate(2)
-        end subroutine put_seen
+        end subroutine set_end_as_given
 
-    end subroutine put_end
+    end subroutine set_end
 
     !> Notes why a case has no precession period.
     subroutine explain_no_period(case, note)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
         if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
             call note%add(note_no_precession_period, 'it needs ' // needs_of_period(case))
@@ -276,7 +276,7 @@ contains
 
     !> Notes why a case has no exact motion.
     subroutine explain_no_exact_motion(case, note)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
         if (note%has(note_no_exact_motion)) return
         if (case%body%has_closed_form()) then
@@ -292,7 +292,7 @@ contains
 
     !> Notes that a body was not stopped.
     subroutine explain_not_stuck(case, note)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
         associate (unused => case)
         end associate
@@ -301,7 +301,7 @@ contains
 
     !> Notes why a top has no inherent error. Of other bodies that was noted where it was sought.
     subroutine explain_no_inherent_error(case, note)
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
         if (case%body%is_lagrange()) call explain_no_exact_motion(case, note)
     end subroutine explain_no_inherent_error
@@ -328,12 +328,12 @@ contains
                 call slot%note%add(note_not_free, trim(status_meanings(status)))
                 return
             end if
-            call put_free_constants(slot, free%free_constants_t, wanted)
+            call set_free_constants(slot, free%free_constants_t, wanted)
         end associate
     end subroutine find_free_constants
 
     !> The constants of a free body.
-    subroutine put_free_constants(slot, free, wanted)
+    subroutine set_free_constants(slot, free, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(free_constants_t), intent(in) :: free !! what does not depend on time
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
@@ -364,7 +364,7 @@ contains
             values%theta_max = range(2)
             values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
         end associate
-    end subroutine put_free_constants
+    end subroutine set_free_constants
 
     !> What a case without T_p lacks.
     pure function needs_of_period(case) result(needs)

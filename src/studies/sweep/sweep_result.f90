@@ -4,7 +4,7 @@ module spintop_sweep_result
     use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
         proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_words
     use spintop_kinds, only: dp, nan => no_number
-    use spintop_nutation_watch, only: no_class
+    use spintop_nutation_recorder, only: no_class
     implicit none
     private
     public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range, of_whole, &
@@ -85,7 +85,7 @@ contains
 
     !> What is wanted, as flags.
     pure function set_of(members) result(wanted)
-        integer, intent(in) :: members(:) !! indices
+        integer, intent(in) :: members(:) !! indices of groups, such as `of_end`
         logical :: wanted(kinds_of_work)
         integer :: i
         wanted = [(any(members == i), i=1, kinds_of_work)]

@@ -6,7 +6,7 @@ module spintop_sweep_sensitivities
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: exact_info
-    use spintop_other_accuracy, only: other_accuracies, other_value, take_other_accuracy
+    use spintop_other_accuracy, only: other_accuracies, other_value, set_other_accuracy
     use spintop_plan, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
@@ -52,7 +52,7 @@ module spintop_sweep_sensitivities
 
 contains
 
-    !> Takes the sensitivities of a job; there may be none.
+    !> Prepares the sensitivities of a job; there may be none.
     subroutine prepare(self, job)
         class(sweep_sensitivities_t), target, intent(inout) :: self
         type(job_t), target, intent(in) :: job !! the job
@@ -97,7 +97,7 @@ contains
             own%case = job%case
             own%plan = job%plan
             if (present(accuracy)) then
-                call take_other_accuracy(own%scene, job%plan, accuracy, keeps_rows=.false.)
+                call set_other_accuracy(own%scene, job%plan, accuracy, keeps_rows=.false.)
                 call make_plan(own%scene, own%case, own%plan, problems)
             end if
             own%events = job%events

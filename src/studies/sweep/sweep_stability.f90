@@ -18,7 +18,7 @@ module spintop_sweep_stability
     use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
-    public :: put_stability, ask_for_inherent_error, perturbations_t
+    public :: compute_stability, ask_for_inherent_error, perturbations_t
 
     real(dp), parameter :: no_angles(3) = 0
 
@@ -33,7 +33,7 @@ contains
 
     !> The growth rate at a relative equilibrium, and the largest multiplier over a period of the vibration. The Lyapunov exponent
     !> and the largest singular value up to the end of the motion are left to `perturbations_t`.
-    subroutine put_stability(slot, t_end, wanted)
+    subroutine compute_stability(slot, t_end, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         real(dp), intent(in) :: t_end !! end of the motion, s
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
@@ -59,8 +59,8 @@ contains
                 if (wanted(of_singular)) call slot%note%add(note_no_singular, only_without_effects)
             end if
         end if
-        if (wanted(of_multiplier)) call put_multiplier(slot)
-    end subroutine put_stability
+        if (wanted(of_multiplier)) call compute_multiplier(slot)
+    end subroutine compute_stability
 
     !> Leaves the inherent error of a motion to `perturbations_t`.
     subroutine ask_for_inherent_error(slot, t_end)
@@ -76,7 +76,7 @@ contains
 
     !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
     !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
-    subroutine put_multiplier(slot)
+    subroutine compute_multiplier(slot)
         type(slot_t), intent(inout) :: slot
         complex(dp) :: multipliers(6)
         type(motion_t) :: upright
@@ -96,7 +96,7 @@ contains
         else
             call slot%note%add(note_no_multiplier, trim(status_meanings(how)))
         end if
-    end subroutine put_multiplier
+    end subroutine compute_multiplier
 
     !> The rotation about the vertical of a body whose centre of mass is above the pivot.
     pure type(motion_t) function upright_motion(centre_of_mass, omega) result(upright)
@@ -123,12 +123,12 @@ contains
         type(task_t), intent(in) :: task !! what is asked of them
         associate (unused => self)
         end associate
-        call put_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
-        call put_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
+        call compute_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
+        call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
     end subroutine compute
 
     !> The inherent errors of the cases of a list.
-    subroutine put_inherent_errors(slots, list)
+    subroutine compute_inherent_errors(slots, list)
         type(slot_t), intent(inout) :: slots(:)
         integer, intent(in) :: list(:)
         real(dp), allocatable :: errors(:)
@@ -146,10 +146,10 @@ contains
                 call slots(list(i))%note%add(note_no_inherent, trim(status_meanings(how(i))))
             end if
         end do
-    end subroutine put_inherent_errors
+    end subroutine compute_inherent_errors
 
     !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
-    subroutine put_growths(slots, list, wanted)
+    subroutine compute_growths(slots, list, wanted)
         type(slot_t), intent(inout) :: slots(:)
         integer, intent(in) :: list(:)
         logical, intent(in) :: wanted(kinds_of_work)
@@ -162,17 +162,19 @@ contains
                          wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
         do i = 1, size(list)
             associate (found => growth(i), result => slots(list(i))%result)
-                if (wanted(of_lyapunov)) call take(found%exponent, found%exponent_status, result%lyapunov_exponent, &
-                                                   note_no_lyapunov)
-                if (wanted(of_singular)) call take(found%singular, found%singular_status, result%largest_singular_value, &
-                                                   note_no_singular)
+                if (wanted(of_lyapunov)) call store_or_explain(found%exponent, found%exponent_status, &
+                    result%lyapunov_exponent, &
+                                                               note_no_lyapunov)
+                if (wanted(of_singular)) call store_or_explain(found%singular, found%singular_status, &
+                    result%largest_singular_value, &
+                                                               note_no_singular)
             end associate
         end do
 
     contains
 
         !> Stores a value, or notes the reason why there is none.
-        subroutine take(value, how, quantity, reason)
+        subroutine store_or_explain(value, how, quantity, reason)
             real(dp), intent(in) :: value
             integer, intent(in) :: how, reason
             real(dp), intent(inout) :: quantity
@@ -182,8 +184,8 @@ contains
                 call slots(list(i))%note%add(reason, trim(status_meanings(how)))
                 if (how == status_step_limit .or. how == status_non_finite) slots(list(i))%status = how
             end if
-        end subroutine take
+        end subroutine store_or_explain
 
-    end subroutine put_growths
+    end subroutine compute_growths
 
 end module spintop_sweep_stability

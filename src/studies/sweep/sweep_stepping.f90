@@ -12,19 +12,19 @@ module spintop_sweep_stepping
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_watch, only: measures_t, nutation_watch_t
+    use spintop_nutation_recorder, only: measures_t, nutation_recorder_t
     use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
-    use spintop_sweep_quantities, only: find_free_constants, put_nutation, put_measured, put_fast_top, put_azimuth, put_end, &
-        put_details, precession_period, lowest_height
+    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, &
+        set_details, precession_period, lowest_height
     use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
         of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
         of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
-    use spintop_sweep_stability, only: ask_for_inherent_error, put_stability
+    use spintop_sweep_stability, only: ask_for_inherent_error, compute_stability
     implicit none
     private
     public :: sweep_stepping_t
@@ -48,8 +48,8 @@ module spintop_sweep_stepping
         real(dp) :: t = 0, y(max_states) = 0, near(3) = 0
     contains
         procedure :: observe
-        procedure :: look
-        procedure, private :: take_energy
+        procedure :: record_motion
+        procedure, private :: update_energy_error
     end type witness_t
 
 contains
@@ -72,7 +72,7 @@ contains
     subroutine compute_alone(slot, task)
         type(slot_t), intent(inout) :: slot
         type(task_t), intent(in) :: task
-        type(nutation_watch_t), allocatable :: watch
+        type(nutation_recorder_t), allocatable :: recorder
         type(nutation_t) :: nutation
         type(measures_t) :: which
         type(note_t) :: before
@@ -84,20 +84,20 @@ contains
                 if (wanted(of_nutation)) then
                     call find_nutation(case%body, case%start, nutation, status)
                     if (status == status_ok) then
-                        call put_nutation(slot, nutation)
+                        call set_nutation(slot, nutation)
                         slot%result%com_z_min = lowest_height(case, nutation%theta_max)
                     end if
                     slot%status = status
                 end if
-                if (wanted(of_details)) call put_details(slot)
+                if (wanted(of_details)) call set_details(slot)
             end if
-            if (wanted(of_fast_top)) call put_fast_top(slot)
+            if (wanted(of_fast_top)) call set_fast_top(slot)
 
             measures = (wanted(of_nutation) .or. wanted(of_details)) .and. .not. case%body%has_closed_nutation()
             if (case%body%is_free()) measures = measures .and. (wanted(of_measured) .or. case%turn%to_principal_axes)
             if (.not. (measures .or. any(wanted([of_period, of_end, of_energy, of_oracle, of_cost, of_inherent])) .or. &
                        (stops .and. any(wanted(of_growth:of_multiplier))))) then
-                call put_stability(slot, case%t_end, wanted)
+                call compute_stability(slot, case%t_end, wanted)
                 call find_free_constants(slot, wanted)
                 return
             end if
@@ -111,24 +111,24 @@ contains
             before = slot%note
             do
                 if (measures .or. stops) then
-                    if (allocated(watch)) deallocate (watch)
-                    allocate (watch)
-                    call watch%set(task%events, task%stop_after, case)
-                    if (measures) call watch%measure_nutation(case, which)
+                    if (allocated(recorder)) deallocate (recorder)
+                    allocate (recorder)
+                    call recorder%set(task%events, task%stop_after, case)
+                    if (measures) call recorder%measure_nutation(case, which)
                 end if
-                call follow(slot, wanted, watch)
+                call follow(slot, wanted, recorder)
                 if (.not. is_good_end(slot%status)) return
-                if (measures) call watch%take_end()
+                if (measures) call recorder%include_end()
                 if (.not. (measures .and. for_class) .or. which%fastest) exit
-                if (watch%knows_class()) exit
+                if (recorder%knows_class()) exit
                 which%fastest = .true.
                 slot%note = before
             end do
-            call put_stability(slot, slot%result%t_end, wanted)
-            if (measures) call put_measured(slot, watch, wanted)
+            call compute_stability(slot, slot%result%t_end, wanted)
+            if (measures) call set_measured(slot, recorder, wanted)
             call find_free_constants(slot, wanted)
             if (stops) then
-                if (watch%ended_by == 0) call slot%note%add(note_no_stop)
+                if (recorder%ended_by == 0) call slot%note%add(note_no_stop)
             end if
         end associate
     end subroutine compute_alone
@@ -154,10 +154,10 @@ contains
     end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
-    subroutine follow(slot, wanted, watch)
+    subroutine follow(slot, wanted, recorder)
         type(slot_t), intent(inout) :: slot
         logical, intent(in) :: wanted(kinds_of_work)
-        type(nutation_watch_t), intent(inout), optional :: watch
+        type(nutation_recorder_t), intent(inout), optional :: recorder
         type(witness_t) :: witness
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
@@ -173,10 +173,10 @@ contains
                 if (.not. matches(case%t_end, witness%period)) times = [witness%period, case%t_end]
             end if
             if (plan%exact) then
-                call walk(case, plan%max_steps, times, witness, outcome%status, watch)
+                call walk(case, plan%max_steps, times, witness, outcome%status, recorder)
             else
                 call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, &
-                               witness, outcome, watch)
+                               witness, outcome, recorder)
                 if (is_good_end(outcome%status)) then
                     witness%last = plan%formulation%motion(witness%t, witness%y, witness%near)
                     witness%last%given_angle = witness%given_angle
@@ -184,13 +184,13 @@ contains
             end if
             slot%status = outcome%status
             values%evaluations = real(outcome%counts%evaluations, dp)
-            if (wanted(of_period)) call put_azimuth(witness%saw_period, witness%azimuth_at_period, values, slot%note)
+            if (wanted(of_period)) call set_azimuth(witness%saw_period, witness%azimuth_at_period, values, slot%note)
             if (.not. is_good_end(slot%status)) then
                 call slot%fail(slot%status)
                 return
             end if
             values%t_stuck = outcome%t_stuck
-            call put_end(slot, witness%last, witness%energy_error)
+            call set_end(slot, witness%last, witness%energy_error)
             if (case%body%has_closed_form()) then
                 call compare_with_exact(case, wanted, witness%last, values)
             else if (wanted(of_inherent)) then
@@ -200,13 +200,13 @@ contains
     end subroutine follow
 
     !> Follows the closed form at the times and to the end, or to the event that ends the motion.
-    subroutine walk(case, max_steps, times, witness, status, watch)
+    subroutine walk(case, max_steps, times, witness, status, recorder)
         type(case_t), intent(in) :: case
         integer(int64), intent(in) :: max_steps
         real(dp), intent(in) :: times(:)
         type(witness_t), intent(inout) :: witness
         integer, intent(out) :: status
-        type(nutation_watch_t), intent(inout), optional :: watch
+        type(nutation_recorder_t), intent(inout), optional :: recorder
         ! Large, and a thread may have a small stack.
         type(exact_path_t), allocatable :: path
         type(motion_t) :: motion
@@ -217,14 +217,14 @@ contains
         call path%begin(case, looks_per_step * max_steps, status)
         if (status /= status_ok) return
         t_end = case%t_end
-        if (present(watch)) then
-            call watch%begin(case%body, path%exact%at(0.0_dp))
-            call watch%judge(case%body, case%start)
-            call watch%look(path, t_end)
-            if (watch%has_enough) then
-                t_end = watch%t
-            else if (watch%t < t_end) then
-                status = merge(status_too_many_events, status_step_limit, watch%is_full)
+        if (present(recorder)) then
+            call recorder%begin(case%body, path%exact%at(0.0_dp))
+            call recorder%judge(case%body, case%start)
+            call recorder%find_events(path, t_end)
+            if (recorder%has_enough) then
+                t_end = recorder%t
+            else if (recorder%t < t_end) then
+                status = merge(status_too_many_events, status_step_limit, recorder%is_full)
                 return
             end if
             call path%restart(case, looks_per_step * max_steps)
@@ -235,7 +235,7 @@ contains
                 call path%at(instants(i), motion)
                 if (path%is_spent()) status = status_step_limit
                 if (status /= status_ok) return
-                call witness%look(motion)
+                call witness%record_motion(motion)
             end do
         end associate
     end subroutine walk
@@ -281,9 +281,9 @@ contains
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
         if (self%period > 0 .and. matches(t, self%period)) then
-            call self%look(formulation%motion(t, y, near))
+            call self%record_motion(formulation%motion(t, y, near))
         else
-            call self%take_energy(formulation%motion_without_angles(t, y))
+            call self%update_energy_error(formulation%motion_without_angles(t, y))
         end if
         self%t = t
         self%y = y
@@ -291,19 +291,19 @@ contains
     end subroutine observe
 
     !> Receives a motion.
-    subroutine look(self, motion)
+    subroutine record_motion(self, motion)
         class(witness_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         self%last = motion
-        call self%take_energy(motion)
+        call self%update_energy_error(motion)
         if (self%period > 0 .and. matches(motion%t, self%period)) then
             self%saw_period = .true.
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)
         end if
-    end subroutine look
+    end subroutine record_motion
 
     !> Receives the energy error of a motion, whose angles need not be set.
-    subroutine take_energy(self, motion)
+    subroutine update_energy_error(self, motion)
         class(witness_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         real(dp) :: energy
@@ -311,6 +311,6 @@ contains
         energy = abs(energy - self%energy - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
         ! A value that is not finite is kept.
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
-    end subroutine take_energy
+    end subroutine update_energy_error
 
 end module spintop_sweep_stepping

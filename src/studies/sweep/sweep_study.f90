@@ -12,7 +12,7 @@ module spintop_sweep_study
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
-    use spintop_process, only: host_name, watch_no_more
+    use spintop_process, only: host_name, stop_watching_signals
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
     use spintop_scene, only: scene_t
@@ -137,7 +137,7 @@ contains
         if (cases(1) > cases(2) .and. .not. options%ranks%is_writer()) return
         if (options%ranks%is_writer()) call announce(job, options, table, cases, team)
         call compute_cases(job, options%ranks, cases, table, team, code, error)
-        call watch_no_more()
+        call stop_watching_signals()
         if (allocated(error) .or. .not. team%ranks%is_writer()) return
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.

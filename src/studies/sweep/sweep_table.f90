@@ -33,7 +33,7 @@ module spintop_sweep_table
     use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, start_table, describe_columns, cells_of_row, put_rows
+    public :: describe_table, start_table, describe_columns, cells_of_row, add_rows
 
     !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
@@ -164,7 +164,7 @@ contains
         end if
     end function grid_of
 
-    !> What the cells of a row are; `put_rows` has them in this order.
+    !> What the cells of a row are; `add_rows` has them in this order.
     subroutine describe_columns(job, columns)
         type(job_t), intent(in) :: job !! the job
         type(table_column_t), allocatable, intent(out) :: columns(:) !! one for each cell
@@ -180,22 +180,22 @@ contains
             if (job%axes%combination == combine_grid) columns(1 + i)%axis = i
         end do
         columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure', column_of_words)
-        call take_words([status_names], columns(axes + 2))
+        call set_words([status_names], columns(axes + 2))
         do i = 1, size(job%columns)
             associate (quantity => known(job%columns(i)), column => columns(axes + 2 + i))
                 column%column_t = quantity%column_t
                 if (.not. (quantity%is_class .or. quantity%is_proof)) cycle
                 column%kind = column_of_words
-                if (quantity%is_class) call take_words([character(len(class_names)) :: 'none', class_names], column)
-                if (quantity%is_proof) call take_words(proof_cells, column)
+                if (quantity%is_class) call set_words([character(len(class_names)) :: 'none', class_names], column)
+                if (quantity%is_proof) call set_words(proof_cells, column)
             end associate
         end do
         columns(size(columns) - 2 * job%sensitivities%count:size(columns) - 1)%column_t = job%sensitivities%table_columns()
         columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist', column_of_notes)
-        call take_words(note_names, columns(size(columns)))
+        call set_words(note_names, columns(size(columns)))
     end subroutine describe_columns
 
-    subroutine take_words(words, column)
+    subroutine set_words(words, column)
         character(*), intent(in) :: words(:)
         type(table_column_t), intent(inout) :: column
         integer :: i
@@ -203,7 +203,7 @@ contains
         do i = 1, size(words)
             column%words(i)%text = trim(words(i))
         end do
-    end subroutine take_words
+    end subroutine set_words
 
     !> Cells of a row: number of the case, swept parameters, status, quantities, sensitivities, notes.
     pure integer function cells_of_row(job) result(cells)
@@ -213,14 +213,14 @@ contains
 
     !> Adds the rows of cases to a block. What a case does not have is a NaN with a note; what overflowed is a
     !> failure.
-    subroutine put_rows(columns, first, parameters, slots, rows)
+    subroutine add_rows(columns, first, parameters, slots, rows)
         type(sweep_column_t), intent(in) :: columns(:) !! the columns
         integer(int64), intent(in) :: first !! number of the first case
         real(dp), intent(in) :: parameters(:, :) !! the swept ones of each case
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: listed(value_count)
-        integer :: place(size(columns)), k, axes, told
+        integer :: place(size(columns)), k, axes, final_status
 
         axes = size(parameters, 1)
         place = columns%place
@@ -228,23 +228,23 @@ contains
             do k = 1, size(slots)
                 associate (slot => slots(k), values => cells(axes + 3:axes + 2 + size(columns), k))
                     listed = slot%result%list()
-                    told = slot%status
+                    final_status = slot%status
                     values = listed(place)
-                    if (is_good_end(told) .and. .not. all(abs(values) <= huge(values))) then
+                    if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
                         call explain_missing(columns, values, slot%case, slot%note)
-                        if (overflowed(columns, values)) told = status_non_finite
+                        if (overflowed(columns, values)) final_status = status_non_finite
                     end if
                     cells(1, k) = real(first + k - 1, dp)
                     cells(2:axes + 1, k) = parameters(:, k)
-                    cells(axes + 2, k) = told
+                    cells(axes + 2, k) = final_status
                     cells(size(cells, 1), k) = slot%note%flags
                     rows%rows = rows%rows + 1
                     call rows%set_note(slot%note%text)
-                    rows%counts(told) = rows%counts(told) + 1
+                    rows%counts(final_status) = rows%counts(final_status) + 1
                 end associate
             end do
         end associate
-    end subroutine put_rows
+    end subroutine add_rows
 
     !> Notes what a case lacks and nothing has told yet.
     subroutine explain_missing(columns, cells, case, note)

@@ -26,7 +26,7 @@ module spintop_sweep_worker
     use spintop_sweep_result, only: asks_for_span, of_proof, sweep_result_t
     use spintop_sweep_stability, only: perturbations_t
     use spintop_sweep_stepping, only: sweep_stepping_t
-    use spintop_sweep_table, only: cells_of_row, put_rows
+    use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_team, only: computing, formatting, making
     use spintop_parameters, only: is_set
     implicit none
@@ -173,7 +173,7 @@ contains
             end if
             moments(computing) = seconds()
             call rows%reserve(cells_of_row(job), block_size)
-            call put_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
+            call add_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
         end associate
         moments(formatting) = seconds()
         ! The time of the processor takes a call of the system, which may cost as much as a case: it is asked for once a block.
@@ -201,7 +201,7 @@ contains
             slot%result = sweep_result_t()
             slot%growth_until = 0
             slot%inherent_until = 0
-            call worker%swept%put(worker%parameters(:, k), first)
+            call worker%swept%set_values(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%last_of_attitude == 0
             if (k > 1 .and. first > worker%last_of_attitude .and. .not. keeps_attitude) then
@@ -229,7 +229,7 @@ contains
                 if (slot%status /= status_ok .or. is_finite(slot%result%nutation_period)) cycle
                 note = slot%note
                 call slot%note%clear()
-                call worker%swept%put(worker%parameters(:, k))
+                call worker%swept%set_values(worker%parameters(:, k))
                 call make_worker_case(worker, job, k, kept_parts_t(worker%same_body))
                 if (slot%status == status_ok) then
                     slot%note = note

@@ -16,8 +16,8 @@ contains
 
     !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
     subroutine measure_exact_cost(case, setup, sample)
-        type(case_t), intent(in) :: case !! body, start and span
-        real(dp), intent(out) :: setup, sample !! s
+        type(case_t), intent(in) :: case !! the case, whose body must have a closed form
+        real(dp), intent(out) :: setup, sample !! time of a preparation, and of one sample, s
         type(exact_motion_t) :: exact
         type(motion_t) :: motion
         real(dp) :: began, unused

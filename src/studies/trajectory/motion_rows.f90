@@ -43,52 +43,53 @@ module spintop_motion_rows
         real(dp) :: t_undefined = 0
         type(error_t), allocatable :: error
         !> The search for events, if there is one.
-        type(event_recorder_t), pointer :: watch => null()
+        type(event_recorder_t), pointer :: recorder => null()
         !> Whether the motion is computed again up to the event that ended it, and how it ended the first time.
         logical, private :: is_again = .false.
         type(outcome_t), private :: first
     contains
         procedure :: observe
         procedure :: wants_state
-        procedure :: carry
+        procedure :: store_or_restore
         procedure :: keep
-        procedure :: take_columns
+        procedure :: set_columns
         procedure, private :: write_row
     end type writer_t
 
 contains
 
-    !> Takes the columns of the rows, and the motion of which they are.
-    subroutine take_columns(self, columns, case, scene)
+    !> Sets the columns of the rows, and the motion of which they are.
+    subroutine set_columns(self, columns, case, scene)
         class(writer_t), intent(inout) :: self
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case of the motion; the rows end with its span
         type(scene_t), intent(in) :: scene !! contents of the input
         self%chosen = columns
         self%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
         self%wants_work = any(columns%needs_work)
         self%t_end = case%t_end
         call self%columns%set(columns, case, scene)
-    end subroutine take_columns
+    end subroutine set_columns
 
     !> Computes the motion, in closed form or step by step, up to the event that ends it.
-    subroutine compute_motion(scene, case, plan, times, writer, outcome, watch)
+    subroutine compute_motion(scene, case, plan, times, writer, outcome, recorder)
         type(scene_t), intent(in) :: scene !! contents of the input
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motion is computed
         type(plan_t), intent(inout) :: plan !! model and method
         real(dp), intent(inout) :: times(:) !! times of the rows; none for the exact solution
         type(writer_t), intent(inout) :: writer !! what takes the rows
         type(outcome_t), intent(out) :: outcome !! how the motion ended
-        type(event_recorder_t), allocatable, intent(inout) :: watch !! looks for events; not allocated without any
+        type(event_recorder_t), allocatable, intent(inout) :: recorder !! search for events; not allocated without any
 
         if (plan%exact) then
-            call sample_exactly(case, plan, writer, outcome, watch)
+            call sample_exactly(case, plan, writer, outcome, recorder)
         else
             if (.not. writer%is_again) then
-                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, outcome, watch)
+                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, &
+                    outcome, recorder)
             end if
-            if (allocated(watch)) then
-                if (watch%ended_by > 0 .and. plan%is_adaptive()) then
+            if (allocated(recorder)) then
+                if (recorder%ended_by > 0 .and. plan%is_adaptive()) then
                     call compute_again(scene, case, plan, times, writer, outcome)
                 end if
             end if
@@ -148,12 +149,12 @@ contains
     end subroutine check_values
 
     !> The exact solution at equally spaced times, up to the event that ends the motion.
-    subroutine sample_exactly(case, plan, writer, outcome, watch)
+    subroutine sample_exactly(case, plan, writer, outcome, recorder)
         type(case_t), intent(in) :: case
         type(plan_t), intent(in) :: plan
         type(writer_t), target, intent(inout) :: writer
         type(outcome_t), intent(out) :: outcome
-        type(event_recorder_t), intent(inout), optional :: watch
+        type(event_recorder_t), intent(inout), optional :: recorder
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
@@ -161,28 +162,28 @@ contains
 
         call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
         if (outcome%status /= status_ok) return
-        if (writer%keeps_states) path%keeper => writer
-        if (present(watch)) call watch%begin(case%body, path%exact%at(0.0_dp))
-        if (present(watch)) call watch%judge(case%body, case%start)
+        if (writer%keeps_states) path%keeping_observer => writer
+        if (present(recorder)) call recorder%begin(case%body, path%exact%at(0.0_dp))
+        if (present(recorder)) call recorder%judge(case%body, case%start)
         ! The next row; 0 as long as events are searched for.
-        next = merge(0, 1, present(watch))
+        next = merge(0, 1, present(recorder))
         if (next == 1) call begin_rows()
-        if (allocated(writer%resumed)) call carry(writer%resumed)
+        if (allocated(writer%resumed)) call store_or_restore(writer%resumed)
         t_end = case%t_end
         t_known = t_end
-        if (present(watch)) then
+        if (present(recorder)) then
             do while (next == 0)
-                call watch%look(path, t_end)
-                if (watch%is_paused) call keep()
-                if (watch%is_paused .and. .not. writer%has_enough) cycle
+                call recorder%find_events(path, t_end)
+                if (recorder%is_paused) call keep()
+                if (recorder%is_paused .and. .not. writer%has_enough) cycle
                 next = 1
                 call begin_rows()
             end do
-            t_known = watch%t
-            if (watch%has_enough) then
-                t_end = watch%t
-            else if (watch%t < t_end) then
-                outcome%status = merge(status_too_many_events, status_step_limit, watch%is_full)
+            t_known = recorder%t
+            if (recorder%has_enough) then
+                t_end = recorder%t
+            else if (recorder%t < t_end) then
+                outcome%status = merge(status_too_many_events, status_step_limit, recorder%is_full)
             end if
         end if
         path%counts_turns = writer%counts_turns
@@ -210,20 +211,20 @@ contains
             call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
         end subroutine begin_rows
 
-        !> Carries the state of the search, or of the rows.
-        subroutine carry(archive)
-            type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-            call archive%carry(next)
-            call archive%carry(outcome%t)
-            call path%carry(archive)
-            if (present(watch)) call watch%carry(archive)
-        end subroutine carry
+        !> Stores or restores the state of the search, or of the rows.
+        subroutine store_or_restore(archive)
+            type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+            call archive%store_or_restore(next)
+            call archive%store_or_restore(outcome%t)
+            call path%store_or_restore(archive)
+            if (present(recorder)) call recorder%store_or_restore(archive)
+        end subroutine store_or_restore
 
         !> Keeps this state.
         subroutine keep()
             type(archive_t) :: archive
-            call writer%carry(archive)
-            call carry(archive)
+            call writer%store_or_restore(archive)
+            call store_or_restore(archive)
             call writer%keep(archive)
         end subroutine keep
 
@@ -235,24 +236,24 @@ contains
         wants_state = self%table%wants_state()
     end function wants_state
 
-    !> Carries the rows so far, and the record of events.
-    subroutine carry(self, archive)
+    !> Stores or restores the rows so far, and the record of events.
+    subroutine store_or_restore(self, archive)
         class(writer_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call archive%carry(self%rows)
-        call archive%carry(self%is_again)
-        call self%first%carry(archive)
-        call archive%carry(self%work)
-        call self%columns%carry(archive)
-        if (associated(self%watch)) call self%watch%carry_record(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call archive%store_or_restore(self%rows)
+        call archive%store_or_restore(self%is_again)
+        call self%first%store_or_restore(archive)
+        call archive%store_or_restore(self%work)
+        call self%columns%store_or_restore(archive)
+        if (associated(self%recorder)) call self%recorder%store_or_restore_record(archive)
+    end subroutine store_or_restore
 
     !> Keeps the state of the run with the rows so far.
     subroutine keep(self, archive)
         class(writer_t), intent(inout) :: self
         type(archive_t), intent(in) :: archive !! the state
-        if (associated(self%watch)) then
-            if (allocated(self%watch%error)) self%error = self%watch%error
+        if (associated(self%recorder)) then
+            if (allocated(self%recorder%error)) self%error = self%recorder%error
         end if
         if (.not. allocated(self%error)) call self%table%keep_state(archive, self%error)
         self%has_enough = allocated(self%error)

@@ -55,12 +55,12 @@ module spintop_motion_table
         procedure :: finish
         procedure :: discard
         procedure :: abandon
-        procedure, private :: put_block
+        procedure, private :: append_block
     end type motion_table_t
 
 contains
 
-    !> Takes what the table of a job is, before it is created.
+    !> Describes the table of a job, before it is created.
     subroutine describe(self, job, columns)
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
@@ -136,18 +136,18 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%block%rows = self%block%rows + 1
         self%block%cells(:, self%block%rows) = values
-        if (self%block%rows == rows_at_once) call self%put_block(error)
+        if (self%block%rows == rows_at_once) call self%append_block(error)
     end subroutine add_row
 
     !> Passes the next rows on.
-    subroutine put_block(self, error)
+    subroutine append_block(self, error)
         class(motion_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         self%block%counts(status_ok) = self%block%rows
         call self%rows_table%format(self%block)
-        call self%rows_table%put(self%block, error)
+        call self%rows_table%append(self%block, error)
         call self%block%clear()
-    end subroutine put_block
+    end subroutine append_block
 
     !> Whether it is time to keep the state of the run.
     logical function wants_state(self)
@@ -164,8 +164,8 @@ contains
         character(:), allocatable :: path, bytes
         logical :: due
 
-        call self%put_block(error)
-        call self%rows_table%take_entry(entry, due, error)
+        call self%append_block(error)
+        call self%rows_table%make_entry_if_due(entry, due, error)
         if (.not. due) return
         call self%rows_table%begin_state(entry%state, path)
         bytes = archive%bytes()
@@ -214,7 +214,7 @@ contains
         character(*), intent(in) :: status !! `ok`, or the reason and the time of the end
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
-        call self%put_block(error)
+        call self%append_block(error)
         if (allocated(error)) return
         allocate (self%rows_table%trailer(0))
         call append(self%rows_table%trailer, status_column // ': ' // status)

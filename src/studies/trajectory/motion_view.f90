@@ -39,9 +39,9 @@ module spintop_motion_view
         real(dp), private :: known_energies(2) = 0, known_force(3) = 0
     contains
         procedure :: set
-        procedure :: look
-        procedure :: look_at_angles
-        procedure :: carry
+        procedure :: set_motion
+        procedure :: set_angles
+        procedure :: store_or_restore
         procedure :: energies
         procedure :: energy_change
         procedure :: energy_error
@@ -53,10 +53,10 @@ module spintop_motion_view
 
 contains
 
-    !> Takes a case, and the invariants of its start.
+    !> Sets the case, and the invariants of its start.
     subroutine set(self, case)
         class(motion_view_t), intent(out) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
         self%case = case
         self%near = case%given_start%angle
         self%body = case%given_body
@@ -68,32 +68,32 @@ contains
         end associate
     end subroutine set
 
-    !> Looks at the next motion. That at the start, by its time, is told as it was given.
-    subroutine look(self, computed, as_computed)
+    !> Sets the current motion. That at the start, by its time, is shown as it was given.
+    subroutine set_motion(self, computed, as_computed)
         class(motion_view_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! in the axes of the computation
-        logical, intent(in), optional :: as_computed !! whether the start, too, is told as it was computed
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
         logical :: is_start
         is_start = is_zero(computed%t)
         if (present(as_computed)) is_start = is_start .and. .not. as_computed
         self%computed = computed
         self%motion = self%case%turn%back(computed, computed%given_angle)
-        if (is_start) call take_start(self%case%given_start, self%motion)
+        if (is_start) call use_given_start(self%case%given_start, self%motion)
         if (any(self%proof%wanted)) call prove(self%proof, self%motion)
         call forget(self)
-    end subroutine look
+    end subroutine set_motion
 
-    !> Looks at the time, the angles and their rates of the next motion alone. The axes are those of the computation, and no
+    !> Sets the time, the angles and their rates of the current motion alone. The axes are those of the computation, and no
     !> number is to be proved.
-    subroutine look_at_angles(self, t, angle, rate)
+    subroutine set_angles(self, t, angle, rate)
         class(motion_view_t), intent(inout) :: self
         real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
         self%motion%t = t
         self%motion%angle = angle
         self%motion%rate = rate
-        if (is_zero(t)) call take_start(self%case%given_start, self%motion)
+        if (is_zero(t)) call use_given_start(self%case%given_start, self%motion)
         call forget(self)
-    end subroutine look_at_angles
+    end subroutine set_angles
 
     !> Forgets what columns asked of the motion before.
     subroutine forget(self)
@@ -103,28 +103,28 @@ contains
         self%has_force = .false.
     end subroutine forget
 
-    !> Carries what the next motions take from those before.
-    subroutine carry(self, archive)
+    !> Stores or restores what the next motions take from those before.
+    subroutine store_or_restore(self, archive)
         class(motion_view_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
         integer :: i
-        call archive%carry(self%near)
-        call archive%carry(self%work)
+        call archive%store_or_restore(self%near)
+        call archive%store_or_restore(self%work)
         do i = lbound(self%proof%rows, 1), ubound(self%proof%rows, 1)
-            call archive%carry(self%proof%rows(i))
+            call archive%store_or_restore(self%proof%rows(i))
         end do
-    end subroutine carry
+    end subroutine store_or_restore
 
     !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
     !> pole are not replaced.
-    pure subroutine take_start(start, motion)
+    pure subroutine use_given_start(start, motion)
         type(motion_t), intent(in) :: start
         type(motion_t), intent(inout) :: motion
         motion%angle = start%angle
         where (is_finite(start%rate)) motion%rate = start%rate
         motion%omega = start%omega
         motion%quaternion = start%quaternion
-    end subroutine take_start
+    end subroutine use_given_start
 
     !> Proves the attitude, and replaces it where it is to be certified.
     subroutine prove(proof, motion)

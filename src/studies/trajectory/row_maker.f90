@@ -13,7 +13,7 @@ module spintop_row_maker
     use spintop_scene, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: angle_group, longest, put_vector, trajectory_column_t, vectors
+    use spintop_trajectory_columns, only: angle_group, longest, fill_vector, trajectory_column_t, vectors
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -33,10 +33,10 @@ module spintop_row_maker
         procedure :: set
         procedure :: row
         procedure :: wants_angles_of
-        procedure :: put_exact_row
+        procedure :: find_exact_row
         procedure :: is_defined
-        procedure :: carry
-        procedure :: put
+        procedure :: store_or_restore
+        procedure :: write_row
         procedure :: proof_summary
         procedure :: close
         procedure, private :: find_values
@@ -44,12 +44,12 @@ module spintop_row_maker
 
 contains
 
-    !> Takes the columns of the rows, and the case. Columns that need an exact motion are for bodies that
-    !> have one. The scene says what is to be proved, and of which data.
+    !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
+    !> says what is to be proved, and of which data.
     subroutine set(self, columns, case, scene)
         class(row_maker_t), intent(inout) :: self
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         integer :: i
         call self%close()
@@ -67,15 +67,15 @@ contains
     function row(self, computed, as_computed, work) result(values)
         class(row_maker_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
-        logical, intent(in), optional :: as_computed !! whether the start, too, is told as it was computed
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
         real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
         real(dp) :: values(size(self%columns))
         if (present(work)) self%view%work = work
-        call self%view%look(computed, as_computed)
+        call self%view%set_motion(computed, as_computed)
         call self%find_values(values)
     end function row
 
-    !> Whether the angles and their rates at an instant are enough for a row, which `put_exact_row` then gives: no turns are
+    !> Whether the angles and their rates at an instant are enough for a row, which `find_exact_row` then gives: no turns are
     !> to be counted, and no number is to be proved.
     pure logical function wants_angles_of(self, exact)
         class(row_maker_t), intent(in) :: self
@@ -84,24 +84,24 @@ contains
     end function wants_angles_of
 
     !> The row at a time t of the exact motion, which is much faster than `row` and has the same values.
-    subroutine put_exact_row(self, exact, t, values)
+    subroutine find_exact_row(self, exact, t, values)
         class(row_maker_t), intent(inout) :: self
         type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
         real(dp), intent(in) :: t !! time, s
         real(dp), intent(out) :: values(:) !! the row, one value per column
         real(dp) :: angle(3), rate(3)
         call exact%find_angles(t, angle, rate)
-        call self%view%look_at_angles(t, angle, rate)
+        call self%view%set_angles(t, angle, rate)
         call self%find_values(values)
-    end subroutine put_exact_row
+    end subroutine find_exact_row
 
-    !> The values of the columns for the motion that is looked at. A vector is computed once for all of its columns.
+    !> The values of the columns for the current motion. A vector is computed once for all of its columns.
     subroutine find_values(self, values)
         class(row_maker_t), intent(inout) :: self
         real(dp), intent(out) :: values(:)
         integer :: i
         do i = 1, size(self%needed)
-            call put_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
+            call fill_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
         end do
         do i = 1, size(self%columns)
             values(i) = self%vectors(self%columns(i)%component, self%columns(i)%vector)
@@ -111,7 +111,7 @@ contains
     !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.
     pure logical function is_defined(self, values)
         class(row_maker_t), intent(in) :: self
-        real(dp), intent(in) :: values(:) !! the values
+        real(dp), intent(in) :: values(:) !! the last row, one value per column
         logical :: at_pole
         integer :: i
         is_defined = all(abs(values) <= huge(1.0_dp)) ! faster than calls of is_finite
@@ -124,27 +124,27 @@ contains
         is_defined = .true.
     end function is_defined
 
-    !> Carries what the next rows take from those before.
-    subroutine carry(self, archive)
+    !> Stores or restores what the next rows take from those before.
+    subroutine store_or_restore(self, archive)
         class(row_maker_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or gives it back
-        call self%view%carry(archive)
-    end subroutine carry
+        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
+        call self%view%store_or_restore(archive)
+    end subroutine store_or_restore
 
     !> Adds the values of a row to a text, those of words as words.
-    subroutine put(self, values, text)
+    subroutine write_row(self, values, text)
         class(row_maker_t), intent(in) :: self
-        real(dp), intent(in) :: values(:) !! the values
+        real(dp), intent(in) :: values(:) !! the row, one value per column
         type(text_buffer_t), intent(inout) :: text !! the cells are added
         integer :: i
         do i = 1, size(values)
             if (self%columns(i)%is_proof) then
-                call text%put_text(trim(proof_words(nint(values(i)))))
+                call text%add_text(trim(proof_words(nint(values(i)))))
             else
-                call text%put_reals(values(i:i))
+                call text%add_reals(values(i:i))
             end if
         end do
-    end subroutine put
+    end subroutine write_row
 
     !> How many rows are proved, and why others are not; empty if no proof was wanted.
     function proof_summary(self) result(text)

@@ -18,7 +18,7 @@ module spintop_trajectory_columns
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, find_trajectory_column, angle_group
-    public :: put_vector, longest, vectors
+    public :: fill_vector, longest, vectors
 
     !> The vectors by their numbers.
     integer, parameter :: vector_time = 1, vector_angles = 2, vector_rates = 3, vector_omega = 4, vector_quaternion = 5, &
@@ -193,19 +193,19 @@ contains
         is_free_of_angles = any(groups_free_of_angles == self%group)
     end function is_free_of_angles
 
-    !> The value of the column for the motion that is looked at.
+    !> The value of the column for the current motion.
     real(dp) function value(self, now)
         class(trajectory_column_t), intent(in) :: self
         type(motion_view_t), intent(inout) :: now !! the motion
         real(dp) :: vector(longest)
-        call put_vector(self%vector, now, vector)
+        call fill_vector(self%vector, now, vector)
         value = vector(self%component)
     end function value
 
     !> The column of that name that is a quantity of the motion; `found` tells whether there is one.
     subroutine find_trajectory_column(name, column, found)
-        character(*), intent(in) :: name !! its name
-        type(trajectory_column_t), intent(out) :: column !! column
+        character(*), intent(in) :: name !! name of the sought column
+        type(trajectory_column_t), intent(out) :: column !! the column; as by default if it was not found
         logical, intent(out) :: found !! whether it was found
         integer :: place
         place = place_of(trajectory_columns, name)
@@ -214,8 +214,8 @@ contains
         if (found) column = trajectory_columns(place)
     end subroutine find_trajectory_column
 
-    !> The components of a vector for the motion that is looked at; those that it does not have are left as they were.
-    subroutine put_vector(which, now, vector)
+    !> The components of a vector for the current motion; those that it does not have are left as they were.
+    subroutine fill_vector(which, now, vector)
         integer, intent(in) :: which !! number of the vector
         type(motion_view_t), intent(inout) :: now !! the motion
         real(dp), intent(inout) :: vector(longest) !! its components are set
@@ -251,9 +251,9 @@ contains
         case (vector_force)
             vector(:3) = now%force()
         case (vector_force_beside_axis)
-            call put_force_beside_axis(now, vector)
+            call fill_force_beside_axis(now, vector)
         case (vector_errors)
-            call put_errors(now, vector)
+            call fill_errors(now, vector)
         case (vector_inherent_error)
             vector(1) = now%inherent_error()
         case (vector_norm_error)
@@ -274,10 +274,10 @@ contains
         case (vector_proof) ! 1 where all bounds of the row are proved
             vector(1) = merge(1, 0, now%proof%is_proved())
         end select
-    end subroutine put_vector
+    end subroutine fill_vector
 
     !> The force along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0).
-    subroutine put_force_beside_axis(now, vector)
+    subroutine fill_force_beside_axis(now, vector)
         type(motion_view_t), intent(inout) :: now
         real(dp), intent(inout) :: vector(longest)
         real(dp) :: force(3)
@@ -286,16 +286,16 @@ contains
             vector(1) = force(1) * sin(phi) - force(2) * cos(phi)
             vector(2) = force(1) * cos(phi) + force(2) * sin(phi)
         end associate
-    end subroutine put_force_beside_axis
+    end subroutine fill_force_beside_axis
 
     !> The errors of the attitude, and of the axis tip.
-    subroutine put_errors(now, vector)
+    subroutine fill_errors(now, vector)
         type(motion_view_t), intent(inout) :: now
         real(dp), intent(inout) :: vector(longest)
         type(motion_t) :: exact
         exact = now%exact()
         vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
         vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
-    end subroutine put_errors
+    end subroutine fill_errors
 
 end module spintop_trajectory_columns

@@ -89,7 +89,7 @@ contains
         real(dp), intent(inout) :: rows(:, :)
         integer, intent(in), optional :: accuracy !! the number of another accuracy
         type(scene_t), allocatable, target :: scene
-        type(event_recorder_t), allocatable :: watch
+        type(event_recorder_t), allocatable :: recorder
         type(writer_t), allocatable :: writer
         type(outcome_t) :: outcome
         type(case_t) :: case
@@ -104,19 +104,19 @@ contains
         stride = max(1, (plan%samples - 1) / (job%plan%samples - 1))
         if (plan%samples - 1 /= stride * (job%plan%samples - 1) .or. stride > 1 .and. .not. present(accuracy)) return
         if (scene%stop_at /= '') then
-            allocate (watch)
-            call watch%set(job%events, job%stop_after, case)
+            allocate (recorder)
+            call recorder%set(job%events, job%stop_after, case)
         end if
         allocate (writer)
-        call writer%take_columns(columns, case, scene)
+        call writer%set_columns(columns, case, scene)
         allocate (writer%kept(size(columns), plan%samples), source=no_number)
         times = [(sample_time(case%t_end, plan%samples, i), i=1, merge(0, plan%samples, plan%exact))]
-        call compute_motion(scene, case, plan, times, writer, outcome, watch)
+        call compute_motion(scene, case, plan, times, writer, outcome, recorder)
         do i = 1, size(rows, 2)
             if (1 + stride * (i - 1) <= writer%rows) rows(:, i) = writer%kept(:, 1 + stride * (i - 1))
         end do
         ! The last row is that of the event which ends the motion.
-        if (stride > 1 .and. allocated(watch) .and. writer%rows > 0) rows(:, size(rows, 2)) = writer%kept(:, writer%rows)
+        if (stride > 1 .and. allocated(recorder) .and. writer%rows > 0) rows(:, size(rows, 2)) = writer%kept(:, writer%rows)
         call writer%columns%close()
     end subroutine compute_node
 

@@ -14,7 +14,7 @@ module spintop_trajectory_study
     use spintop_plain_text, only: escaped
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
-    use spintop_process, only: watch_no_more
+    use spintop_process, only: stop_watching_signals
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of, is_good_end, status_meaning, status_name, status_ok
@@ -110,7 +110,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(writer_t) :: writer
-        type(event_recorder_t), allocatable, target :: watch
+        type(event_recorder_t), allocatable, target :: recorder
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
         real(dp) :: began, elapsed
@@ -118,9 +118,9 @@ contains
 
         status = status_ok
         missing = 0
-        call take_times(job, times, error)
+        call make_times(job, times, error)
         if (allocated(error)) return
-        call begin_tables(job, options, writer, watch, error)
+        call begin_tables(job, options, writer, recorder, error)
         if (allocated(error)) return
         if (writer%table%rows_table%is_complete) then
             status = writer%table%ended_with()
@@ -132,13 +132,13 @@ contains
             return
         end if
         began = seconds()
-        call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, watch)
+        call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, recorder)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
         status = outcome%status
-        call finish_tables(job, outcome, writer, watch, error)
+        call finish_tables(job, outcome, writer, recorder, error)
         if (allocated(error)) return
-        call describe_run(job, writer%rows, outcome, elapsed, watch, summary)
+        call describe_run(job, writer%rows, outcome, elapsed, recorder, summary)
         if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
         if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
         if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
@@ -146,13 +146,13 @@ contains
     end subroutine run_trajectory
 
     !> Begins the table of the motion, and that of its events if there is to be one, or returns to those of an interrupted
-    !> run. `watch` looks for the events; it is not allocated where there are none to look for. After an error there is no
+    !> run. `recorder` looks for the events; it is not allocated where there are none to look for. After an error there is no
     !> table, or that of the interrupted run.
-    subroutine begin_tables(job, options, writer, watch, error)
+    subroutine begin_tables(job, options, writer, recorder, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
         type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, target, intent(out) :: watch
+        type(event_recorder_t), allocatable, target, intent(out) :: recorder
         type(error_t), allocatable, intent(out) :: error
         type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
@@ -161,7 +161,7 @@ contains
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
-            call writer%take_columns(columns, job%case, job%scene)
+            call writer%set_columns(columns, job%case, job%scene)
         else
             call keep_rows(job, columns, writer, error)
             if (allocated(error)) return
@@ -174,13 +174,13 @@ contains
         writer%keeps_states = job%sensitivities%count == 0
         writer%table%rows_table%is_resumable = writer%keeps_states
         call writer%table%recall_state(writer%resumed, error)
-        if (.not. allocated(error)) call begin_events(job, columns, writer, watch, error)
+        if (.not. allocated(error)) call begin_events(job, columns, writer, recorder, error)
         if (.not. allocated(error) .and. allocated(writer%resumed)) then
-            call writer%carry(writer%resumed)
-            if (allocated(watch)) call move_alloc(watch%error, error)
+            call writer%store_or_restore(writer%resumed)
+            if (allocated(recorder)) call move_alloc(recorder%error, error)
         end if
         if (allocated(error)) then
-            call abandon_tables(writer, watch, error)
+            call abandon_tables(writer, recorder, error)
             return
         end if
         associate (table => writer%table%rows_table)
@@ -190,34 +190,34 @@ contains
     end subroutine begin_tables
 
     !> Begins the search for events, and their table.
-    subroutine begin_events(job, columns, writer, watch, error)
+    subroutine begin_events(job, columns, writer, recorder, error)
         type(job_t), intent(in) :: job
         type(trajectory_column_t), intent(in) :: columns(:)
         type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, target, intent(inout) :: watch
+        type(event_recorder_t), allocatable, target, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
 
         if (size(job%events) == 0) return
-        allocate (watch)
-        call watch%set(job%events, job%stop_after, job%case)
-        writer%watch => watch
+        allocate (recorder)
+        call recorder%set(job%events, job%stop_after, job%case)
+        writer%recorder => recorder
         if (job%event_output == '') return
-        call watch%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
-                              job%case, job%scene, allocated(writer%resumed), error)
+        call recorder%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
+                                 job%case, job%scene, allocated(writer%resumed), error)
     end subroutine begin_events
 
     !> Ends the tables after an error: they are kept where a later run can resume them, and discarded otherwise.
-    subroutine abandon_tables(writer, watch, error)
+    subroutine abandon_tables(writer, recorder, error)
         type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, intent(inout) :: watch
+        type(event_recorder_t), allocatable, intent(inout) :: recorder
         type(error_t), intent(inout) :: error
         logical :: is_kept
         call writer%table%abandon(is_kept, error)
-        if (.not. allocated(watch)) return
+        if (.not. allocated(recorder)) return
         if (is_kept) then
-            call watch%abandon_table()
+            call recorder%abandon_table()
         else
-            call watch%discard_table()
+            call recorder%discard_table()
         end if
     end subroutine abandon_tables
 
@@ -239,7 +239,7 @@ contains
         integer :: status
 
         needed = [columns, trajectory_columns(job%sensitivities%columns())]
-        call writer%take_columns(needed, job%case, job%scene)
+        call writer%set_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &
                                          // to_text(job%plan%samples) // ' rows; use fewer span.samples')
@@ -277,11 +277,11 @@ contains
     end subroutine check_events
 
     !> Finishes the tables with a line on how the motion ended; after an error they are abandoned.
-    subroutine finish_tables(job, outcome, writer, watch, error)
+    subroutine finish_tables(job, outcome, writer, recorder, error)
         type(job_t), intent(in) :: job
         type(outcome_t), intent(in) :: outcome
         type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, intent(inout) :: watch
+        type(event_recorder_t), allocatable, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
         type(string_t) :: trailer(1)
 
@@ -289,20 +289,20 @@ contains
             call move_alloc(writer%error, error)
         else
             trailer(1)%text = 'status: ' // ending_of(outcome)
-            if (job%event_output /= '') call watch%close_table(trailer, error)
+            if (job%event_output /= '') call recorder%close_table(trailer, error)
             if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
         end if
-        call watch_no_more()
-        if (allocated(error)) call abandon_tables(writer, watch, error)
+        call stop_watching_signals()
+        if (allocated(error)) call abandon_tables(writer, recorder, error)
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.
-    subroutine describe_run(job, rows, outcome, elapsed, watch, summary)
+    subroutine describe_run(job, rows, outcome, elapsed, recorder, summary)
         type(job_t), intent(in) :: job
         integer, intent(in) :: rows
         type(outcome_t), intent(in) :: outcome
         real(dp), intent(in) :: elapsed !! seconds that the motion took
-        type(event_recorder_t), allocatable, intent(in) :: watch
+        type(event_recorder_t), allocatable, intent(in) :: recorder
         type(summary_t), intent(inout) :: summary
         real(dp) :: setup, sample
 
@@ -310,7 +310,7 @@ contains
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
         if (job%event_output /= '') then
-            call summary%add('events', to_text(watch%rows) // ' -> ' // job%event_output)
+            call summary%add('events', to_text(recorder%rows) // ' -> ' // job%event_output)
         end if
         if (job%plan%exact) then
             call measure_exact_cost(job%case, setup, sample)
@@ -323,12 +323,12 @@ contains
         associate (status => outcome%status)
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
                              // status_meaning(status))
-            if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, watch))
+            if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
         end associate
     end subroutine describe_run
 
     !> The times of the rows; none for the exact solution, which computes them one by one.
-    subroutine take_times(job, times, error)
+    subroutine make_times(job, times, error)
         type(job_t), intent(in) :: job
         real(dp), allocatable, intent(out) :: times(:)
         type(error_t), allocatable, intent(out) :: error
@@ -343,15 +343,15 @@ contains
         do i = 1, size(times)
             times(i) = sample_time(job%case%t_end, size(times), i)
         end do
-    end subroutine take_times
+    end subroutine make_times
 
     !> Description of the event that ended the motion.
-    function what_ended(job, watch) result(text)
+    function what_ended(job, recorder) result(text)
         type(job_t), intent(in) :: job
-        type(event_recorder_t), intent(in) :: watch
+        type(event_recorder_t), intent(in) :: recorder
         character(:), allocatable :: text
-        if (watch%ended_by > 0) then
-            text = trim(watch%events(watch%ended_by)%name) // ' (stop_at)'
+        if (recorder%ended_by > 0) then
+            text = trim(recorder%events(recorder%ended_by)%name) // ' (stop_at)'
         else
             text = 'not at an event: ''' // trim(job%scene%stop_at) // ''' occurred fewer than ' &
                    // to_text(job%stop_after) // ' times in the span'

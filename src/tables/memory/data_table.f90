@@ -51,7 +51,7 @@ contains
             associate (column => table%column(i))
                 column%name = loaded%names(i)%text
                 call describe_column(lines, column)
-                call take_cells(loaded, loaded%names(i)%text, column)
+                call read_cells(loaded, loaded%names(i)%text, column)
                 table%rows = size(column%values)
             end associate
         end do
@@ -85,8 +85,8 @@ contains
         end do
     end subroutine describe_column
 
-    !> Takes the cells of a column: numbers if all are numbers, otherwise words.
-    subroutine take_cells(loaded, name, column)
+    !> Reads the cells of a column: numbers if all are numbers, otherwise words.
+    subroutine read_cells(loaded, name, column)
         type(table_t), intent(in) :: loaded
         character(*), intent(in) :: name
         type(data_column_t), intent(inout) :: column
@@ -101,7 +101,7 @@ contains
         do i = 1, size(cells)
             column%values(i) = number_of(cells(i)%text, column)
         end do
-    end subroutine take_cells
+    end subroutine read_cells
 
     !> Number of a word of a column, from 0; a new word is added.
     integer function number_of(word, column) result(number)

@@ -19,7 +19,7 @@ module spintop_memory_table
         integer, private :: texts = 0
     contains
         procedure :: begin
-        procedure :: put
+        procedure :: append
         procedure :: finish
         procedure :: abandon
     end type memory_table_t
@@ -54,7 +54,7 @@ contains
     end subroutine begin
 
     !> Adds rows.
-    subroutine put(self, block, error)
+    subroutine append(self, block, error)
         class(memory_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
@@ -77,7 +77,7 @@ contains
         end do
         self%data%rows = first + block%rows
         self%counts = self%counts + block%counts
-    end subroutine put
+    end subroutine append
 
     !> Number of a note, from 0. The latest notes are compared with it: most rows have none, or that of a row before.
     real(dp) function number_of(self, i, text) result(number)

@@ -40,7 +40,7 @@ module spintop_netcdf_file
     contains
         procedure :: create
         procedure :: open => open_file
-        procedure :: put
+        procedure :: append
         procedure :: get
         procedure :: flush => flush_file
         procedure :: seal
@@ -68,16 +68,16 @@ module spintop_netcdf_file
         module subroutine open_file(self, path, to_continue, error)
             class(netcdf_file_t), intent(inout) :: self
             character(*), intent(in) :: path !! path of the file
-            logical, intent(in) :: to_continue !! whether rows are to be put to it
+            logical, intent(in) :: to_continue !! whether rows are to be appended
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine open_file
 
-        !> Puts rows behind the others.
-        module subroutine put(self, cells, error)
+        !> Appends rows.
+        module subroutine append(self, cells, error)
             class(netcdf_file_t), intent(inout) :: self
             real(dp), intent(in) :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine put
+        end subroutine append
 
         !> Closes a file that was written. After a failure a file in the format NetCDF-4 is left open, because HDF5 ends the
         !> process where it cannot close it.
@@ -93,7 +93,7 @@ module spintop_netcdf_file
         module subroutine get(self, first, cells, error)
             class(netcdf_file_t), intent(in) :: self
             integer(int64), intent(in) :: first !! number of the first row
-            real(dp), intent(out) :: cells(:, :) !! the rows, as in `put`
+            real(dp), intent(out) :: cells(:, :) !! the rows, one column each
             type(error_t), allocatable, intent(out) :: error !! not allocated on success
         end subroutine get
 

@@ -24,9 +24,9 @@ contains
         error = output_error('cannot read ' // path // ': ' // reason)
     end procedure open_file
 
-    module procedure put
+    module procedure append
         error = output_error(reason)
-    end procedure put
+    end procedure append
 
     module procedure close_netcdf
         error = output_error('cannot write ' // path // ': ' // reason)

@@ -230,7 +230,7 @@ contains
         if (status == nf90_noerr .and. text /= '') status = nf90_put_att(id, variable, name, text)
     end subroutine add_text
 
-    module procedure put
+    module procedure append
         integer :: first, last, i
 
         if (self%rows + size(cells, 2) > self%room) then
@@ -250,7 +250,7 @@ contains
             self%rows = self%rows + last - first + 1
             first = last + 1
         end do
-    end procedure put
+    end procedure append
 
     !> Writes the collected rows, one variable after the other.
     subroutine write_pending(self, error)

@@ -38,7 +38,7 @@ module spintop_netcdf_table
     contains
         procedure :: format => leave_cells
         procedure :: begin_part
-        procedure :: put_to_part
+        procedure :: append_to_part
         procedure :: flush_part
         procedure :: check_part
         procedure :: finish_part
@@ -74,13 +74,13 @@ contains
     end subroutine begin_part
 
     !> Adds rows to the part.
-    subroutine put_to_part(self, block, error)
+    subroutine append_to_part(self, block, error)
         class(netcdf_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%ending%add_cells(block%cells(:, :block%rows))
-        call self%file%put(block%cells(:, :block%rows), error)
-    end subroutine put_to_part
+        call self%file%append(block%cells(:, :block%rows), error)
+    end subroutine append_to_part
 
     !> Passes all rows to the system; `entry` gets the bytes of their cells, and their checksum.
     subroutine flush_part(self, entry, error)
@@ -190,7 +190,7 @@ contains
         do first = 1, rows, rows_at_once
             allocate (cells(size(from%description%columns), min(int(rows_at_once, int64), rows - first + 1)))
             call from%get(first, cells, error)
-            if (present(to) .and. .not. allocated(error)) call to%put(cells, error)
+            if (present(to) .and. .not. allocated(error)) call to%append(cells, error)
             if (allocated(error)) return
             call ending%add_cells(cells)
             if (present(counts) .and. column > 0) then

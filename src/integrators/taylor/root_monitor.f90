@@ -1,28 +1,30 @@
-!> A watch that looks for the roots of a polynomial in each step: turning points, extremes, passages of levels.
+!> A monitor that finds the roots of a polynomial in each step: turning points, extremes, passages of levels.
 !>
 !> What extends it gives the polynomials of a step and takes the roots. One root in a lane is found by
 !> Newton's method in all lanes at once, several in the lanes that have them. A root at the end of a step is
 !> found once: the sign there is carried to the next.
-module spintop_root_watch
+module spintop_root_monitor
     use spintop_constancy, only: margin
     use spintop_kinds, only: dp
     use spintop_formulation, only: max_series_order
     use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_lane_series, only: parts, rows
     use spintop_lane_steps, only: terms_at
-    use spintop_lane_watch, only: lane_watch_t
+    use spintop_lane_monitor, only: lane_monitor_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
-    public :: root_watch_t, find_derivatives, find_height_rates, find_row, of_interval, rounding, states_at
+    public :: root_monitor_t, find_derivatives, find_height_rates, find_row, of_interval, rounding, states_at
 
-    !> A watch for roots.
-    type, abstract, extends(lane_watch_t) :: root_watch_t
+    !> A monitor of roots.
+    type, abstract, extends(lane_monitor_t) :: root_monitor_t
         !> Sign of the polynomial at the end of the last step; `begin` sets that of the start, 0 where it is none.
         real(dp) :: sign(lanes) = 0
         !> What the weight adds to omega in a radian (`driven_rate`), rad/s: set by `begin` where the noise depends on it.
         real(dp) :: driven(lanes) = 0
-        !> For `take`: whether a root is one of noise: since the one before, or before that one, the polynomial was within it.
+        !> For `record_roots`: whether a root is one of noise: since the one before, or before that one, the polynomial was
+        !> within
+        !> it.
         logical :: is_noise(lanes) = .false.
         !> Whether the polynomial is zero to rounding; how large it was since the last root, where it was seen.
         logical, private :: is_constant(lanes) = .false., was_noise(lanes) = .false.
@@ -31,40 +33,40 @@ module spintop_root_watch
         real(dp), private :: far(lanes) = 0
     contains
         procedure(find_polynomials), deferred :: find_polynomials
-        procedure(take), deferred :: take
-        procedure :: look
+        procedure(record_roots), deferred :: record_roots
+        procedure :: observe
         procedure, private :: judge
         procedure, private :: find_noise
-    end type root_watch_t
+    end type root_monitor_t
 
     abstract interface
         !> The polynomials over the step as the unit interval, of degree `order` - 1 or `order`, and how much they are off
         !> beside the rounding of their terms.
         subroutine find_polynomials(self, run, degree, a, noise)
-            import :: dp, lanes, max_series_order, root_watch_t, taylor_lanes_t
-            class(root_watch_t), intent(in) :: self
+            import :: dp, lanes, max_series_order, root_monitor_t, taylor_lanes_t
+            class(root_monitor_t), intent(in) :: self
             type(taylor_lanes_t), intent(in) :: run !! the lanes
             integer, intent(out) :: degree !! degree of the polynomials
             real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of further errors
         end subroutine find_polynomials
 
-        !> Takes the roots at the shares `u` of the step: where the polynomial rises `slope` is positive, where it
-        !> falls negative, and where there is no root zero. Those of a lane come in rising order.
-        subroutine take(self, run, u, slope)
-            import :: dp, lanes, root_watch_t, taylor_lanes_t
-            class(root_watch_t), intent(inout) :: self
+        !> Records the roots at the shares `u` of the step: where the polynomial rises `slope` is positive, where it falls
+        !> negative, and where there is no root zero. Those of a lane come in rising order.
+        subroutine record_roots(self, run, u, slope)
+            import :: dp, lanes, root_monitor_t, taylor_lanes_t
+            class(root_monitor_t), intent(inout) :: self
             type(taylor_lanes_t), intent(inout) :: run !! the lanes
             real(dp), intent(in) :: u(lanes), slope(lanes)
             !! roots as fractions of the step; sign of the slope at each, 0 in lanes without a root
-        end subroutine take
+        end subroutine record_roots
     end interface
 
 contains
 
     !> Finds the roots in the last step.
-    subroutine look(self, run)
-        class(root_watch_t), intent(inout) :: self
+    subroutine observe(self, run)
+        class(root_monitor_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
         real(dp) :: a(lanes, 0:max_series_order)
         real(dp), dimension(lanes) :: noise, of_method, before, changes, u, doubt, slope, last
@@ -83,7 +85,7 @@ contains
         of_method = noise * (run%method_noise / rounding)
         last = 0
         call self%find_noise(degree, a, of_method, u, slope, last)
-        call self%take(run, u, slope)
+        call self%record_roots(run, u, slope)
         do lane = 1, lanes
             if (.not. (changes(lane) > 1 .or. (changes(lane) > 0 .and. doubt(lane) > 0))) cycle
             self%sign(lane) = before(lane)
@@ -94,15 +96,15 @@ contains
                 u(lane) = roots(k)
                 slope(lane) = signs(k)
                 call self%find_noise(degree, a, of_method, u, slope, last)
-                call self%take(run, u, slope)
+                call self%record_roots(run, u, slope)
             end do
         end do
-    end subroutine look
+    end subroutine observe
 
     !> Judges, in lanes that took their first step, whether the polynomial is zero to rounding: over as much of the step as the
     !> body turns by a radian.
     pure subroutine judge(self, run, degree, a, noise)
-        class(root_watch_t), intent(inout) :: self
+        class(root_monitor_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         integer, intent(in) :: degree
         real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes)
@@ -125,7 +127,7 @@ contains
 
     !> Notes which roots are those of noise. `last` is the root before in this step, or its beginning.
     pure subroutine find_noise(self, degree, a, noise, u, slope, last)
-        class(root_watch_t), intent(inout) :: self
+        class(root_monitor_t), intent(inout) :: self
         integer, intent(in) :: degree
         real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes), u(lanes), slope(lanes)
         real(dp), intent(inout) :: last(lanes)
@@ -220,7 +222,7 @@ contains
     !> rounding (`spintop_constancy`).
     pure subroutine find_height_rates(order, c, driven, degree, x, noise)
         integer, intent(in) :: order, degree !! order of the series, last term
-        real(dp), intent(in) :: c(lanes, rows, 0:order), driven(lanes) !! series; see `root_watch_t`, rad/s
+        real(dp), intent(in) :: c(lanes, rows, 0:order), driven(lanes) !! series; see `root_monitor_t`, rad/s
         real(dp), intent(out) :: x(lanes, 0:degree), noise(lanes) !! coefficients of Gamma3'; its noise
         real(dp) :: tilt, across
         integer :: i, k
@@ -275,4 +277,4 @@ contains
         end do
     end subroutine add_changes
 
-end module spintop_root_watch
+end module spintop_root_monitor

@@ -1,5 +1,5 @@
 !> The segment of a rest: a body that lies still under dry friction keeps its attitude until other torques exceed the friction.
-module spintop_lying
+module spintop_resting
     use spintop_fixed_step, only: grid_time
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
@@ -7,21 +7,21 @@ module spintop_lying
     use spintop_stepper, only: stepper_t
     implicit none
     private
-    public :: lying_t
+    public :: resting_t
 
     !> Rest: the attitude is kept.
-    type, extends(stepper_t) :: lying_t
+    type, extends(stepper_t) :: resting_t
     contains
         procedure :: begin => begin_rest
         procedure :: advance => lie
         procedure :: state_within
-    end type lying_t
+    end type resting_t
 
 contains
 
     !> Brings the body to rest in its attitude.
     subroutine begin_rest(self, formulation, status)
-        class(lying_t), intent(inout) :: self
+        class(resting_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         self%y = formulation%action%at_rest(self%t, self%y, 0.0_dp)
@@ -29,9 +29,9 @@ contains
         status = status_ok
     end subroutine begin_rest
 
-    !> Lies still until the torques exceed the friction, or to the end; with a fixed step size over one step.
+    !> Rests until the torques exceed the friction, or to the end; with a fixed step size over one step.
     subroutine lie(self, formulation, status)
-        class(lying_t), intent(inout) :: self
+        class(resting_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: t, peak
@@ -114,11 +114,11 @@ contains
 
     !> The state at rest.
     function state_within(self, formulation, t) result(y)
-        class(lying_t), intent(inout) :: self
+        class(resting_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         y = formulation%action%at_rest(t, self%y_last, 0.0_dp)
     end function state_within
 
-end module spintop_lying
+end module spintop_resting

@@ -1,7 +1,7 @@
 !> Measures the nutation of a motion without a closed form by events: the turning points of theta, the maxima
 !> of the precession rate, and the minima of the height of the centre of mass. All are those of body z as it was given,
 !> which is another axis than that of the computation where the body was given by an inertia tensor.
-module spintop_nutation_watch
+module spintop_nutation_recorder
     use spintop_kinds, only: dp, no_number, pi
     use spintop_measures, only: fastest, fastest_nutation, largest_force, lowest_centre, measures_t, own_directions, own_names, &
         vertical_force
@@ -22,7 +22,7 @@ module spintop_nutation_watch
     use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
     implicit none
     private
-    public :: nutation_watch_t, measures_t, nutation_of, no_class
+    public :: nutation_recorder_t, measures_t, nutation_of, no_class
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
@@ -32,7 +32,7 @@ module spintop_nutation_watch
     real(dp), parameter :: class_tolerance = 1.0e-6_dp
 
     !> Searches for the events of the scene, and measures the nutation on request.
-    type, extends(event_recorder_t) :: nutation_watch_t
+    type, extends(event_recorder_t) :: nutation_recorder_t
         !> Minimum height of the centre of mass so far, m.
         real(dp) :: com_z_min = huge(1.0_dp)
         !> What is measured: the largest nutation rate so far, rad/s, and the extremes of the support force, N.
@@ -50,25 +50,25 @@ module spintop_nutation_watch
         procedure :: measure_nutation
         procedure :: quantities
         procedure :: quantities_of_several
-        procedure :: meet
-        procedure :: miss
+        procedure :: handle_event
+        procedure :: handle_doubtful_event
         procedure :: nutation
         procedure :: is_noisy
         procedure :: knows_class
-        procedure :: take_end
+        procedure :: include_end
         procedure, private :: find_own
-        procedure, private :: take_own
+        procedure, private :: handle_own_event
         procedure, private :: as_given
-        procedure, private :: take_extremes
-        procedure, private :: take_forces
-    end type nutation_watch_t
+        procedure, private :: update_extremes
+        procedure, private :: update_force_extremes
+    end type nutation_recorder_t
 
 contains
 
     !> Requests measurements; call after `set`.
     subroutine measure_nutation(self, case, measures)
-        class(nutation_watch_t), intent(inout) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+        class(nutation_recorder_t), intent(inout) :: self
+        type(case_t), intent(in) :: case !! the case whose motion is measured, in the axes in which its body was given
         type(measures_t), intent(in) :: measures !! what is measured
         type(motion_t) :: given
         real(dp) :: gamma(3)
@@ -91,7 +91,7 @@ contains
         given = self%as_given(given)
         self%starts_turning = turns_at(given, given%omega_rate)
         self%end_theta = given%angle(2)
-        call self%take_extremes(case%start, given)
+        call self%update_extremes(case%start, given)
         ! From a pole the motion begins with the limit of the precession rate.
         gamma = vertical_from_quaternion(given%quaternion)
         if (hypot(gamma(1), gamma(2)) > through_pole .or. self%is_plane) return
@@ -101,7 +101,7 @@ contains
 
     !> A motion of the computation in the axes in which the body was given.
     pure type(motion_t) function as_given(self, motion) result(given)
-        class(nutation_watch_t), intent(in) :: self
+        class(nutation_recorder_t), intent(in) :: self
         type(motion_t), intent(in) :: motion
         given = motion
         if (.not. self%case%body%given%differ) return
@@ -113,7 +113,7 @@ contains
 
     !> The quantities of the events of the scene, and of the measured ones.
     subroutine quantities(self, motion, values)
-        class(nutation_watch_t), intent(inout) :: self
+        class(nutation_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp), intent(out) :: values(:) !! one value for each event
         type(motions_t) :: motions, given
@@ -137,7 +137,7 @@ contains
 
     !> The same at several instants, where only measured ones are wanted, and those of the axes of the computation.
     subroutine quantities_of_several(self, motions, values)
-        class(nutation_watch_t), intent(inout) :: self
+        class(nutation_recorder_t), intent(inout) :: self
         type(motions_t), intent(in) :: motions !! the motion at several instants
         real(dp), intent(out) :: values(:, :) !! a column for each event
         real(dp) :: own(instants, largest_force)
@@ -150,7 +150,7 @@ contains
 
     !> The measured quantities, of motions in the axes of the computation and in those in which the body was given.
     subroutine find_own(self, motions, given, own)
-        class(nutation_watch_t), intent(in) :: self
+        class(nutation_recorder_t), intent(in) :: self
         type(motions_t), intent(in) :: motions, given
         real(dp), intent(out) :: own(instants, largest_force)
 
@@ -169,24 +169,24 @@ contains
         end associate
     end subroutine find_own
 
-    !> Receives an event.
-    subroutine meet(self, number, motion)
-        class(nutation_watch_t), intent(inout) :: self
+    !> Handles an event.
+    subroutine handle_event(self, number, motion)
+        class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
         integer :: n
         n = size(self%events)
         if (allocated(self%own)) n = n - size(self%own)
         if (number > n) then
-            call self%take_own(number - n, motion, is_noise=.false.)
+            call self%handle_own_event(number - n, motion, is_noise=.false.)
         else
-            call self%event_recorder_t%meet(number, motion)
+            call self%event_recorder_t%handle_event(number, motion)
         end if
-    end subroutine meet
+    end subroutine handle_event
 
-    !> Takes a measured event, or a passage within the noise of its quantity.
-    subroutine take_own(self, number, motion, is_noise)
-        class(nutation_watch_t), intent(inout) :: self
+    !> Handles a measured event, or a passage within the noise of its quantity.
+    subroutine handle_own_event(self, number, motion, is_noise)
+        class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number
         type(motion_t), intent(in) :: motion
         logical, intent(in) :: is_noise
@@ -196,31 +196,32 @@ contains
         if (number <= 0) return
         kind = self%own(number)
         given = self%as_given(motion)
-        call self%take_extremes(motion, given)
+        call self%update_extremes(motion, given)
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
         ! first event.
-        if (self%starts_turning .and. .not. is_noise) call self%turns(upper + lower - kind)%take(self%as_given(self%case%start))
+        if (self%starts_turning .and. .not. is_noise) call self%turns(upper + lower - kind)%add(self%as_given(self%case%start))
         self%starts_turning = .false.
         if (is_noise) then
             call interrupt(self%turns)
             call self%turns(kind)%count_in(given)
         else
-            call self%turns(kind)%take(given)
+            call self%turns(kind)%add(given)
         end if
-    end subroutine take_own
+    end subroutine handle_own_event
 
-    !> Receives a passage within the noise of its quantity.
-    subroutine miss(self, number, motion)
-        class(nutation_watch_t), intent(inout) :: self
+    !> Handles a passage within the noise of its quantity.
+    subroutine handle_doubtful_event(self, number, motion)
+        class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the passage
-        if (allocated(self%own)) call self%take_own(number - (size(self%events) - size(self%own)), motion, is_noise=.true.)
-    end subroutine miss
+        if (allocated(self%own)) call self%handle_own_event(number - (size(self%events) - size(self%own)), motion, &
+            is_noise=.true.)
+    end subroutine handle_doubtful_event
 
     !> Includes the end of the motion, where the quantities may have their extremes.
-    subroutine take_end(self)
-        class(nutation_watch_t), intent(inout) :: self
+    subroutine include_end(self)
+        class(nutation_recorder_t), intent(inout) :: self
         type(motion_t) :: given
         if (.not. self%needs_angles) then
             associate (here => self%here)
@@ -231,13 +232,13 @@ contains
         given = self%as_given(self%here)
         self%end_theta(2) = given%angle(2)
         if (self%measures%turning) call count_end(self%turns, self%as_given(self%case%start), given, given%omega_rate)
-        call self%take_extremes(self%here, given)
-    end subroutine take_end
+        call self%update_extremes(self%here, given)
+    end subroutine include_end
 
     !> Updates the extremes of the rates, of the height of the centre of mass and of the force by a motion, which is given in
     !> the axes of the computation and in those of the body as well.
-    subroutine take_extremes(self, motion, given)
-        class(nutation_watch_t), intent(inout) :: self
+    subroutine update_extremes(self, motion, given)
+        class(nutation_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion, given
         real(dp) :: gamma(3)
         if (is_finite(given%rate(1)) .and. abs(given%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
@@ -246,12 +247,12 @@ contains
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
-        if (self%measures%has_forces()) call self%take_forces(motion, given)
-    end subroutine take_extremes
+        if (self%measures%has_forces()) call self%update_force_extremes(motion, given)
+    end subroutine update_extremes
 
     !> Updates the extremes of the nutation rate and of the support force.
-    subroutine take_forces(self, motion, given)
-        class(nutation_watch_t), intent(inout) :: self
+    subroutine update_force_extremes(self, motion, given)
+        class(nutation_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion, given
         type(motion_t) :: here
         real(dp) :: force(3), gamma(3), rate(6), sine
@@ -274,11 +275,11 @@ contains
         else
             self%theta_rate_max = max(self%theta_rate_max, hypot(given%omega(1), given%omega(2)))
         end if
-    end subroutine take_forces
+    end subroutine update_force_extremes
 
     !> The measured nutation; `is_whole` reports whether there was a whole one.
     pure subroutine nutation(self, measured, is_whole)
-        class(nutation_watch_t), intent(in) :: self
+        class(nutation_recorder_t), intent(in) :: self
         type(nutation_t), intent(out) :: measured !! the nutation as measured
         logical, intent(out) :: is_whole !! whether there is a whole nutation
         call nutation_of(self%turns, self%end_theta, measured, is_whole, self%phi_rate_max)
@@ -287,14 +288,14 @@ contains
 
     !> Whether turning points were within the noise of the motion.
     pure logical function is_noisy(self)
-        class(nutation_watch_t), intent(in) :: self
+        class(nutation_recorder_t), intent(in) :: self
         is_noisy = any(self%turns%is_interrupted)
     end function is_noisy
 
     !> Whether the class is certain although the largest precession rate may lie between the turning points: there may be a
-    !> cusp only if the rates at all upper turning points are small compared to that of the nutation. Call after `take_end`.
+    !> cusp only if the rates at all upper turning points are small compared to that of the nutation. Call after `include_end`.
     pure logical function knows_class(self)
-        class(nutation_watch_t), intent(in) :: self
+        class(nutation_recorder_t), intent(in) :: self
         type(nutation_t) :: measured
         logical :: is_whole
         call self%nutation(measured, is_whole)
@@ -357,4 +358,4 @@ contains
         end associate
     end function class_of
 
-end module spintop_nutation_watch
+end module spintop_nutation_recorder

@@ -1,5 +1,5 @@
-!> The quantities of a sweep that watches measure along the motions in lanes.
-module spintop_sweep_watches
+!> The quantities of a sweep that monitors measure along the motions in lanes.
+module spintop_sweep_monitors
     use spintop_azimuth_lanes, only: azimuth_lanes_t
     use spintop_compare, only: is_equal, is_zero
     use spintop_event_text, only: column_event_t
@@ -9,42 +9,42 @@ module spintop_sweep_watches
     use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, vertical_force
     use spintop_growth_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
-    use spintop_lane_watch, only: lane_watch_t, watch_slot_t
+    use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
-    use spintop_nutation_watch, only: nutation_of
+    use spintop_nutation_recorder, only: nutation_of
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: passing_nothing, passing_spin_momentum, passing_theta, passing_turning, stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
-    use spintop_sweep_quantities, only: put_azimuth, put_measured_nutation
+    use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation
     use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
         of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, sweep_result_t
     use spintop_turning_lanes, only: turning_lanes_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     implicit none
     private
-    public :: sweep_watches_t, ends_in_lanes
+    public :: sweep_monitors_t, ends_in_lanes
 
     !> Least sine of an inclination whose passages are found by its cosine.
     real(dp), parameter :: least_sine = 1.0e-3_dp
 
-    !> Watches for the work of a sweep; `slots` is passed to `integrate_many`.
-    type :: sweep_watches_t
-        type(watch_slot_t), allocatable :: slots(:)
+    !> Monitors for the work of a sweep; `slots` is passed to `integrate_many`.
+    type :: sweep_monitors_t
+        type(monitor_slot_t), allocatable :: slots(:)
     contains
         procedure :: create
-        procedure :: put
-    end type sweep_watches_t
+        procedure :: store_quantities
+    end type sweep_monitors_t
 
 contains
 
-    !> Whether a watch finds the events that end the motions: passages of one value of a column that is an angle or a
+    !> Whether a monitor finds the events that end the motions: passages of one value of a column that is an angle or a
     !> form of the motion, or turning points, of a body in the axes in which it was given.
     pure logical function ends_in_lanes(events, case)
         type(column_event_t), intent(in) :: events(:) !! the events, each of which ends the motion
-        type(case_t), intent(in) :: case !! body, start and span
+        type(case_t), intent(in) :: case !! the case: its axes and effects decide which columns are forms of the motion
         integer :: i
         ends_in_lanes = size(events) == 0
         if (ends_in_lanes .or. case%turn%is_turned()) return
@@ -70,20 +70,20 @@ contains
         ends_in_lanes = .true.
     end function ends_in_lanes
 
-    !> The watch for events that end the motions at the n-th of them.
-    pure type(stop_lanes_t) function stop_watch(events, n)
+    !> The monitor for events that end the motions at the n-th of them.
+    pure type(stop_lanes_t) function stop_monitor(events, n)
         type(column_event_t), intent(in) :: events(:)
         integer, intent(in) :: n
         associate (event => events(1)%event, column => events(1)%column)
-            stop_watch = stop_lanes_t(passing=column%passing, component=column%component, level=event%level, wanted=n, &
-                                      rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
-                                      every_turn=event%every_turn, turn_by_turn=event%turn_by_turn)
+            stop_monitor = stop_lanes_t(passing=column%passing, component=column%component, level=event%level, wanted=n, &
+                                        rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
+                                        every_turn=event%every_turn, turn_by_turn=event%turn_by_turn)
         end associate
-    end function stop_watch
+    end function stop_monitor
 
-    !> Creates the watches for the work and for the events.
+    !> Creates the monitors for the work and for the events.
     subroutine create(self, wanted, controls, events, stop_after)
-        class(sweep_watches_t), intent(inout) :: self
+        class(sweep_monitors_t), intent(inout) :: self
         logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
         type(controls_t), intent(in) :: controls !! settings of the method
         type(column_event_t), intent(in) :: events(:) !! the events that end the motion, `ends_in_lanes`
@@ -95,7 +95,7 @@ contains
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
         ! First, so that the others see the motion up to its end.
-        if (size(events) > 0) call append(stop_watch(events, stop_after))
+        if (size(events) > 0) call append(stop_monitor(events, stop_after))
         if (wanted(of_period)) call append(azimuth_lanes_t())
         if (wanted(of_whole) .or. wanted(of_range)) call append(turning)
         if (wanted(of_fastest) .or. wanted(of_class)) call append(extreme_lanes_t(quantity=precession_rate))
@@ -115,16 +115,16 @@ contains
 
     contains
 
-        !> Appends a watch to the list.
-        subroutine append(watch)
-            class(lane_watch_t), intent(in) :: watch
-            type(watch_slot_t), allocatable :: more(:)
+        !> Appends a monitor to the list.
+        subroutine append(monitor)
+            class(lane_monitor_t), intent(in) :: monitor
+            type(monitor_slot_t), allocatable :: more(:)
             integer :: i
             allocate (more(size(self%slots) + 1))
             do i = 1, size(self%slots)
-                call move_alloc(self%slots(i)%watch, more(i)%watch)
+                call move_alloc(self%slots(i)%monitor, more(i)%monitor)
             end do
-            allocate (more(size(more))%watch, source=watch)
+            allocate (more(size(more))%monitor, source=monitor)
             call move_alloc(more, self%slots)
         end subroutine append
 
@@ -132,9 +132,9 @@ contains
 
     !> Sets the quantities measured of a case of the last run. `status` reports work on perturbations that was not
     !> finished, or overflow.
-    subroutine put(self, case, wanted, i, last, values, status, note)
-        class(sweep_watches_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! body, start and span
+    subroutine store_quantities(self, case, wanted, i, last, values, status, note)
+        class(sweep_monitors_t), intent(in) :: self
+        type(case_t), intent(in) :: case !! the case whose quantities are set
         logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
         integer, intent(in) :: i !! number of the case in the run
         type(motion_t), intent(in) :: last !! the motion at the end
@@ -149,26 +149,28 @@ contains
 
         rate = 0
         do k = size(self%slots), 1, -1 ! the order of the notes
-            select type (watch => self%slots(k)%watch)
+            select type (monitor => self%slots(k)%monitor)
             type is (stop_lanes_t)
-                if (.not. watch%came(i)) call note%add(note_no_stop)
+                if (.not. monitor%event_occurred(i)) call note%add(note_no_stop)
             type is (azimuth_lanes_t)
-                call put_azimuth(watch%seen(i), watch%azimuth(i), values, note)
+                call set_azimuth(monitor%seen(i), monitor%azimuth(i), values, note)
             type is (energy_lanes_t)
-                values%energy_error_max = watch%error_max(i)
+                values%energy_error_max = monitor%error_max(i)
             type is (extreme_lanes_t)
-                call put_extreme(watch, i, values, rate)
+                call set_extreme(monitor, i, values, rate)
             type is (growth_lanes_t)
-                associate (found => watch%growth(i))
-                    if (watch%is_singular) call take(values%largest_singular_value, found%singular, found%singular_status, &
-                                                     note_no_singular)
-                    if (watch%has_exponent) call take(values%lyapunov_exponent, found%exponent, found%exponent_status, &
-                                                      note_no_lyapunov)
+                associate (found => monitor%growth(i))
+                    if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
+                        found%singular_status, &
+                                                                   note_no_singular)
+                    if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
+                        found%exponent_status, &
+                                                                    note_no_lyapunov)
                 end associate
             type is (inherent_lanes_t)
-                call take(values%inherent_error, watch%error(i), watch%status(i), note_no_inherent)
+                call store_or_explain(values%inherent_error, monitor%error(i), monitor%status(i), note_no_inherent)
             type is (turning_lanes_t)
-                turns = watch%turns(:, i)
+                turns = monitor%turns(:, i)
             end select
         end do
         if (wanted(of_whole) .or. wanted(of_range)) then
@@ -180,12 +182,12 @@ contains
         else
             call nutation_of(turns, ends, nutation, is_whole)
         end if
-        call put_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
+        call set_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
 
     contains
 
         !> Stores a value, or notes the reason why there is none.
-        subroutine take(quantity, value, how, reason)
+        subroutine store_or_explain(quantity, value, how, reason)
             real(dp), intent(inout) :: quantity
             real(dp), intent(in) :: value
             integer, intent(in) :: how, reason
@@ -195,29 +197,29 @@ contains
                 call note%add(reason, trim(status_meanings(how)))
                 if (how == status_step_limit .or. how == status_non_finite) status = how
             end if
-        end subroutine take
+        end subroutine store_or_explain
 
-    end subroutine put
+    end subroutine store_quantities
 
     !> Sets an extreme of a case of the last run; the precession rate is for the nutation.
-    subroutine put_extreme(watch, i, values, precession)
-        type(extreme_lanes_t), intent(in) :: watch
+    subroutine set_extreme(monitor, i, values, precession)
+        type(extreme_lanes_t), intent(in) :: monitor
         integer, intent(in) :: i
         type(sweep_result_t), intent(inout) :: values
         real(dp), intent(inout) :: precession
-        select case (watch%quantity)
+        select case (monitor%quantity)
         case (precession_rate)
-            precession = watch%largest(i)
+            precession = monitor%largest(i)
         case (nutation_rate)
-            values%theta_rate_max = watch%largest(i)
+            values%theta_rate_max = monitor%largest(i)
         case (centre_height)
-            values%com_z_min = watch%least(i)
+            values%com_z_min = monitor%least(i)
         case (vertical_force)
-            values%force_z_min = watch%least(i)
-            values%force_z_max = watch%largest(i)
+            values%force_z_min = monitor%least(i)
+            values%force_z_max = monitor%largest(i)
         case (total_force)
-            values%force_max = watch%largest(i)
+            values%force_max = monitor%largest(i)
         end select
-    end subroutine put_extreme
+    end subroutine set_extreme
 
-end module spintop_sweep_watches
+end module spintop_sweep_monitors

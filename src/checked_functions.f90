@@ -13,7 +13,7 @@ module spintop_checked_functions
         unchecked_residuals => euler_residuals, unchecked_force => support_force, &
         unchecked_tip => axis_tip, unchecked_height_rate => axis_height_rate
     use spintop_steady_motion, only: unchecked_critical => critical_omega3
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_validity, only: body_status, motion_status
     implicit none
     private
@@ -87,7 +87,7 @@ contains
     pure real(dp) function axis_height_rate(motion) result(rate)
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         rate = no_number
-        if (motion_status(motion) == status_ok) rate = unchecked_height_rate(unit(motion))
+        if (is_ok(motion_status(motion))) rate = unchecked_height_rate(unit(motion))
     end function axis_height_rate
 
     !> The state (Gamma, Pi) of a motion: upward vertical and angular momentum, kg m^2/s, in body axes.
@@ -123,14 +123,14 @@ contains
     pure logical function are_valid(body, motion)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: motion
-        are_valid = body_status(body) == status_ok
-        if (are_valid) are_valid = motion_status(motion, body) == status_ok
+        are_valid = is_ok(body_status(body))
+        if (are_valid) are_valid = is_ok(motion_status(motion, body))
     end function are_valid
 
     !> Whether a body is an undamped symmetric top.
     pure logical function is_top(body)
         type(body_t), intent(in) :: body
-        is_top = body_status(body) == status_ok
+        is_top = is_ok(body_status(body))
         if (is_top) is_top = body%is_lagrange() .and. body%inertia(1) > 0
     end function is_top
 

@@ -11,7 +11,7 @@ module spintop_c_motion
     use spintop_motion, only: motion_t
     use spintop_plan, only: plan_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_status, only: is_good_end, status_bad_samples, status_non_finite, status_ok, status_step_limit
+    use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -87,7 +87,7 @@ contains
         t_reached = 0
         status = self%status
         if (.not. all(is_finite(t))) status = status_bad_samples
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         sampler%samples => t
         sampler%cells => cells
         sampler%maker = self%maker

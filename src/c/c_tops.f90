@@ -10,7 +10,7 @@ module spintop_c_tops
     use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_text, only: string_t
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
@@ -218,11 +218,11 @@ contains
         logical :: any_failed
 
         associate (n => block%n)
-            any_failed = any(block%status(:n) /= status_ok)
+            any_failed = any(.not. is_ok(block%status(:n)))
             do i = 1, size(request%wanted)
                 room => quantity_of(block%exact_cases_t, request%wanted(i)%place)
                 request%wanted(i)%values(first + 1:first + n) = room(:n)
-                if (any_failed) where (block%status(:n) /= status_ok) &
+                if (any_failed) where (.not. is_ok(block%status(:n))) &
                     request%wanted(i)%values(first + 1:first + n) = no_number
             end do
             if (associated(request%status)) request%status(first + 1:first + n) = block%status(:n)

@@ -11,7 +11,7 @@
 module spintop_conditioning
     use spintop_kinds, only: dp, pi, epsilon_dp, no_number
     use spintop_compare, only: is_zero
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_attitude, only: quaternion_product, rotation_angle
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles
@@ -68,7 +68,7 @@ contains
 
         if (present(rotor)) then
             call prepare_exact_motion(body, start, conditioning%exact, status, rotor)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
         end if
         given = data_t(body, start, body%given%phi_shift, body%inertia(3) * body%given%psi_shift)
         if (present(rotor)) given%rotor = given%rotor + rotor(3)
@@ -76,7 +76,7 @@ contains
             given%start = unshifted(given%frame, body%given%psi_shift, start)
         end if
         call prepare(given, conditioning%exact, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
 
         conditioning%time = start%t
         conditioning%rate = norm2(given%start%omega)
@@ -168,7 +168,7 @@ contains
         integer :: status, n
         n = conditioning%count + 1
         call prepare(other, conditioning%displaced(n), status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         conditioning%count = n
         conditioning%weight(n) = weight / displacement
         conditioning%frame_change(n) = other%frame - given%frame
@@ -228,7 +228,7 @@ contains
         integer :: status
         call prepare_conditioning(body, start, conditioning, status, rotor)
         angle = no_number
-        if (status == status_ok) angle = conditioning%floor_at(t)
+        if (is_ok(status)) angle = conditioning%floor_at(t)
     end function inherent_error
 
 end module spintop_conditioning

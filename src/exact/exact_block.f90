@@ -8,7 +8,7 @@
 !>
 !>     block%n = 2;  block%theta(1:2) = ...
 !>     call block%compute(wants_end=.true., wants_period=.false.)
-!>     if (block%status(1) == status_ok) then; ... = block%theta_max(1)
+!>     if (is_ok(block%status(1))) then; ... = block%theta_max(1)
 module spintop_exact_block
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_inclinations
@@ -17,7 +17,7 @@ module spintop_exact_block
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
     use spintop_pole_passages, only: through_pole
-    use spintop_status, only: status_ok, status_bad_input
+    use spintop_status, only: is_ok, status_bad_input, status_ok
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy

@@ -9,7 +9,7 @@ module spintop_exact_cases
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite, status_ok
     implicit none
     private
     public :: exact_cases_t, compute_alone, block_size
@@ -66,7 +66,7 @@ contains
             [self%phi_rate(i), self%theta_rate(i), &
              self%omega3(i) - self%phi_rate(i) * cos(self%theta(i))])
         call prepare_exact_motion(body, start, exact, self%status(i))
-        if (self%status(i) /= status_ok) return
+        if (.not. is_ok(self%status(i))) return
 
         associate (nutation => exact%nutation)
             self%theta_min(i) = nutation%theta_min

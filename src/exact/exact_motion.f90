@@ -14,7 +14,7 @@ module spintop_exact_motion
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: follow_motion
     use spintop_poles, only: reach_of
-    use spintop_status, only: status_non_finite, status_ok, status_unsuitable
+    use spintop_status, only: is_ok, status_non_finite, status_unsuitable
     use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
     implicit none
     private
@@ -67,9 +67,9 @@ contains
         else
             allocate (exact%free)
             call prepare_free_motion(body, start, exact%free, status)
-            if (status /= status_ok) deallocate (exact%free)
+            if (.not. is_ok(status)) deallocate (exact%free)
         end if
-        if (status /= status_ok .or. .not. (allocated(exact%free) .or. body%given%differ)) return
+        if (.not. is_ok(status) .or. .not. (allocated(exact%free) .or. body%given%differ)) return
         exact%reach = reach_of(body, start)
         if (.not. body%given%differ) return
         exact%given = body%given

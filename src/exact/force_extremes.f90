@@ -9,7 +9,7 @@
 module spintop_force_extremes
     use spintop_kinds, only: dp, xp
     use spintop_compare, only: is_finite
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_regular_start, only: regular_start_t, find_checked_start
@@ -39,7 +39,7 @@ contains
         real(xp) :: vertical(3), turning_y
 
         call find_checked_start(body, start, regular, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         points = find_turning_points(regular)
         associate (y1 => points%y1, y2 => points%y2)
             vertical(1:2) = [vertical_force(body, regular, y1), vertical_force(body, regular, y2)]

@@ -4,7 +4,7 @@ module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
     use spintop_kinds, only: dp, xp, pi, pi_xp, epsilon_dp
     use spintop_compare, only: is_finite
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: in_pole, through_pole
@@ -85,7 +85,7 @@ contains
         type(regular_start_t) :: regular
         type(turning_points_t) :: points
         call find_checked_start(body, start, regular, status, rotor)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         points = find_turning_points(regular)
         nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
         if (.not. is_defined(nutation)) status = status_non_finite

@@ -12,7 +12,7 @@ module spintop_permanent_rotation
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
     use spintop_kinds, only: dp, no_number
-    use spintop_status, only: status_bad_input, status_ok, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_input, status_ok, status_unsuitable
     use spintop_validity, only: plain_body_status
     use spintop_vectors, only: cross
     implicit none
@@ -37,8 +37,8 @@ contains
         vertical = no_number
         rate = no_number
         call check_body(body, status)
-        if (status == status_ok .and. .not. is_finite(parameter)) status = status_bad_input
-        if (status /= status_ok) return
+        if (is_ok(status) .and. .not. is_finite(parameter)) status = status_bad_input
+        if (.not. is_ok(status)) return
         moment = body%weight_moment()
         solution = 0
         where (abs(moment) > 0) solution = moment / (body%inertia - parameter)
@@ -63,7 +63,7 @@ contains
 
         rate = no_number
         call check_body(body, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         status = status_bad_input
         if (.not. all(is_finite(axis)) .or. .not. norm2(axis) > 0) return
         vertical = axis / norm2(axis)
@@ -89,7 +89,7 @@ contains
         type(body_t), intent(in) :: body
         integer, intent(out) :: status
         status = plain_body_status(body)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         if (.not. (norm2(body%weight_moment()) > 0 .and. all(is_zero(body%damping)))) status = status_unsuitable
     end subroutine check_body
 

@@ -12,7 +12,7 @@
 module spintop_regular_start
     use spintop_kinds, only: dp, xp, pi
     use spintop_compare, only: is_finite
-    use spintop_status, only: status_ok, status_non_finite, status_unsuitable
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_validity, only: body_status, start_status
@@ -74,7 +74,7 @@ contains
         real(xp) :: inertia
 
         status = status_of_data(body, start)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
 
         if (rates_describe(start)) then
             call set_from_angles(start, regular, swing)
@@ -106,8 +106,8 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
         call find_regular_start(body, start, regular, status, rotor)
-        if (status == status_ok) status = body_status(body)
-        if (status == status_ok) status = start_status(start, body)
+        if (is_ok(status)) status = body_status(body)
+        if (is_ok(status)) status = start_status(start, body)
     end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)

@@ -4,7 +4,7 @@ module spintop_steady_motion
     use spintop_kinds, only: dp, no_number
     use spintop_compare, only: is_finite, is_zero
     use spintop_body, only: body_t
-    use spintop_status, only: status_ok, status_non_finite, status_unsuitable
+    use spintop_status, only: is_ok, status_non_finite, status_unsuitable
     use spintop_validity, only: plain_body_status
     implicit none
     private
@@ -49,9 +49,9 @@ contains
         integer, intent(out), optional :: status
         integer :: found
         found = plain_body_status(body)
-        if (found == status_ok .and. .not. body%is_lagrange()) found = status_unsuitable
-        if (found == status_ok .and. .not. all(is_finite([data, rates]))) found = status_non_finite
-        if (found /= status_ok) then
+        if (is_ok(found) .and. .not. body%is_lagrange()) found = status_unsuitable
+        if (is_ok(found) .and. .not. all(is_finite([data, rates]))) found = status_non_finite
+        if (.not. is_ok(found)) then
             rates = no_number
             count = 0
         end if

@@ -12,7 +12,7 @@
 module spintop_symmetric_motion
     use spintop_kinds, only: dp, xp, pi_xp, no_number
     use spintop_compare, only: is_finite
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_scalar_functions, only: argument
@@ -110,7 +110,7 @@ contains
         type(turning_points_t) :: points
 
         call find_checked_start(body, start, regular, status, rotor)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         points = find_turning_points(regular)
         exact%theta = prepare_theta_motion(regular, points)
         exact%nutation = describe_nutation(regular, points, exact%theta)

@@ -5,7 +5,7 @@ module spintop_theta_branch
     use spintop_capabilities, only: max_states
     use spintop_compare, only: is_zero
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_outside, status_pole
+    use spintop_status, only: is_ok, status_ok, status_outside, status_pole
     use spintop_symmetric_top, only: at_pole, symmetric_top_t
     implicit none
     private
@@ -97,7 +97,7 @@ contains
         if (is_zero(self%direction)) return
         call self%rates(y, dy, status)
         if (status == status_outside) time_left = 0
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         acceleration = self%direction * self%top%theta_acceleration(y(2), dy(1))
         if (acceleration < 0) time_left = abs(dy(2)) / (-acceleration)
     end function time_left

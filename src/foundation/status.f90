@@ -10,7 +10,7 @@ module spintop_status
     public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
     public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
-    public :: status_at_rest, last_status, is_good_end, is_refusal, code_of
+    public :: status_at_rest, last_status, is_good_end, is_ok, is_refusal, code_of
 
     !> Outcomes of a computation. `status_meaning` gives a sentence for each.
     integer, parameter :: status_ok = 0
@@ -82,6 +82,13 @@ module spintop_status
     end interface code_of
 
 contains
+
+    !> Whether a computation with this status goes on: it did not fail, and has not ended early. How a motion ended is another
+    !> question: see `is_good_end`.
+    elemental logical function is_ok(status)
+        integer, intent(in) :: status !! number of a status
+        is_ok = status == status_ok
+    end function is_ok
 
     !> Whether a motion with this status was computed to its end. Everything that tells motions that succeeded from
     !> those that failed asks this, in the end: `spintop list statuses --json` has it as `good`.

@@ -9,7 +9,7 @@ module spintop_dense_output
     use spintop_formulation, only: formulation_t, max_states
     use spintop_lapack, only: dgetrf, dgetrs
     use spintop_motions, only: instants
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_stepper, only: run_state_t
     implicit none
     private
@@ -91,7 +91,7 @@ contains
             do node = 1, level
                 call run%evaluate(formulation, run%t_last + h * place(node, level), &
                                    self%at(place(node, level)), slope, status)
-                if (status /= status_ok) return
+                if (.not. is_ok(status)) return
                 conditions(node + 2, :) = h * (slope - slope_last)
             end do
             call dgetrs('N', level + 2, max_states, self%factors(:, :, level), max_unknowns, &

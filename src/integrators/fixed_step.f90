@@ -6,7 +6,7 @@ module spintop_fixed_step
     use spintop_formulation, only: formulation_t, max_states, structure_split
     use spintop_motions, only: instants
     use spintop_stepper, only: stepper_t
-    use spintop_status, only: status_ok, status_outside, status_non_finite, status_step_too_small
+    use spintop_status, only: is_ok, status_non_finite, status_outside, status_step_too_small
     implicit none
     private
     public :: grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, grid_time, longest_step
@@ -122,12 +122,12 @@ contains
         sloped = starts_from_slope(self)
         call self%step(formulation, h, change, status)
         ! Not with is_finite, as in `evaluate`.
-        if (status == status_ok .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
-        if (status == status_ok .and. sloped) then
+        if (is_ok(status) .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
+        if (is_ok(status) .and. sloped) then
             call self%evaluate(formulation, t_new, self%y + (change + self%rest), slope, status)
         end if
         if (status == status_outside) self%counts%rejected = self%counts%rejected + 1
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call self%settle_change(formulation, t_new, change, changed)
         if (.not. sloped) return
         if (changed) call self%evaluate(formulation, t_new, self%y, slope, status)

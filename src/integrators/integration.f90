@@ -10,7 +10,7 @@ module spintop_integration
     use spintop_formulation, only: formulation_t
     use spintop_stepper, only: stepper_t, counts_t
     use spintop_suitability, only: call_status
-    use spintop_status, only: status_ok, status_at_rest, status_step_limit
+    use spintop_status, only: is_ok, status_at_rest, status_ok, status_step_limit
     implicit none
     private
     public :: integrate, observer_t, outcome_t
@@ -73,8 +73,8 @@ contains
         logical :: ends
 
         outcome%status = call_status(stepper, formulation, body, start, t_end, samples)
-        if (outcome%status == status_ok .and. present(search)) outcome%status = search%check()
-        if (outcome%status /= status_ok) return
+        if (is_ok(outcome%status) .and. present(search)) outcome%status = search%check()
+        if (.not. is_ok(outcome%status)) return
         ends = .false.
         allocate (method, source=stepper)
         method%t_end = t_end
@@ -100,7 +100,7 @@ contains
                 deallocate (observer%resumed)
             end if
         end select
-        do while (status == status_ok .and. run%stepper%t < t_end .and. .not. observer%has_enough)
+        do while (is_ok(status) .and. run%stepper%t < t_end .and. .not. observer%has_enough)
             if (run%stepper%is_spent()) then
                 status = status_step_limit
                 exit
@@ -110,15 +110,15 @@ contains
             else
                 call method%advance(formulation, status)
             end if
-            if (status == status_ok .and. present(search)) then
+            if (is_ok(status) .and. present(search)) then
                 call run%find_events_in_step(status, ends)
                 if (ends) exit
             end if
-            if (status == status_ok .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
+            if (is_ok(status) .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
             if (allocated(formulation%ends)) call run%check_arrival(status)
-            if (status == status_ok .and. allocated(run%segments)) call run%end_step(status, ends)
+            if (is_ok(status) .and. allocated(run%segments)) call run%end_step(status, ends)
             if (ends) exit
-            if (status == status_ok .and. associated(run%keeping_observer)) call run%keep()
+            if (is_ok(status) .and. associated(run%keeping_observer)) call run%keep()
         end do
         outcome%status = status
         outcome%t = run%stepper%t
@@ -126,7 +126,7 @@ contains
         if (allocated(run%segments)) then
             if (run%segments%rest%is_resting) then
                 outcome%t_stuck = run%segments%rest%t_stuck
-                if (status == status_ok .and. .not. ends) outcome%status = status_at_rest
+                if (is_ok(status) .and. .not. ends) outcome%status = status_at_rest
             end if
         end if
         if (ends) outcome%t = search%t

@@ -12,8 +12,8 @@ module spintop_run
     use spintop_observer, only: keeping_observer_t, observer_t
     use spintop_poles, only: reach_of
     use spintop_segments, only: segments_t
-    use spintop_status, only: status_ok, status_outside, status_step_too_small, status_step_limit, status_turning_point, &
-        status_not_converged, status_too_many_events
+    use spintop_status, only: is_ok, status_not_converged, status_ok, status_outside, status_step_limit, &
+        status_step_too_small, status_too_many_events, status_turning_point
     use spintop_step_path, only: follower_t, step_path_t
     use spintop_stepper, only: stepper_t
     use spintop_work_account, only: work_account_t
@@ -83,8 +83,8 @@ contains
 
         associate (formulation => self%formulation, stepper => self%method)
             call formulation%prepare(body, start, stepper%y, status)
-            if (status == status_ok) call check_start(formulation, stepper, status)
-            if (status /= status_ok) return
+            if (is_ok(status)) call check_start(formulation, stepper, status)
+            if (.not. is_ok(status)) return
             call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
             if (allocated(formulation%action)) then
                 self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
@@ -99,7 +99,7 @@ contains
             call self%leave_rest()
             call stepper%begin(formulation, status)
             call self%observe_until(stepper%t)
-            if (status == status_ok .and. allocated(formulation%action)) then
+            if (is_ok(status) .and. allocated(formulation%action)) then
                 allocate (self%segments)
                 call self%segments%begin(formulation, stepper, self%stepper, status)
             end if
@@ -168,7 +168,7 @@ contains
         call self%segments%settle(self%formulation, self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
         self%account%t = max(self%account%t, self%stepper%t)
-        if (status == status_ok .and. self%segments%occasion /= occasion_none) call self%handle_occasion(ends)
+        if (is_ok(status) .and. self%segments%occasion /= occasion_none) call self%handle_occasion(ends)
     end subroutine end_step
 
     !> Handles the events of rest and departure at the end of a step.

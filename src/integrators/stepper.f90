@@ -10,7 +10,7 @@ module spintop_stepper
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_motions, only: instants
     use spintop_projection, only: projection_t, project_nothing
-    use spintop_status, only: status_ok, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite
     implicit none
     private
     public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step
@@ -243,7 +243,7 @@ contains
         self%counts%evaluations = self%counts%evaluations + 1
         call formulation%derivative(t, y, dy, status)
         ! Not with is_finite: a call for each component would cost as much as an RHS evaluation.
-        if (status == status_ok .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
+        if (is_ok(status) .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
 
     !> Whether the maximum number of steps is reached: accepted, rejected, and evaluations within steps.

@@ -10,8 +10,8 @@ module spintop_suitability
     use spintop_formulation, only: formulation_t, formulation_info_t, structure_none
     use spintop_motion, only: motion_t
     use spintop_projection, only: project_nothing, project_unit, project_invariants
-    use spintop_status, only: status_ok, status_bad_controls, status_bad_projection, status_bad_samples, &
-        status_bad_span, status_no_steps, status_no_structure, status_stuck_at_turn, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_controls, status_bad_projection, status_bad_samples, status_bad_span, &
+        status_no_steps, status_no_structure, status_ok, status_stuck_at_turn, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t, stepper_t
     use spintop_validity, only: body_status, start_status
     implicit none
@@ -42,7 +42,7 @@ contains
             status = status_stuck_at_turn
         else
             status = projection_status(stepper%controls%project, form, body)
-            if (status == status_ok) status = controls_status(stepper%info, stepper%controls)
+            if (is_ok(status)) status = controls_status(stepper%info, stepper%controls)
         end if
     end function can_run
 
@@ -138,10 +138,10 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp), intent(in) :: t_end, samples(:) !! end of the span, and the sample times, s
         status = body_status(body)
-        if (status == status_ok) status = start_status(start, body)
-        if (status == status_ok .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span
-        if (status == status_ok .and. .not. rise_within(samples, t_end)) status = status_bad_samples
-        if (status == status_ok) status = can_run(stepper, formulation, body)
+        if (is_ok(status)) status = start_status(start, body)
+        if (is_ok(status) .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span
+        if (is_ok(status) .and. .not. rise_within(samples, t_end)) status = status_bad_samples
+        if (is_ok(status)) status = can_run(stepper, formulation, body)
     end function call_status
 
     !> Whether times lie between 0 and `t_end`, in increasing order.

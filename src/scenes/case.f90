@@ -15,7 +15,7 @@ module spintop_case
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
     use spintop_scene, only: scene_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: fixed_text
     use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
@@ -336,7 +336,7 @@ contains
         end if
         call find_nutation(case%body, case%start, nutation, status)
         case%t_end = nutations * nutation%period
-        if (status /= status_ok .or. .not. is_finite(case%t_end)) then
+        if (.not. is_ok(status) .or. .not. is_finite(case%t_end)) then
             call problems%add('span.nutations', 'this motion has no finite nutation period', 'give t_end')
         end if
     end subroutine count_nutations

@@ -14,7 +14,7 @@ module spintop_plan
     use spintop_recommendation, only: recommend_adaptive, recommend_steps
     use spintop_run_plan, only: plan_t, sample_time, sample_times
     use spintop_scene, only: scene_t
-    use spintop_status, only: status_ok, status_meaning
+    use spintop_status, only: is_ok, status_meaning
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns
     use spintop_text, only: to_text, join
@@ -68,7 +68,7 @@ contains
         call set_samples(scene, case, plan, problems)
         if (problems%any()) return
         status = can_run(plan%stepper, plan%formulation, case%body)
-        if (status /= status_ok) call problems%add('integration', status_meaning(status), &
+        if (.not. is_ok(status)) call problems%add('integration', status_meaning(status), &
                                                    'see what goes together in doc/methods.md')
     end subroutine make_plan
 

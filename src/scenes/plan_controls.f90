@@ -10,7 +10,7 @@ module spintop_plan_controls
     use spintop_projection, only: project_nothing, project_unit, projection_names
     use spintop_run_plan, only: plan_t
     use spintop_scene, only: scene_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_suitability, only: projection_status
     use spintop_text, only: join, did_you_mean, lower_case, string_t, to_text
     implicit none
@@ -165,7 +165,7 @@ contains
         info = plan%formulation%info()
         kind = findloc(projection_names, scene%project, dim=1) - 1
         plan%stepper%controls%project = kind
-        if (projection_status(kind, info, body) /= status_ok) then
+        if (.not. is_ok(projection_status(kind, info, body))) then
             if (kind == project_unit) then
                 call problems%add(key, 'formulation ' // trim(info%name) // ' has no quaternion', &
                                   "omit it, or use formulation = 'rigid_body'")

@@ -10,7 +10,7 @@ module spintop_driven_flow
     use spintop_effects, only: effects_t
     use spintop_euler_poisson, only: state_units
     use spintop_kinds, only: dp, pi
-    use spintop_status, only: status_non_finite, status_ok, status_step_limit, status_step_too_small
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_limit, status_step_too_small
     use spintop_tangent_flow, only: order, product_of, smallest_spacings, step_limit, step_size
     use spintop_vectors, only: cross
     implicit none
@@ -60,13 +60,13 @@ contains
             h = step_size(state_units(body, columns(:, 1)), coefficient, duration - t)
             if (.not. h > 0) status = status_non_finite
             if (h < duration - t .and. h < smallest_spacings * spacing(duration)) status = status_step_too_small
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             columns = coefficient(:, :, order)
             do k = order - 1, 0, -1
                 columns = columns * h + coefficient(:, :, k)
             end do
             if (.not. all(is_finite(columns))) status = status_non_finite
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             t = merge(duration, t + h, h >= duration - t)
         end do
         if (t < duration) status = status_step_limit

@@ -8,7 +8,7 @@ module spintop_floquet
         turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
-    use spintop_status, only: status_ok, status_bad_input, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: propagate_tangents
     use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: cross
@@ -39,7 +39,7 @@ contains
 
         multipliers = 1
         call find_monodromy(body, start, period, monodromy, turn, status, max_steps)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         x = state_of(body, start)
         forms = invariant_gradients(body, x)
         directions = 0
@@ -65,10 +65,10 @@ contains
         monodromy = no_number
         turn = no_number
         status = body_status(body)
-        if (status == status_ok) status = motion_status(start, body)
-        if (status == status_ok .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
-        if (status == status_ok .and. .not. repeats(body, period)) status = status_unsuitable
-        if (status /= status_ok) return
+        if (is_ok(status)) status = motion_status(start, body)
+        if (is_ok(status) .and. .not. (period > 0 .and. is_finite(period))) status = status_bad_input
+        if (is_ok(status) .and. .not. repeats(body, period)) status = status_unsuitable
+        if (.not. is_ok(status)) return
         x = state_of(body, start)
         unit = state_units(body, x)
         columns = 0
@@ -81,7 +81,7 @@ contains
         else
             call propagate_tangents(body, period, columns, status, max_steps)
         end if
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         axis = axis_of(body)
         turn = closing_turn(axis, columns(:, 1) / unit, x / unit)
         do i = 1, 7

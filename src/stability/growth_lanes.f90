@@ -11,7 +11,7 @@ module spintop_growth_lanes
     use spintop_lyapunov, only: even_perturbation, scale_up, scales_of, span_perturbations
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_bad_input, status_non_finite, status_ok
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite
     use spintop_stepper, only: controls_t
     use spintop_tangent_lanes, only: components, tangent_lanes_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -129,7 +129,7 @@ contains
         associate (found => self%growth(case))
             found%exponent_status = self%tangents%status(lane)
             found%singular_status = found%exponent_status
-            if (found%exponent_status /= status_ok) return
+            if (.not. is_ok(found%exponent_status)) return
             do v = 1, size(vectors, 2)
                 z = self%tangents%z(lane, :, v)
                 vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)
@@ -172,7 +172,7 @@ contains
             growth = found%growth
         end select
         growth%steps = outcomes%counts%steps
-        where (outcomes%status /= status_ok)
+        where (.not. is_ok(outcomes%status))
             growth%exponent_status = outcomes%status
             growth%singular_status = outcomes%status
         end where

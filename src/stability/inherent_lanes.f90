@@ -15,7 +15,7 @@ module spintop_inherent_lanes
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_regular_start, only: rates_describe
-    use spintop_status, only: status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_tangent_lanes, only: components, tangent_lanes_t
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
@@ -206,7 +206,7 @@ contains
         associate (unused => run)
         end associate
         self%status(case) = self%tangents%status(lane)
-        if (self%status(case) /= status_ok) return
+        if (.not. is_ok(self%status(case))) return
         error = norm2([self%tangents%z(lane, 4:6, :), self%tangents%about(lane, :)])
         error = scale(error, min(self%tangents%doublings(lane), maxexponent(error) / 2))
         error = rounding * norm2([error, self%azimuth(lane)])
@@ -235,7 +235,7 @@ contains
         do i = 1, size(bodies)
             status(i) = plain_body_status(bodies(i))
         end do
-        valid = pack([(i, i=1, size(bodies))], status == status_ok)
+        valid = pack([(i, i=1, size(bodies))], is_ok(status))
         controls%relative_tolerance = enough
         controls%absolute_tolerance = enough
         controls%max_steps = max_steps
@@ -246,8 +246,8 @@ contains
         status(valid) = outcomes%status
         select type (monitor => monitors(1)%monitor)
         type is (inherent_lanes_t)
-            where (status(valid) == status_ok) status(valid) = monitor%status
-            where (status(valid) == status_ok) errors(valid) = monitor%error
+            where (is_ok(status(valid))) status(valid) = monitor%status
+            where (is_ok(status(valid))) errors(valid) = monitor%error
         end select
     end subroutine find_inherent_errors
 

@@ -10,7 +10,7 @@ module spintop_lyapunov
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, state_units
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_step_limit, status_bad_input, status_non_finite
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit
     use spintop_tangent_flow, only: step_limit, take_tangent_step
     use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: cross
@@ -67,8 +67,8 @@ contains
             if (.not. all(is_finite(directions))) return
         end if
         status = plain_body_status(body)
-        if (status == status_ok) status = motion_status(start, body)
-        if (status /= status_ok) return
+        if (is_ok(status)) status = motion_status(start, body)
+        if (.not. is_ok(status)) return
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)
         if (present(directions)) then
@@ -84,8 +84,8 @@ contains
 
         call walk(body, t_end, columns, unit, separate, size(exponents) == 1 .and. .not. present(directions), growth, &
                   status, max_steps, steps)
-        if (status == status_ok .and. .not. all(is_finite(growth))) status = status_non_finite
-        if (status == status_ok) exponents = growth / t_end
+        if (is_ok(status) .and. .not. all(is_finite(growth))) status = status_non_finite
+        if (is_ok(status)) exponents = growth / t_end
     end subroutine find_lyapunov
 
     !> The largest singular value of the tangent map of the motion over `t_end` seconds, in the scales of
@@ -107,14 +107,14 @@ contains
         status = status_bad_input
         if (.not. (t_end > 0 .and. is_finite(t_end))) return
         status = plain_body_status(body)
-        if (status == status_ok) status = motion_status(start, body)
-        if (status /= status_ok) return
+        if (is_ok(status)) status = motion_status(start, body)
+        if (.not. is_ok(status)) return
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)
         call span_perturbations(columns(1:3, 1), unit, columns(:, 2:))
         growth = 0
         call walk(body, t_end, columns, unit, shrink, .true., growth, status, max_steps, steps)
-        if (status == status_ok) call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth(1), factor, status)
+        if (is_ok(status)) call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth(1), factor, status)
     end subroutine find_largest_singular_value
 
     !> Propagates the state `columns(:, 1)` and the tangent vectors in the other columns over `t_end` seconds. After every step
@@ -140,7 +140,7 @@ contains
         do step = 1, most_steps
             if (.not. left > 0) exit
             call take_tangent_step(body, left, columns, h, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             left = left - h
             if (present(steps)) steps = step
             if (keep_across) then

@@ -11,7 +11,7 @@ module spintop_relative_equilibrium
         invariant_gradients, turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
-    use spintop_status, only: status_ok, status_unsuitable, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: skew
     implicit none
@@ -36,15 +36,15 @@ contains
 
         eigenvalues = 0
         status = plain_body_status(body)
-        if (status == status_ok) status = motion_status(motion, body)
-        if (status /= status_ok) return
+        if (is_ok(status)) status = motion_status(motion, body)
+        if (.not. is_ok(status)) return
         x = euler_poisson_state(body, motion)
         ! Without weight any direction may be the vertical; that of the momentum is constant.
         if (.not. norm2(body%weight_moment()) > 0 .and. norm2(x(4:6)) > 0) x(1:3) = x(4:6) / norm2(x(4:6))
         unit = state_units(body, x)
         axis = body%symmetry_axis()
         call find_spin(body, x, unit, axis, spin, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
 
         matrix = euler_poisson_matrix(body, x)
         matrix(1:3, 1:3) = matrix(1:3, 1:3) + spin * skew(axis)

@@ -14,7 +14,7 @@ module spintop_reference_motion
     use spintop_motion, only: motion_t
     use spintop_plan, only: sample_times
     use spintop_scene_words, only: reference_auto, reference_exact
-    use spintop_status, only: is_good_end, status_ok
+    use spintop_status, only: is_good_end, is_ok, status_ok
     use spintop_stepper, only: stepper_t
     implicit none
     private
@@ -84,7 +84,7 @@ contains
             call compute(case, case%start, reference%motions%t, trim(reference%check), finest, max_steps, &
                          other%motions, status)
         end if
-        if (status == status_ok) then
+        if (is_ok(status)) then
             reference%disagreement = maxval(apart(reference%motions, other%motions))
         else
             reference%check = ''
@@ -104,8 +104,8 @@ contains
 
         reference%source = 'exact solution'
         call prepare_exact_motion(case%body, case%start, exact, status)
-        if (status == status_ok) call prepare_conditioning(case%body, case%start, conditioning, status)
-        if (status /= status_ok) return
+        if (is_ok(status)) call prepare_conditioning(case%body, case%start, conditioning, status)
+        if (.not. is_ok(status)) return
         allocate (reference%motions(size(times)), reference%floor(size(times)))
         do i = 1, size(times)
             reference%motions(i) = exact%at(times(i))
@@ -128,15 +128,15 @@ contains
         reference%source = 'quadruple precision'
         reference%is_computed = .true.
         call compute(case, case%start, times, in_quadruple, fine, max_steps, reference%motions, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call compute(case, case%start, times, in_quadruple, coarse, max_steps, again, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         reference%uncertainty = maxval(apart(reference%motions, again))
         start = case%start
         start%omega = start%omega * (1 + epsilon_dp * [1, -1, 1])
         start%quaternion = start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
         call compute(case, start, times, in_quadruple, coarse, max_steps, moved, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         reference%floor = apart(again, moved) / 2
     end subroutine compute_twice
 

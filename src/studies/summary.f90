@@ -12,7 +12,7 @@ module spintop_summary
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3
     use spintop_statistics_plan, only: statistics_plan_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
     use spintop_text, only: append, to_text, string_t
@@ -108,7 +108,7 @@ contains
             if (body%is_free() .and. .not. body%is_lagrange()) call describe_free_motion(self, case)
             if (.not. body%is_lagrange()) return
             call find_nutation(body, start, nutation, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             call self%add('motion', class_name(nutation%class) // ', theta from ' &
                 // decimal(nutation%theta_min / degree) // ' to ' // decimal(nutation%theta_max / degree) &
                 // ' deg, largest phi_rate ' // decimal(nutation%phi_rate_max) // ' rad/s')
@@ -136,7 +136,7 @@ contains
         type(free_motion_t) :: free
         integer :: status
         call prepare_free_motion(case%body, case%start, free, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         if (free%about == 0) then
             call self%add('motion', 'turns about one axis, at ' // decimal(norm2(case%start%omega)) // ' rad/s')
             return

@@ -15,7 +15,7 @@ module spintop_trial
     use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
         vertical_momentum
     use spintop_reference_motion, only: reference_t
-    use spintop_status, only: is_good_end, status_ok
+    use spintop_status, only: is_good_end, is_ok, status_ok
     use spintop_stepper, only: counts_t
     implicit none
     private
@@ -100,7 +100,7 @@ contains
         integer :: i
 
         call prepare_exact_motion(judge%case%body, judge%case%start, exact, outcome%status)
-        if (outcome%status /= status_ok) return
+        if (.not. is_ok(outcome%status)) return
         do i = 1, size(judge%reference%motions)
             outcome%t = judge%reference%motions(i)%t
             call judge%compare(exact%at(outcome%t))

@@ -8,7 +8,7 @@ module spintop_validity
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_non_finite, status_bad_body, status_bad_start, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_body, status_bad_start, status_non_finite, status_ok, status_unsuitable
     implicit none
     private
     public :: body_status, plain_body_status, motion_status, start_status, loses_weight, loses_swing, loses_energy, loses_spin
@@ -89,7 +89,7 @@ contains
     pure integer function plain_body_status(body) result(status)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         status = body_status(body)
-        if (status == status_ok .and. allocated(body%effects)) status = status_unsuitable
+        if (is_ok(status) .and. allocated(body%effects)) status = status_unsuitable
     end function plain_body_status
 
     !> `status_ok` for a motion with finite time, angles, angular velocity and quaternion whose angles and
@@ -126,7 +126,7 @@ contains
         type(body_t), intent(in) :: body !! the body that moves
         real(dp) :: sine, difference(3), allowed
         status = motion_status(start, body)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         sine = abs(sin(start%angle(2)))
         if (.not. all(is_finite(start%rate))) then
             if (sine > at_pole) status = status_non_finite

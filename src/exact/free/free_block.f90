@@ -7,7 +7,7 @@
 !>
 !>     block%n = 2;  block%inertia(1:2, :) = ...
 !>     call block%compute(wants_end=.true., counts_turns=.false.)
-!>     if (block%status(1) == status_ok) then; ... = block%constants(1)%period
+!>     if (is_ok(block%status(1))) then; ... = block%constants(1)%period
 module spintop_free_block
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, pi
@@ -22,7 +22,7 @@ module spintop_free_block
         free_strip_t
     use spintop_free_turns, only: chord_angle, count_turns, find_attitude, free_attitude_t, prepare_attitude
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_status, only: status_bad_input, status_non_finite, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit
     implicit none
     private
     public :: free_block_t, block_size, free_block_accuracy
@@ -219,7 +219,7 @@ contains
         start = motion_from_quaternion(0.0_dp, self%quaternion(i, :), self%omega(i, :), self%angle(i, :))
         allocate (exact%free)
         call prepare_free_motion(body, start, exact%free, self%status(i))
-        if (self%status(i) /= status_ok) return
+        if (.not. is_ok(self%status(i))) return
         self%constants(i) = exact%free%free_constants_t
         if (.not. wants_end) return
         steps = 0

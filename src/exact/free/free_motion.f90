@@ -21,7 +21,7 @@ module spintop_free_motion
     use spintop_free_hyperbolic_series, only: hyperbolic_series_t, prepare_hyperbolic_series
     use spintop_free_theta, only: free_values_t
     use spintop_motion, only: motion_t
-    use spintop_status, only: status_ok, status_unsuitable
+    use spintop_status, only: is_ok, status_unsuitable
     use spintop_validity, only: body_status, start_status
     use spintop_vectors, only: cross
     implicit none
@@ -78,9 +78,9 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = body_status(body)
-        if (status == status_ok) status = start_status(start, body)
-        if (status == status_ok .and. .not. (body%is_free() .and. all(body%inertia > 0))) status = status_unsuitable
-        if (status /= status_ok) return
+        if (is_ok(status)) status = start_status(start, body)
+        if (is_ok(status) .and. .not. (body%is_free() .and. all(body%inertia > 0))) status = status_unsuitable
+        if (.not. is_ok(status)) return
         free%time = start%t
         free%start = start%quaternion / norm2(start%quaternion)
         free%angle = start%angle

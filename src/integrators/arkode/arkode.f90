@@ -11,8 +11,7 @@ module spintop_arkode
     use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
-    use spintop_status, only: status_ok, status_outside, status_not_converged, &
-        status_step_too_small, status_integrator
+    use spintop_status, only: is_ok, status_integrator, status_not_converged, status_ok, status_outside, status_step_too_small
     use farkode_mod, only: ARK_CONV_FAILURE, ARK_ERR_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL, &
         ARK_TOO_MUCH_ACC, ARK_TOO_MUCH_WORK
     implicit none
@@ -72,7 +71,7 @@ contains
 
         self%steps_of_memory = steps_of_arkode
         call begin_on_grid(self, formulation, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call find_arkode_table(self%controls%table, self%info%implicit, table, found)
         status = status_integrator
         if (.not. found) return
@@ -91,8 +90,8 @@ contains
 
         status = status_ok
         if (self%may_keep()) call self%begin(formulation, status)
-        if (status == status_ok) call adopt_state(formulation, self, status)
-        if (status /= status_ok) return
+        if (is_ok(status)) call adopt_state(formulation, self, status)
+        if (.not. is_ok(status)) return
         if (self%controls%steps > 0) then
             call advance_on_grid(self, formulation, status)
         else
@@ -127,7 +126,7 @@ contains
         status = status_integrator
         call self%memory%set_fixed_step(h)
         call take_step(self, t_new, status)
-        if (status == status_ok) call set_time(self, t_new)
+        if (is_ok(status)) call set_time(self, t_new)
         if (status == status_outside) call self%memory%restart()
     end subroutine try_step
 
@@ -148,7 +147,7 @@ contains
         do
             call self%memory%set_stop_time(stop_time)
             call take_step(self, self%t_end, status)
-            if (status == status_ok .or. self%memory%status == status_ok) exit
+            if (is_ok(status) .or. is_ok(self%memory%status)) exit
             h = cut * self%memory%last_step_tried()
             if (.not. h > 0) h = cut**2 * (stop_time - self%t)
             if (h <= h_smallest) exit
@@ -168,7 +167,7 @@ contains
         call self%memory%set_fixed_step(t_new - self%t)
         call take_step(self, t_new, status)
         call self%memory%set_fixed_step(0.0_dp)
-        if (status == status_ok) call set_time(self, t_new)
+        if (is_ok(status)) call set_time(self, t_new)
     end subroutine take_tiny_step
 
     !> One step of ARKODE towards `t_end`, and its status.
@@ -180,10 +179,10 @@ contains
 
         call self%memory%take_step(t_end, flag)
         status = status_of(flag)
-        if (status /= status_ok .and. self%memory%status /= status_ok) status = self%memory%status
+        if (.not. is_ok(status) .and. .not. is_ok(self%memory%status)) status = self%memory%status
         associate (now => self%memory%now)
             call update_counts(self)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             self%t_last = self%t
             self%y_last = self%y
             self%t = now%t

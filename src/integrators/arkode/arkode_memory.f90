@@ -30,7 +30,7 @@ module spintop_arkode_memory
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
-    use spintop_status, only: status_ok, status_outside, status_non_finite
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_outside
     use spintop_stepper, only: controls_t, counts_t, run_state_t
     use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
         FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
@@ -337,7 +337,7 @@ contains
         end if
         slope_now = slope(1:self%states) / self%unit(1:self%states)
         rhs = go_on
-        if (self%status == status_ok) return
+        if (is_ok(self%status)) return
         rhs = give_up
         if (self%adaptive .or. self%status == status_outside) rhs = retry
     end function rhs
@@ -381,7 +381,7 @@ contains
         call self%now%settle(self%formulation, t, y, changed)
         if (changed) y_now = self%now%y(1:self%states) / self%unit(1:self%states)
         call self%now%evaluate(self%formulation, t, self%now%y, self%now%slope, self%status)
-        if (self%status == status_ok) finish_step = go_on
+        if (is_ok(self%status)) finish_step = go_on
     end function finish_step
 
 end module spintop_arkode_memory

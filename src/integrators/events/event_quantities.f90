@@ -10,7 +10,7 @@ module spintop_event_quantities
     use spintop_five_values, only: root_between
     use spintop_path, only: path_t
     use spintop_recent_values, only: recent_values_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     implicit none
     private
     public :: event_quantities_t
@@ -128,7 +128,7 @@ contains
             call bracket%add_value(self%value_at(path, k, bracket%trial) - side%level)
         end do
         t = bracket%trial
-        is_found = bracket%status == status_ok .and. abs(bracket%residual) <= 2 * side%farthest
+        is_found = is_ok(bracket%status) .and. abs(bracket%residual) <= 2 * side%farthest
     end subroutine find_passage
 
     !> The time at which event `k` passes its level between the times i and i + 1 of five equidistant ones: the zero of the

@@ -14,7 +14,7 @@ module spintop_segments
     use spintop_resting, only: resting_t
     use spintop_rest, only: rest_t
     use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
-    use spintop_status, only: status_non_finite, status_ok, status_step_too_small
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
     implicit none
     private
@@ -145,7 +145,7 @@ contains
         call self%limit_step(formulation, method, status)
         if (.not. (self%rest%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
         call self%go_over(by_runge_kutta, formulation, method, stepper, status)
-        if (status == status_ok) call stepper%advance(formulation, status)
+        if (is_ok(status)) call stepper%advance(formulation, status)
     end subroutine advance
 
     !> Takes a step of an adaptive method in which f is smooth. A step by series in double precision is looked at when it is
@@ -168,7 +168,7 @@ contains
             end if
         end associate
         call method%advance(formulation, status)
-        if (status == status_ok .and. looks_back) then
+        if (is_ok(status) .and. looks_back) then
             call check_direction(formulation, method, self%keeps_direction, speed)
             if (self%keeps_direction) then
                 call self%rest%note_turning(speed, method%t - method%t_last)
@@ -179,7 +179,7 @@ contains
                 end if
             end if
         end if
-        if (status == status_ok .and. self%rest%has_series .and. .not. self%keeps_direction) then
+        if (is_ok(status) .and. self%rest%has_series .and. .not. self%keeps_direction) then
             if (may_reverse(formulation, method)) call end_before_reversal(formulation, method, self%must_cross, status)
         end if
         method%t_end = t_end

@@ -9,7 +9,7 @@ module spintop_lie_group
     use spintop_fixed_step, only: fixed_step_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_runge_kutta, only: stage_sum
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_stepper, only: run_state_t
     implicit none
     private
@@ -48,7 +48,7 @@ contains
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
             call formulation%group%move(self%y, u, change)
             call find_velocity(formulation, self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             k(:, i) = xi + algebra_correction(formulation, u, xi)
         end do
         call formulation%group%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
@@ -75,17 +75,17 @@ contains
 
         change = 0
         call find_velocity(formulation, self%run_state_t, self%t, self%y, k1, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call formulation%group%move(self%y, h / 2 * k1, to_second)
         call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call formulation%group%move(self%y, h / 2 * k2, change)
         call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + change, k3, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         change = to_second
         call move_on(formulation, self%run_state_t, h * (k3 - k1 / 2), change)
         call find_velocity(formulation, self%run_state_t, self%t + h, self%y + change, k4, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call formulation%group%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
         call move_on(formulation, self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves

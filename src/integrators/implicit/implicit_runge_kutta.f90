@@ -14,7 +14,7 @@ module spintop_implicit_runge_kutta
     use spintop_stage_continuation, only: follow_stages, solve_from_near
     use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
-    use spintop_status, only: status_ok, status_non_finite, status_not_converged, status_outside
+    use spintop_status, only: is_ok, status_non_finite, status_not_converged, status_ok, status_outside
     implicit none
     private
     public :: implicit_runge_kutta_t
@@ -105,7 +105,7 @@ contains
             z = matmul(self%z, self%table%ahead)
             call solve_stages(self, formulation, h, z, status)
         end if
-        if (status /= status_ok) then
+        if (.not. is_ok(status)) then
             self%h_factors = 0
             do i = 1, max_implicit_stages
                 z(:, i) = self%table%node(i) * h * self%slope
@@ -115,7 +115,7 @@ contains
                 call follow_stages(self%table, formulation, self%run_state_t, h, z, status)
             end if
         end if
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         self%z = z
         self%h_stages = h
         change = matmul(z, self%table%last)
@@ -146,10 +146,10 @@ contains
         do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
             call find_residual(self%table, formulation, self%run_state_t, h, z, correction, status)
             if (status == status_non_finite) exit
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             if (newton .and. .not. is_equal(self%h_factors, h)) is_new = .true.
             if (newton) call newton_correction(self%table, formulation, self, h, z, correction, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             z = z + correction
             size = largest(correction, units)
             if (size <= negligible) return
@@ -192,7 +192,7 @@ contains
         status = status_ok
         if (.not. is_equal(self%h_factors, h)) then
             call factor_matrices(table, formulation, self, h, z, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
         end if
         unit = formulation%units()
         do i = 1, table%stages
@@ -222,7 +222,7 @@ contains
         self%h_factors = 0
         call find_jacobian(formulation, self%run_state_t, self%t + sum(table%node) / table%stages * h, &
                            self%y + sum(z, dim=2) / table%stages, jacobian, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         do k = 1, table%modes
             self%factors(:, :, k) = -h * table%eigenvalue(k) * jacobian
             do i = 1, self%states
@@ -232,7 +232,7 @@ contains
                         self%pivots(:, k), failure)
             if (failure /= 0) status = status_not_converged
         end do
-        if (status == status_ok) self%h_factors = h
+        if (is_ok(status)) self%h_factors = h
     end subroutine factor_matrices
 
 end module spintop_implicit_runge_kutta

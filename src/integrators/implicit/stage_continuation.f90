@@ -11,7 +11,7 @@ module spintop_stage_continuation
     use spintop_lapack, only: dgetrf, dgetrs
     use spintop_stage_equations, only: acceptable, find_jacobian, find_residual, largest, negligible, sure, &
         units_of_stages
-    use spintop_status, only: status_ok, status_not_converged
+    use spintop_status, only: is_ok, status_not_converged, status_ok
     use spintop_stepper, only: run_state_t
     implicit none
     private
@@ -54,7 +54,7 @@ contains
             stretch = min(stretch, 1 - share)
             z = here + stretch * tangent
             call iterate(table, formulation, run, (share + stretch) * h, stretch * tangent, z, status)
-            if (status == status_ok) then
+            if (is_ok(status)) then
                 if (largest(z, formulation%scale, .not. formulation%cyclic) > farthest) exit
                 if (.not. share + stretch < 1) return
                 here = z
@@ -64,10 +64,10 @@ contains
                 tangent = here / share
                 if (formulation%depends_on_time) then
                     call add_time_derivative(table, formulation, run, share * h, h, here, tangent, status)
-                    if (status /= status_ok) exit
+                    if (.not. is_ok(status)) exit
                 end if
                 call find_correction(table, formulation, run, share * h, here, tangent, status)
-                if (status /= status_ok) exit
+                if (.not. is_ok(status)) exit
             else
                 stretch = stretch / 4
                 if (stretch < shortest) exit
@@ -93,8 +93,8 @@ contains
             t = run%t + table%node(j) * h
             shift = sqrt(epsilon(t)) * max(abs(t), abs(span))
             call run%evaluate(formulation, t, run%y + z(:, j), slope, status)
-            if (status == status_ok) call run%evaluate(formulation, t + shift, run%y + z(:, j), later, status)
-            if (status /= status_ok) return
+            if (is_ok(status)) call run%evaluate(formulation, t + shift, run%y + z(:, j), later, status)
+            if (.not. is_ok(status)) return
             do i = 1, table%stages
                 tangent(:, i) = tangent(:, i) &
                     + h * table%a(i, j) * table%node(j) * span * ((later - slope) / shift)
@@ -133,8 +133,8 @@ contains
         core_previous = largest(reach, units, .not. formulation%cyclic)
         do iteration = 1, most_iterations
             call find_residual(table, formulation, run, h, z, correction, status)
-            if (status == status_ok) call find_correction(table, formulation, run, h, z, correction, status)
-            if (status /= status_ok) exit
+            if (is_ok(status)) call find_correction(table, formulation, run, h, z, correction, status)
+            if (.not. is_ok(status)) exit
             magnitude = largest(correction, units)
             core = largest(correction, units, .not. formulation%cyclic)
             if (.not. core <= max(sure * core_previous, acceptable)) exit
@@ -167,7 +167,7 @@ contains
         all_unknowns = n * table%stages
         do j = 1, table%stages
             call find_jacobian(formulation, run, run%t + table%node(j) * h, run%y + z(:, j), jacobian, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             do i = 1, table%stages
                 matrix((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * table%a(i, j) * jacobian(:n, :n)
             end do

@@ -6,7 +6,7 @@ module spintop_stage_equations
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_implicit_tables, only: implicit_table_t, max_implicit_stages
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok, status_ok
     use spintop_stepper, only: run_state_t
     implicit none
     private
@@ -37,7 +37,7 @@ contains
         status = status_ok
         do j = 1, table%stages
             call run%evaluate(formulation, run%t + table%node(j) * h, run%y + z(:, j), slope, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             do i = 1, table%stages
                 residual(:, i) = residual(:, i) + table%a(i, j) * slope
             end do
@@ -68,7 +68,7 @@ contains
         jacobian = 0
         call run%evaluate(formulation, t, y, slope, status)
         do j = 1, info%states
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             if (formulation%cyclic(j)) cycle
             moved = y
             moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))

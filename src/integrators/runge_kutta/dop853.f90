@@ -12,7 +12,7 @@ module spintop_dop853
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_motions, only: instants
-    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: run_state_t
     implicit none
     private
@@ -81,7 +81,7 @@ contains
         self%states = info%states
         call self%set_weight(formulation)
         call begin_on_grid(self, formulation, status)
-        if (self%controls%steps == 0 .and. status == status_ok) then
+        if (self%controls%steps == 0 .and. is_ok(status)) then
             self%h = first_step(formulation, self)
         end if
     end subroutine begin
@@ -113,7 +113,7 @@ contains
         unit = size / steepness
         h = min(share * unit, span)
         call run%evaluate(formulation, run%t + h, run%y + h * run%slope, slope, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         bend = max(norm2((slope - run%slope) / allowed) / h * unit**2, size)
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
@@ -156,7 +156,7 @@ contains
             self%k(:, 1) = self%slope
             call find_stages(self, formulation, self%t, self%y, h, 2, merge(new_slope, main_stages, at_once), status)
             error = 0
-            if (status == status_ok) then
+            if (is_ok(status)) then
                 associate (w => self%weight)
                     error = c_sum(self%table%since(new_slope), main_stages, self%table%sums, self%k, self%y, self%rest, h, &
                                   w%absolute, w%relative, self%states, by_last_error * self%last_error, by_error, &
@@ -165,19 +165,19 @@ contains
                 if (.not. error <= huge(error)) status = status_non_finite
             end if
             ! The slope at the new state must exist: it begins the next step.
-            if (status == status_ok .and. error <= 0) then
+            if (is_ok(status) .and. error <= 0) then
                 slope = self%k(:, new_slope)
                 if (.not. at_once) call self%evaluate(formulation, t_new, y_new, slope, status)
             end if
-            if (status == status_ok .and. error <= 0) exit
+            if (is_ok(status) .and. error <= 0) exit
             self%counts%rejected = self%counts%rejected + 1
             h_smallest = smallest_step(h, self%t)
             if (h <= h_smallest) then
-                if (status == status_ok) status = status_step_too_small
+                if (is_ok(status)) status = status_step_too_small
                 return
             end if
             growth = 0.5_dp
-            if (status == status_ok) growth = max(largest_cut, safety * 2**(-by_error * error))
+            if (is_ok(status)) growth = max(largest_cut, safety * 2**(-by_error * error))
             self%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
@@ -210,7 +210,7 @@ contains
         status = status_ok
         self%k(:, 1) = self%slope
         call find_stages(self, formulation, self%t, self%y, h, 2, main_stages, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         change = h * (weighted(self%k, self%table%b, main_stages) &
                       + weighted(self%k, self%table%b_rest, main_stages))
     end subroutine step
@@ -237,7 +237,7 @@ contains
         do i = from, to
             stage = moved(y, h, self%k, self%table%a(:, i), i - 1)
             call self%evaluate(formulation, t + self%table%c(i) * h, stage, self%k(:, i), status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
         end do
     end subroutine find_stages
 
@@ -342,7 +342,7 @@ contains
         from = new_slope + 1
         if (self%controls%steps > 0 .and. finds_at_once(formulation)) from = new_slope
         call find_stages(self, formulation, self%t_last, self%y_last, h, from, all_stages, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         do i = 1, 4
             self%term(:, 4 + i) = h * weighted(self%k, self%table%dense(:, i), all_stages)
         end do

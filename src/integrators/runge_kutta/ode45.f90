@@ -8,7 +8,7 @@ module spintop_ode45
     use spintop_fixed_step, only: longest_step
     use spintop_butcher, only: butcher_t, max_stages
     use spintop_runge_kutta, only: stage_sum
-    use spintop_status, only: status_ok, status_non_finite, status_step_too_small
+    use spintop_status, only: is_ok, status_non_finite, status_step_too_small
     implicit none
     private
     public :: ode45_t
@@ -39,7 +39,7 @@ contains
 
         call self%set_weight(formulation)
         call self%evaluate(formulation, self%t, self%y, self%slope, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
         steepest = maxval(abs(self%slope) / self%weight%matlab_magnitude(self%y, self%y)) &
                    / (0.8_dp * self%controls%relative_tolerance**power(self))
@@ -66,13 +66,13 @@ contains
             t_new = min(t_new, self%t_end)
             h = t_new - self%t
             call try_step(self, formulation, h, y_new, error, status)
-            if (status == status_ok .and. error <= self%controls%relative_tolerance) exit
+            if (is_ok(status) .and. error <= self%controls%relative_tolerance) exit
             self%counts%rejected = self%counts%rejected + 1
             if (h <= h_smallest) then
-                if (status == status_ok) status = status_step_too_small
+                if (is_ok(status)) status = status_step_too_small
                 return
             end if
-            if (status /= status_ok) then
+            if (.not. is_ok(status)) then
                 self%h = h / 2
             else if (first_trial) then
                 self%h = h * max(0.1_dp, 0.8_dp &
@@ -108,7 +108,7 @@ contains
         do i = 2, self%table%stages
             y_new = self%y + h * stage_sum(self%k, self%table%a(:, i), i - 1)
             call self%evaluate(formulation, self%t + self%table%c(i) * h, y_new, self%k(:, i), status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
         end do
         error = h * maxval(abs(stage_sum(self%k, self%table%error, self%table%stages)) &
                            / self%weight%matlab_magnitude(self%y, y_new))

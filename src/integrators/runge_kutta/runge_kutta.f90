@@ -4,7 +4,7 @@ module spintop_runge_kutta
     use spintop_formulation, only: formulation_t, max_states
     use spintop_fixed_step, only: fixed_step_t
     use spintop_butcher, only: butcher_t, max_stages
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok, status_ok
     implicit none
     private
     public :: runge_kutta_t, stage_sum
@@ -34,7 +34,7 @@ contains
         do i = 2, self%table%stages
             call self%evaluate(formulation, self%t + self%table%c(i) * h, &
                                self%y + h * stage_sum(k, self%table%a(:, i), i - 1), k(:, i), status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
         end do
         change = h * stage_sum(k, self%table%b, self%table%stages)
     end subroutine step

@@ -1,7 +1,7 @@
 !> Final states of many motions together: cases are assigned to the lanes of Taylor's method.
 !>
 !>     call integrate_many(controls, bodies, starts, t_end, ends, outcomes)
-!>     if (outcomes(i)%status == status_ok) then; ... = ends(i)%quaternion
+!>     if (is_ok(outcomes(i)%status)) then; ... = ends(i)%quaternion
 module spintop_many_bodies
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -13,7 +13,7 @@ module spintop_many_bodies
     use spintop_lane_monitor, only: monitor_slot_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration
-    use spintop_status, only: status_ok, status_bad_input, status_bad_span, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_input, status_bad_span, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: controls_status
     use spintop_taylor_lanes, only: taylor_lanes_t, lanes
@@ -53,7 +53,7 @@ contains
             outcomes%status = status_bad_input
             return
         end if
-        if (any(outcomes%status /= status_ok)) return
+        if (any(.not. is_ok(outcomes%status))) return
         if (present(monitors)) then
             do i = 1, size(monitors)
                 call monitors(i)%monitor%prepare(size(bodies))
@@ -62,7 +62,7 @@ contains
         do i = 1, size(bodies)
             outcomes(i)%status = case_status(bodies(i), starts(i), t_end(i))
             kind(i) = kind_of(bodies(i))
-            if (outcomes(i)%status == status_ok) cycle
+            if (is_ok(outcomes(i)%status)) cycle
             kind(i) = refused
             ends(i) = starts(i)
         end do
@@ -80,11 +80,11 @@ contains
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end
         status = body_status(body)
-        if (status == status_ok .and. allocated(body%effects)) then
+        if (is_ok(status) .and. allocated(body%effects)) then
             if (.not. body%effects%are_analytic()) status = status_unsuitable
         end if
-        if (status == status_ok) status = motion_status(start, body)
-        if (status == status_ok .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span
+        if (is_ok(status)) status = motion_status(start, body)
+        if (is_ok(status) .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span
     end function case_status
 
     !> A number of the effects on a body: `plain` without any, and the same for bodies with the same effects. Those are

@@ -10,8 +10,7 @@ module spintop_tangent_flow
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: state_units
-    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small, &
-        status_bad_input
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit, status_step_too_small
     use spintop_validity, only: plain_body_status
     use spintop_vectors, only: cross
     implicit none
@@ -48,12 +47,12 @@ contains
         if (.not. is_finite(duration) .or. size(columns, 1) /= 6 .or. size(columns, 2) < 1) return
         if (.not. all(is_finite(columns))) return
         status = plain_body_status(body)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         left = duration
         do step = 1, most_steps
             if (.not. abs(left) > 0) return
             call take_tangent_step(body, left, columns, h, status)
-            if (status /= status_ok) return
+            if (.not. is_ok(status)) return
             left = left - h
         end do
         if (abs(left) > 0) status = status_step_limit
@@ -81,7 +80,7 @@ contains
             total = total * h + coefficient(:, :, k)
         end do
         if (.not. all(is_finite(total))) status = status_non_finite
-        if (status == status_ok) columns = total
+        if (is_ok(status)) columns = total
     end subroutine take_tangent_step
 
     !> Taylor coefficients of the state (first column) and of the tangent vectors (the others).

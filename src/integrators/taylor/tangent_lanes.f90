@@ -9,7 +9,7 @@ module spintop_tangent_lanes
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
     use spintop_lane_tangents, only: propagate_tangents, components
-    use spintop_status, only: status_non_finite, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
@@ -125,7 +125,7 @@ contains
         excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
         ! What is not finite exceeds as well.
         excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
-        excess = merge(excess, 0.0_dp, duration > 0 .and. self%status == status_ok)
+        excess = merge(excess, 0.0_dp, duration > 0 .and. is_ok(self%status))
     end subroutine try
 
     !> Whether a perturbation is zero in all lanes and stays so. `forced` is its number among the forced ones.
@@ -171,7 +171,7 @@ contains
                 if (self%parts(lane) > self%max_parts) self%status(lane) = status_step_limit
                 ! A part that is too short to be taken: the terms overflow.
                 if (left(lane) > 0 .and. .not. left(lane) - part(lane) < left(lane)) self%status(lane) = status_non_finite
-                if (self%status(lane) /= status_ok) left(lane) = 0
+                if (.not. is_ok(self%status(lane))) left(lane) = 0
                 if (.not. left(lane) > 0) part(lane) = 0
             end do
             if (.not. any(left > 0)) exit

@@ -25,7 +25,7 @@ module spintop_benchmark_study
     use spintop_scene, only: scene_t
     use spintop_scene_of_settings, only: make_scene_of_settings
     use spintop_scene_words, only: kind_benchmark, reference_exact, reference_quadruple, study_kinds
-    use spintop_status, only: is_good_end, status_meaning, status_ok
+    use spintop_status, only: is_good_end, is_ok, status_meaning
     use spintop_stepper, only: counts_t, method_info_t
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
@@ -153,7 +153,7 @@ contains
         do i = int(first), int(last)
             call run_benchmark(benchmarks(self%chosen(i)), file, summary, status, error)
             if (allocated(error)) exit
-            if (status /= status_ok) code = exit_failed
+            if (.not. is_ok(status)) code = exit_failed
             call progress%update(i - first + 1)
         end do
         call progress%finish()
@@ -188,7 +188,7 @@ contains
         end if
         wanted = pack(figures, figures%benchmark == benchmark%name)
         call find_truth(scene, case, wanted, truth, truth_error, status)
-        if (status /= status_ok) then
+        if (.not. is_ok(status)) then
             call summary%add(benchmark%name, 'no reference: ' // status_meaning(status))
             return
         end if
@@ -214,12 +214,12 @@ contains
         type(reference_t) :: reference, exact
 
         call find_reference(case, 2, reference_quadruple, int(scene%max_steps, int64), reference, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         truth = values_of(case, reference%motions(2), wanted)
         truth_error = spread(reference%uncertainty, 1, size(wanted))
         if (.not. case%body%has_closed_form()) return
         call find_reference(case, 2, reference_exact, int(scene%max_steps, int64), exact, status)
-        if (status == status_ok) truth_error = abs(values_of(case, exact%motions(2), wanted) - truth)
+        if (is_ok(status)) truth_error = abs(values_of(case, exact%motions(2), wanted) - truth)
     end subroutine find_truth
 
     !> The values of some quantities of a motion, which is in the axes of the computation.

@@ -21,7 +21,7 @@ module spintop_fit_model
     use spintop_scene, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
-    use spintop_status, only: is_good_end, status_ok
+    use spintop_status, only: is_good_end, is_ok
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
@@ -294,7 +294,7 @@ contains
         integer :: i, status
 
         call path%begin(self%case, looks_per_step * self%plan%max_steps + size(t), status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         call self%maker%set(self%columns, self%case)
         do i = 1, size(t)
             if (self%maker%wants_angles_of(path%exact)) then

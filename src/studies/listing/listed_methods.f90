@@ -8,7 +8,7 @@ module spintop_listed_methods
     use spintop_listed_items, only: listing_t
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: create_stepper, exact_info, method_infos
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_suitability, only: can_run
     use spintop_text, only: join, to_text
@@ -93,7 +93,7 @@ contains
             top%centre_of_mass(3) = 1
             do i = 1, size(forms)
                 call create_formulation(forms(i)%name, formulation)
-                runs(i) = can_run(stepper, formulation, top) == status_ok
+                runs(i) = is_ok(can_run(stepper, formulation, top))
             end do
         end if
         allocate (names(count(runs)))

@@ -3,7 +3,7 @@
 module spintop_precision_columns
     use spintop_kinds, only: dp, no_number
     use spintop_reference_motion, only: reference_t
-    use spintop_status, only: status_names, status_ok
+    use spintop_status, only: is_ok, status_names
     use spintop_study_column, only: listed_column_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: errors_t, trial_t
@@ -116,7 +116,7 @@ contains
         best = huge(best)
         do i = 1, size(rows)
             associate (row => rows(i))
-                row%is_front = row%trial%status == status_ok .and. row%trial%errors%orientation < best
+                row%is_front = is_ok(row%trial%status) .and. row%trial%errors%orientation < best
                 if (row%is_front .and. row%is_stepped) best = row%trial%errors%orientation
             end associate
         end do
@@ -129,7 +129,7 @@ contains
         self%row = row
         self%largest = row%trial%errors
         self%last = row%trial%last
-        if (row%trial%status == status_ok) return
+        if (is_ok(row%trial%status)) return
         self%largest = unknown
         self%last = unknown
     end subroutine set_row

@@ -23,7 +23,7 @@ module spintop_precision_study
     use spintop_reference_motion, only: check_reference, find_reference, reference_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_precision, study_kinds
-    use spintop_status, only: status_meaning, status_ok
+    use spintop_status, only: is_ok, status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -231,7 +231,7 @@ contains
             return
         end if
         call prepare_reference(study, scene, case, reference, status)
-        if (status /= status_ok) then
+        if (.not. is_ok(status)) then
             call give_up('has no reference: ' // status_meaning(status))
             return
         end if
@@ -280,7 +280,7 @@ contains
         else
             call find_reference(case, study%samples, study%reference, int(scene%max_steps, int64), reference, status)
         end if
-        if (status == status_ok) call check_reference(case, int(scene%max_steps, int64), reference)
+        if (is_ok(status)) call check_reference(case, int(scene%max_steps, int64), reference)
     end subroutine prepare_reference
 
     !> Computes a row for each method and setting.
@@ -362,7 +362,7 @@ contains
         call run_trial(case, plan, reference, row%trial)
         row%time = row%trial%time
         ! Evaluations are counted in the timed run, without the dense output for comparisons.
-        if (row%trial%status == status_ok) call time_trial(case, plan, row%trial%time, study%repeats, row%time, &
+        if (is_ok(row%trial%status)) call time_trial(case, plan, row%trial%time, study%repeats, row%time, &
                                                            row%trial%counts)
     end subroutine run_setting
 

@@ -3,7 +3,7 @@ module spintop_precision_summary
     use spintop_kinds, only: dp
     use spintop_precision_columns, only: precision_row_t
     use spintop_reference_motion, only: reference_t
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_summary, only: summary_t, rounded
     use spintop_text, only: to_text
     implicit none
@@ -43,7 +43,7 @@ contains
             call summary%add('', 'for ' // to_text(wanted_errors(i)) // ' ' // compared(rows, wanted_errors(i)))
         end do
         do i = 1, size(rows)
-            if (rows(i)%is_stepped .or. rows(i)%trial%status /= status_ok) cycle
+            if (rows(i)%is_stepped .or. .not. is_ok(rows(i)%trial%status)) cycle
             call summary%add('', 'the exact solution takes ' // duration(rows(i)%time) // ' at any time, with an error of ' &
                              // rounded(rows(i)%trial%errors%orientation) // ' rad')
         end do
@@ -101,7 +101,7 @@ contains
         real(dp), intent(in) :: error
         logical, intent(in) :: mask(:)
         do cheapest = 1, size(rows)
-            if (.not. mask(cheapest) .or. rows(cheapest)%trial%status /= status_ok) cycle
+            if (.not. mask(cheapest) .or. .not. is_ok(rows(cheapest)%trial%status)) cycle
             if (rows(cheapest)%trial%errors%orientation <= error) return
         end do
         cheapest = nobody

@@ -28,7 +28,7 @@ module spintop_stability_study
     use spintop_scene, only: scene_t
     use spintop_stability_columns, only: add_row, stability_row_t, stability_columns
     use spintop_stability_plan, only: make_stability_plan, own_case, scene_of_case, scene_of_trial, stability_plan_t
-    use spintop_status, only: status_meaning, status_ok
+    use spintop_status, only: is_ok, status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -266,12 +266,12 @@ contains
                 sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
                                                   [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
                 call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
-                if (status == status_ok) facts%upright_growth = maxval(real(eigenvalues, dp))
+                if (is_ok(status)) facts%upright_growth = maxval(real(eigenvalues, dp))
             end if
             facts%lyapunov_exponent = no_number
             call find_lyapunov(case%body, case%start, case%t_end, exponents, status, &
                                max_steps=min(scene%max_steps, huge(1) - 1))
-            if (status == status_ok) facts%lyapunov_exponent = exponents(1)
+            if (is_ok(status)) facts%lyapunov_exponent = exponents(1)
         end associate
     end subroutine find_facts
 
@@ -307,7 +307,7 @@ contains
             row%verdict = verdict_unsuitable
             row%trial = no_trial()
             row%reason = problems%first()
-        else if (facts%status /= status_ok) then
+        else if (.not. is_ok(facts%status)) then
             row%verdict = verdict_no_reference
             row%trial = no_trial()
             row%trial%status = facts%status
@@ -324,7 +324,7 @@ contains
         type(case_facts_t), intent(in) :: facts
         type(stability_row_t), intent(inout) :: row
         row%case = facts%name
-        if (facts%status == status_ok) row%inherent_error = maxval(facts%reference%floor)
+        if (is_ok(facts%status)) row%inherent_error = maxval(facts%reference%floor)
         row%upright_growth = facts%upright_growth
         row%lyapunov_exponent = facts%lyapunov_exponent
         row%reference = facts%reference%source

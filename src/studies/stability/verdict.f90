@@ -1,7 +1,7 @@
 !> Verdicts on computed motions, with reasons.
 module spintop_verdict
     use spintop_kinds, only: dp
-    use spintop_status, only: status_meanings, status_ok
+    use spintop_status, only: is_ok, status_meanings
     use spintop_summary, only: rounded
     use spintop_text, only: to_text
     use spintop_trial, only: trial_t
@@ -48,7 +48,7 @@ contains
     pure integer function judge_trial(trial, floor, uncertainty) result(verdict)
         type(trial_t), intent(in) :: trial !! result of the computation
         real(dp), intent(in) :: floor, uncertainty !! inherent error of the attitude, and error of the reference, rad
-        if (trial%status /= status_ok) then
+        if (.not. is_ok(trial%status)) then
             verdict = verdict_failed
         else if (accurate_below + floors * floor > wrong_above .or. uncertainty > wrong_above) then
             verdict = verdict_no_reference

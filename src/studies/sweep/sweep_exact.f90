@@ -13,7 +13,7 @@ module spintop_sweep_exact
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_regular_start, only: rates_describe
-    use spintop_status, only: status_ok, status_step_limit, status_too_many_events
+    use spintop_status, only: is_ok, status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_no_stop
@@ -71,7 +71,7 @@ contains
                 associate (slot => slots(list(i)))
                     if (size(task%events) > 0) then
                         call stop_exactly(slot%case, task%events, task%stop_after, slot%max_steps, status, event_occurred(i))
-                        if (status /= status_ok) call slot%fail(status)
+                        if (.not. is_ok(status)) call slot%fail(status)
                     end if
                     call load_lane(slot%case, wanted, block, i)
                 end associate
@@ -81,8 +81,8 @@ contains
             end if
             do i = 1, size(list)
                 associate (slot => slots(list(i)))
-                    if (slot%status == status_ok) call unload_lane(block, i, wanted, slot)
-                    if (slot%status == status_ok .and. .not. event_occurred(i)) call slot%note%add(note_no_stop)
+                    if (is_ok(slot%status)) call unload_lane(block, i, wanted, slot)
+                    if (is_ok(slot%status) .and. .not. event_occurred(i)) call slot%note%add(note_no_stop)
                 end associate
             end do
         end associate
@@ -124,7 +124,7 @@ contains
         event_occurred = .false.
         allocate (path, recorder)
         call path%begin(case, looks_per_step * max_steps, status)
-        if (status /= status_ok) then
+        if (.not. is_ok(status)) then
             ! The kernel reports the status.
             status = status_ok
             return
@@ -148,7 +148,7 @@ contains
         logical, intent(in) :: wanted(kinds_of_work)
         type(slot_t), intent(inout) :: slot
 
-        if (block%status(lane) /= status_ok) then
+        if (.not. is_ok(block%status(lane))) then
             call slot%fail(block%status(lane))
             return
         end if
@@ -159,7 +159,7 @@ contains
         end if
         if (wanted(of_end) .or. wanted(of_energy)) then
             call unload_end(block, lane, wanted, slot)
-            if (slot%status /= status_ok) return
+            if (.not. is_ok(slot%status)) return
         end if
         slot%result%evaluations = 0
         slot%result%orientation_error = 0
@@ -213,7 +213,7 @@ contains
                 last%rate(2) = block%theta_rate_end(lane)
             else
                 call prepare_exact_motion(case%body, case%start, exact, status)
-                if (wanted(of_turns) .and. status == status_ok) then
+                if (wanted(of_turns) .and. is_ok(status)) then
                     steps = 0
                     call exact%follow(case%start, case%t_end, last, steps, slot%max_steps)
                     if (steps >= slot%max_steps) then

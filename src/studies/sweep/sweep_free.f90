@@ -5,7 +5,7 @@ module spintop_sweep_free
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, kinetic_energy
-    use spintop_status, only: status_ok
+    use spintop_status, only: is_ok
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: set_azimuth, set_end, set_fast_top, set_free_constants
     use spintop_sweep_result, only: kinds_of_work, of_end, of_energy, of_fast_top, of_inherent, of_measured, &
@@ -58,7 +58,7 @@ contains
             end do
             call block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_turns))
             do i = 1, size(list)
-                if (block%status(i) == status_ok) then
+                if (is_ok(block%status(i))) then
                     call set_quantities(block, i, wanted, slots(list(i)))
                 else
                     call slots(list(i))%fail(block%status(i))

@@ -14,7 +14,7 @@ module spintop_sweep_monitors
     use spintop_nutation, only: nutation_t
     use spintop_nutation_recorder, only: nutation_of
     use spintop_quantities, only: angular_acceleration
-    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_stop_lanes, only: passing_nothing, passing_spin_momentum, passing_theta, passing_turning, stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
@@ -191,7 +191,7 @@ contains
             real(dp), intent(inout) :: quantity
             real(dp), intent(in) :: value
             integer, intent(in) :: how, reason
-            if (how == status_ok) then
+            if (is_ok(how)) then
                 quantity = value
             else
                 call note%add(reason, trim(status_meanings(how)))

@@ -12,7 +12,7 @@ module spintop_sweep_quantities
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_recorder, only: nutation_recorder_t, no_class
-    use spintop_status, only: status_ok, status_non_finite, status_meanings
+    use spintop_status, only: is_ok, status_meanings, status_non_finite
     use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
         note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
@@ -205,8 +205,8 @@ contains
         integer :: status
         associate (case => slot%case, values => slot%result)
             call find_nutation(case%body, case%start, nutation, status)
-            if (status == status_ok) call find_force_extremes(case%body, case%start, force, status)
-            if (status /= status_ok) then
+            if (is_ok(status)) call find_force_extremes(case%body, case%start, force, status)
+            if (.not. is_ok(status)) then
                 call slot%note%add(note_no_details, trim(status_meanings(status)))
                 return
             end if
@@ -324,7 +324,7 @@ contains
             else
                 call prepare_free_motion(case%given_body, case%given_start, free, status)
             end if
-            if (status /= status_ok) then
+            if (.not. is_ok(status)) then
                 call slot%note%add(note_not_free, trim(status_meanings(status)))
                 return
             end if

@@ -10,8 +10,7 @@ module spintop_sweep_stability
     use spintop_inherent_lanes, only: find_inherent_errors
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_status, only: status_meanings, status_non_finite, status_ok, status_step_limit, &
-        status_unsuitable
+    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit, status_unsuitable
     use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
     use spintop_sweep_notes, only: note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
         note_no_singular, only_without_effects
@@ -42,7 +41,7 @@ contains
 
         if (wanted(of_growth)) then
             call find_equilibrium_eigenvalues(slot%case%body, slot%case%start, eigenvalues, how)
-            if (how == status_ok) then
+            if (is_ok(how)) then
                 slot%result%growth_rate = maxval(real(eigenvalues, dp))
             else if (how == status_unsuitable) then
                 call slot%note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
@@ -89,7 +88,7 @@ contains
             upright = upright_motion(body%centre_of_mass, slot%case%start%omega)
             call find_multipliers(body, upright, drive_period(body), multipliers, how)
         end associate
-        if (how == status_ok) then
+        if (is_ok(how)) then
             slot%result%upright_multiplier = maxval(abs(multipliers))
         else if (how == status_unsuitable) then
             call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
@@ -140,7 +139,7 @@ contains
         call find_inherent_errors(slots(list)%case%body, slots(list)%case%start, slots(list)%inherent_until, &
                                   max(slots(list(1))%max_steps, 1_int64), errors, how)
         do i = 1, size(list)
-            if (how(i) == status_ok) then
+            if (is_ok(how(i))) then
                 slots(list(i))%result%inherent_error = errors(i)
             else
                 call slots(list(i))%note%add(note_no_inherent, trim(status_meanings(how(i))))
@@ -178,7 +177,7 @@ contains
             real(dp), intent(in) :: value
             integer, intent(in) :: how, reason
             real(dp), intent(inout) :: quantity
-            if (how == status_ok) then
+            if (is_ok(how)) then
                 quantity = value
             else
                 call slots(list(i))%note%add(reason, trim(status_meanings(how)))

@@ -15,7 +15,7 @@ module spintop_sweep_stepping
     use spintop_nutation_recorder, only: measures_t, nutation_recorder_t
     use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: is_good_end, status_ok, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
@@ -83,7 +83,7 @@ contains
             if (case%body%has_closed_nutation()) then
                 if (wanted(of_nutation)) then
                     call find_nutation(case%body, case%start, nutation, status)
-                    if (status == status_ok) then
+                    if (is_ok(status)) then
                         call set_nutation(slot, nutation)
                         slot%result%com_z_min = lowest_height(case, nutation%theta_max)
                     end if
@@ -215,7 +215,7 @@ contains
 
         allocate (path)
         call path%begin(case, looks_per_step * max_steps, status)
-        if (status /= status_ok) return
+        if (.not. is_ok(status)) return
         t_end = case%t_end
         if (present(recorder)) then
             call recorder%begin(case%body, path%exact%at(0.0_dp))
@@ -234,7 +234,7 @@ contains
             do i = 1, size(instants)
                 call path%at(instants(i), motion)
                 if (path%is_spent()) status = status_step_limit
-                if (status /= status_ok) return
+                if (.not. is_ok(status)) return
                 call witness%record_motion(motion)
             end do
         end associate
@@ -250,7 +250,7 @@ contains
         integer :: status
         if (wanted(of_oracle)) then
             call prepare_exact_motion(case%body, case%start, exact, status)
-            if (status == status_ok) then
+            if (is_ok(status)) then
                 values%orientation_error = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if

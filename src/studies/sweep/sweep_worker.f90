@@ -13,7 +13,7 @@ module spintop_sweep_worker
     use spintop_plan, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_status, only: is_good_end, status_bad_input, status_ok
+    use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
     use spintop_sweep_axes, only: swept_scene_t
     use spintop_sweep_batch, only: sweep_batch_t
     use spintop_sweep_column, only: sweep_column_t
@@ -205,15 +205,15 @@ contains
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%last_of_attitude == 0
             if (k > 1 .and. first > worker%last_of_attitude .and. .not. keeps_attitude) then
-                if (worker%slots(k - 1)%status == status_ok) then
+                if (is_ok(worker%slots(k - 1)%status)) then
                     slot%case%given_start = worker%slots(k - 1)%case%given_start
                     slot%case%circular = worker%slots(k - 1)%case%circular
                     keeps_attitude = .true.
                 end if
             end if
             call make_worker_case(worker, job, k, kept_parts_t(worker%same_body, keeps_attitude, worker%skips_nutations))
-            slot%lacks = merge(lacks_motion, lacks_nothing, slot%status == status_ok)
-            if (slot%status == status_ok) slot%max_steps = slot%plan%max_steps
+            slot%lacks = merge(lacks_motion, lacks_nothing, is_ok(slot%status))
+            if (is_ok(slot%status)) slot%max_steps = slot%plan%max_steps
         end associate
     end subroutine begin_case
 
@@ -226,12 +226,12 @@ contains
         integer :: k
         do k = 1, n
             associate (slot => worker%slots(k))
-                if (slot%status /= status_ok .or. is_finite(slot%result%nutation_period)) cycle
+                if (.not. is_ok(slot%status) .or. is_finite(slot%result%nutation_period)) cycle
                 note = slot%note
                 call slot%note%clear()
                 call worker%swept%set_values(worker%parameters(:, k))
                 call make_worker_case(worker, job, k, kept_parts_t(worker%same_body))
-                if (slot%status == status_ok) then
+                if (is_ok(slot%status)) then
                     slot%note = note
                 else
                     slot%result = sweep_result_t()

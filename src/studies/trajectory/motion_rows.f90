@@ -17,7 +17,7 @@ module spintop_motion_rows
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene, only: scene_t
-    use spintop_status, only: is_good_end, status_ok, status_non_finite, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -161,7 +161,7 @@ contains
         integer :: i, next
 
         call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
-        if (outcome%status /= status_ok) return
+        if (.not. is_ok(outcome%status)) return
         if (writer%keeps_states) path%keeping_observer => writer
         if (present(recorder)) call recorder%begin(case%body, path%exact%at(0.0_dp))
         if (present(recorder)) call recorder%judge(case%body, case%start)
@@ -189,7 +189,7 @@ contains
         path%counts_turns = writer%counts_turns
         do i = next, plan%samples
             t = sample_time(t_end, plan%samples, i)
-            if (outcome%status /= status_ok .and. t > t_known) exit
+            if (.not. is_ok(outcome%status) .and. t > t_known) exit
             call path%at(t, motion)
             if (path%is_spent()) then
                 outcome%status = status_step_limit
@@ -202,7 +202,7 @@ contains
             next = i + 1
             if (path%wants_pause()) call keep()
         end do
-        if (outcome%status /= status_ok) outcome%t = t_known
+        if (.not. is_ok(outcome%status)) outcome%t = t_known
 
     contains
 

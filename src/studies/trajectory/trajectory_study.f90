@@ -17,7 +17,7 @@ module spintop_trajectory_study
     use spintop_process, only: stop_watching_signals
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_status, only: code_of, is_good_end, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -365,7 +365,7 @@ contains
         type(outcome_t), intent(in) :: outcome
         character(:), allocatable :: text
         text = status_name(outcome%status)
-        if (outcome%status /= status_ok) text = text // ' at t = ' // to_text(outcome%end_time())
+        if (.not. is_ok(outcome%status)) text = text // ' at t = ' // to_text(outcome%end_time())
     end function ending_of
 
 end module spintop_trajectory_study

@@ -1,51 +1,13 @@
-!> Whether residuals are noise: the probability of their squares, whether each is like the one before or like others far from
+!> Whether residuals are noise: whether each is like the one before or like others far from
 !> it, a period, a drift.
 module spintop_goodness
     use spintop_kinds, only: dp, pi
+    use spintop_probability, only: chi_square_tail
     implicit none
     private
-    public :: chi_square_tail, von_neumann_ratio, find_correlation, find_period, find_drift
+    public :: von_neumann_ratio, find_correlation, find_period, find_drift
 
 contains
-
-    !> The probability that a sum of squares of so many Gaussian numbers of deviation 1 exceeds a value: the incomplete gamma
-    !> function Q(freedom/2, x/2), by its series or its continued fraction (Abramowitz and Stegun 6.5.29 and 6.5.31).
-    pure real(dp) function chi_square_tail(x, freedom) result(tail)
-        real(dp), intent(in) :: x !! the value, at least 0
-        integer, intent(in) :: freedom !! degrees of freedom, at least 1
-        real(dp) :: a, z, term, total, b, c, d, factor, scale
-        integer :: i
-
-        a = freedom / 2.0_dp
-        z = x / 2
-        tail = 1
-        if (.not. z > 0) return
-        scale = exp(a * log(z) - z - log_gamma(a))
-        if (z < a + 1) then
-            term = 1 / a
-            total = term
-            do i = 1, huge(i) - 1
-                term = term * z / (a + i)
-                total = total + term
-                if (term <= epsilon(term) * total) exit
-            end do
-            tail = max(1 - scale * total, 0.0_dp)
-        else ! by the method of Lentz
-            b = z + 1 - a
-            c = 1 / tiny(c)
-            d = 1 / b
-            total = d
-            do i = 1, huge(i) - 1
-                b = b + 2
-                d = 1 / (b - i * (i - a) * d)
-                c = b - i * (i - a) / c
-                factor = c * d
-                total = total * factor
-                if (abs(factor - 1) <= 2 * epsilon(factor)) exit
-            end do
-            tail = scale * total
-        end if
-    end function chi_square_tail
 
     !> The ratio of the mean square of the differences of neighbours to the mean square (von Neumann 1941): 2 for noise, with a
     !> standard deviation of 2/sqrt(m); 2 also where there are too few residuals, or none but 0.

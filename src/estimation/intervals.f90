@@ -3,14 +3,14 @@
 module spintop_intervals
     use spintop_compare, only: is_finite
     use spintop_jacobian, only: find_jacobian, refine_jacobian
-    use spintop_kinds, only: dp, no_number, pi
+    use spintop_kinds, only: dp, no_number
     use spintop_lapack, only: dgesvd
     use spintop_least_squares, only: minimize, minimum_t
     use spintop_losses, only: loss_t
     use spintop_residuals, only: residuals_t
     implicit none
     private
-    public :: estimate_t, describe_minimum, compare_with, student_quantile
+    public :: estimate_t, describe_minimum, compare_with
 
     !> Derivatives of a few differences will do where the singular values exceed their errors by this factor, and where they
     !> exceed the relative error of an integration by the other: its derivatives may have a larger one.
@@ -263,7 +263,8 @@ contains
         real(dp) :: copy(size(matrix, 1), size(matrix, 2)), work(size(matrix, 1) + 10 * size(matrix, 2)), unused(1, 1)
         integer :: info
         copy = matrix
-        call dgesvd('N', 'A', size(copy, 1), size(copy, 2), copy, size(copy, 1), values, unused, 1, vectors, size(values), work, &
+        call dgesvd('N', 'A', size(copy, 1), size(copy, 2), copy, size(copy, 1), values, unused, 1, vectors, size(values), &
+                    work, &
                     size(work), info)
         if (info /= 0) values = no_number
     end subroutine decompose
@@ -329,7 +330,8 @@ contains
                 is_at_end = abs(model%limited(k, best + next) - (best + next)) > 0
                 if (is_at_end) next = model%limited(k, best + next) - best
                 place = best + next
-                call minimize_others(model, minimum, jacobian, estimate%covariance(:, k) / estimate%covariance(k, k), k, place, &
+                call minimize_others(model, minimum, jacobian, estimate%covariance(:, k) / estimate%covariance(k, k), k, &
+                                     place, &
                                      rise_at_end, last, point)
                 evaluations = evaluations + point%evaluations
                 root = no_number
@@ -378,56 +380,5 @@ contains
         end associate
         if (.not. excess_outside > 0) outcome = end_nowhere
     end subroutine find_end
-
-    !> The quantile of Student's distribution: the value that is exceeded with the probability `tail`.
-    pure real(dp) function student_quantile(tail, freedom) result(t)
-        real(dp), intent(in) :: tail !! between 0 and 1/2
-        integer, intent(in) :: freedom !! degrees of freedom, at least 1
-        real(dp) :: low, high
-        integer :: i
-
-        low = 0
-        high = 1
-        do i = 1, 1000
-            if (tail_of(high, freedom) <= tail) exit
-            high = 2 * high
-        end do
-        do i = 1, 60
-            t = (low + high) / 2
-            if (tail_of(t, freedom) > tail) then
-                low = t
-            else
-                high = t
-            end if
-        end do
-    end function student_quantile
-
-    !> The probability that Student's t exceeds a value: with t = sqrt(nu) tan(x) the density is in proportion to
-    !> cos(x)^(nu - 1), whose integral is a finite sum (Abramowitz and Stegun 26.7.3 and 26.7.4).
-    pure real(dp) function tail_of(t, freedom)
-        real(dp), intent(in) :: t
-        integer, intent(in) :: freedom
-        real(dp) :: angle, term, total
-        integer :: i
-
-        angle = atan2(t, sqrt(real(freedom, dp)))
-        total = 0
-        if (mod(freedom, 2) == 1) then
-            term = cos(angle)
-            do i = 2, freedom - 1, 2
-                total = total + term
-                term = term * cos(angle)**2 * i / (i + 1)
-            end do
-            total = 2 / pi * (angle + sin(angle) * total)
-        else
-            term = 1
-            do i = 1, freedom - 1, 2
-                total = total + term
-                term = term * cos(angle)**2 * i / (i + 1)
-            end do
-            total = sin(angle) * total
-        end if
-        tail_of = (1 - total) / 2
-    end function tail_of
 
 end module spintop_intervals

@@ -2,7 +2,7 @@
 module spintop_scene_fit
     use spintop_kinds, only: dp
     use spintop_losses, only: loss_names
-    use spintop_parameters, only: any_elements, leading_elements, one_per_group, parameter_table_t, unset
+    use spintop_parameters, only: any_elements, is_set, leading_elements, one_per_group, parameter_table_t, unset
     use spintop_text, only: join
     implicit none
     private
@@ -20,7 +20,6 @@ module spintop_scene_fit
         real(dp) :: scale(most_columns) = unset
     contains
         procedure :: place_of
-        procedure :: set_defaults
     end type sensors_t
 
     !> The contents of the group &fit.
@@ -35,8 +34,10 @@ module spintop_scene_fit
         character(32) :: loss = ''
         logical :: profile = .true., windows = .true.
         integer :: searches = 12
-        real(dp) :: time_offset = 0, averaged = 0, mounting(3) = 0
+        real(dp) :: time_offset = unset, averaged = unset, mounting(3) = unset
         type(sensors_t) :: sensors
+    contains
+        procedure :: set_defaults
     end type fit_scene_t
 
 contains
@@ -59,10 +60,10 @@ contains
         call table%add('fit.profile', scene%profile, 'compute profile intervals')
         call table%add('fit.windows', scene%windows, 'begin with the first rows, and double their span step by step')
         call table%add('fit.searches', scene%searches, '', '>= 1', 'starts of the search at most, where the first is poor')
-        call table%add('fit.time_offset', scene%time_offset, 's', '', 'time of the motion at t = 0 of the table')
-        call table%add('fit.averaged', scene%averaged, 's', '>= 0', 'width of the interval around t of which a reading is the mean')
+        call table%add('fit.time_offset', scene%time_offset, 's', '', 'time of the motion at t = 0 of the table (0)')
+        call table%add('fit.averaged', scene%averaged, 's', '>= 0', 'width of the interval around t of which a reading is the mean (0)')
         call table%add('fit.mounting', scene%mounting, 'rad', '', 'rotation vector from body axes to those of the sensor of ' // &
-                       'omega1 to omega3 and accelerometer1 to accelerometer3')
+                       'omega1 to omega3 and accelerometer1 to accelerometer3 (0)')
         associate (sensors => scene%sensors)
             call table%add('sensor.column', sensors%column, what='measured column; one group for each sensor', &
                            elements=one_per_group)
@@ -85,11 +86,14 @@ contains
         if (place > 0) self%column(place) = column
     end function place_of
 
-    !> Sets what is not given.
+    !> Sets what is not given, but for standard deviations and ranges.
     subroutine set_defaults(self)
-        class(sensors_t), intent(inout) :: self
-        where (.not. self%offset > unset) self%offset = 0
-        where (.not. self%scale > unset) self%scale = 1
+        class(fit_scene_t), intent(inout) :: self
+        if (.not. is_set(self%time_offset)) self%time_offset = 0
+        if (.not. is_set(self%averaged)) self%averaged = 0
+        where (.not. is_set(self%mounting)) self%mounting = 0
+        where (.not. is_set(self%sensors%offset)) self%sensors%offset = 0
+        where (.not. is_set(self%sensors%scale)) self%sensors%scale = 1
     end subroutine set_defaults
 
 end module spintop_scene_fit

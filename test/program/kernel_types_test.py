@@ -22,10 +22,10 @@ TYPE = re.compile(r"^typedef struct (\w+)_t \{\n(.*?)^\} \w+;\n", re.M | re.S)
 # Constants of C, and the modules that have them under another name or in another place.
 CONSTANTS = {
     "instants": ("top/motions.f90", "instants"),
-    "components": ("formulations/lane_tangents.f90", "components"),
+    "components": ("formulations/series/lane_tangents.f90", "components"),
     "by_rotor + 1": ("top/loads.f90", "work_rotor"),
-    "quotient + 1": ("formulations/lane_series.f90", "quotient"),
-    "numerator + 1": ("formulations/lane_series.f90", "numerator"),
+    "quotient + 1": ("formulations/series/lane_series.f90", "quotient"),
+    "numerator + 1": ("formulations/series/lane_series.f90", "numerator"),
     "frame + 1": ("formulations/effects/lane_effects.f90", "row_frame"),
     "torque + 1": ("formulations/effects/lane_effects.f90", "row_torque"),
     "push + 1": ("formulations/effects/lane_effects.f90", "row_push"),

@@ -119,7 +119,8 @@ contains
         end if
         if (size(t) > 1) then
             if (scene%averaged > slack * minval(t(2:) - t(:size(t) - 1)) .and. minval(t(2:) - t(:size(t) - 1)) > 0) then
-                call problems%add('fit.averaged', 'the intervals of averages overlap', 'average over the time between rows at most')
+                call problems%add('fit.averaged', 'the intervals of averages overlap', &
+                                  'average over the time between rows at most')
                 return
             end if
         end if
@@ -253,7 +254,8 @@ contains
         else if (given == size(columns)) then
             measured%sigma = spread(scene%sigma(:given), 2, size(measured%t))
         else if (given > 0) then
-            call problems%add('fit.sigma', to_text(given) // ' standard deviations for ' // to_text(size(columns)) // ' columns', &
+            call problems%add('fit.sigma', to_text(given) // ' standard deviations for ' // to_text(size(columns)) // &
+                              ' columns', &
                               'give one, or one per column')
             return
         end if

@@ -2,10 +2,11 @@
 !> and rows that stand out.
 module spintop_fit_judgement
     use spintop_fit_data, only: measurements_t
-    use spintop_goodness, only: chi_square_tail, find_correlation, find_drift, find_period, von_neumann_ratio
+    use spintop_goodness, only: find_correlation, find_drift, find_period, von_neumann_ratio
     use spintop_kinds, only: dp
     use spintop_least_squares, only: minimum_t
     use spintop_losses, only: loss_t
+    use spintop_probability, only: chi_square_tail
     use spintop_robust, only: robust_deviation
     use spintop_summary, only: rounded
     use spintop_text, only: append, string_t, to_text
@@ -64,7 +65,8 @@ contains
             residuals = differences(i, rows)
             if (measured%knows_sigma) residuals = residuals / measured%sigma(i, rows)
             call judge_order(trim(measured%columns(i)%name), t, residuals, with_words, judgement)
-            call judge_outliers(trim(measured%columns(i)%name), t, rows, residuals, size(minimum%x), loss, with_words, judgement)
+            call judge_outliers(trim(measured%columns(i)%name), t, rows, residuals, size(minimum%x), loss, with_words, &
+                                judgement)
         end do
     end subroutine judge
 

@@ -199,7 +199,8 @@ contains
         associate (measured => self%measured, rows => size(readings, 2))
             differences = merge(measured%values(:, :rows) - readings, 0.0_dp, measured%is_there(:, :rows))
             do i = 1, size(readings, 1)
-                if (measured%turn(i) > 0) differences(i, :) = modulo(differences(i, :) + measured%turn(i) / 2, measured%turn(i)) &
+                if (measured%turn(i) > 0) differences(i, :) = modulo(differences(i, :) + measured%turn(i) / 2, &
+                                                                     measured%turn(i)) &
                                                               - measured%turn(i) / 2
             end do
         end associate

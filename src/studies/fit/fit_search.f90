@@ -115,7 +115,8 @@ contains
         differences = model%differences(readings)
         misfit = 0
         do i = 1, size(readings, 1)
-            associate (residuals => pack(differences(i, :) / model%measured%sigma(i, :)**merge(1, 0, model%measured%knows_sigma), &
+            associate (residuals => pack(differences(i, :) / model%measured%sigma(i, :)**merge(1, 0, &
+                model%measured%knows_sigma), &
                                          model%measured%is_there(i, :)))
                 misfit = misfit + size(residuals) * log(max(robust_deviation(residuals, 0), tiny(misfit)))
             end associate

@@ -10,7 +10,7 @@ module spintop_fit_study
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_unknown, only: find_unknown
     use spintop_fit_warnings, only: check_measurements
-    use spintop_intervals, only: compare_with, describe_minimum, estimate_t, student_quantile
+    use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_losses, only: loss_names, loss_squares, loss_t
@@ -19,6 +19,7 @@ module spintop_fit_study
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
+    use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_scene, only: scene_t
@@ -78,7 +79,7 @@ contains
 
         associate (unused => diagnostics)
         end associate
-        call job%scene%fit%sensors%set_defaults()
+        call job%scene%fit%set_defaults()
         call read_measurements(job%input, job%scene%fit, self%measured, problems)
         call find_unknown(job, self%measured, self%sought, problems)
         if (any(is_set([job%scene%nutations, job%scene%precessions])) .or. job%scene%stop_at /= '') then
@@ -139,7 +140,8 @@ contains
         type(problems_t), intent(inout) :: problems
         associate (last => t(size(t)))
             if (.not. is_set(scene%t_end)) scene%t_end = last
-            if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // ' s', &
+            if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // &
+                                                      ' s', &
                                                       'omit t_end')
         end associate
     end subroutine set_span
@@ -236,7 +238,8 @@ contains
             call finish_search(model, [estimate%better], search, minimum)
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
-        if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%held, minimum, level, estimate)
+        if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%held, minimum, level, &
+            estimate)
     end subroutine find_minimum
 
     !> How the search ended.
@@ -284,7 +287,8 @@ contains
 
         m = size(minimum%residuals)
         n = size(minimum%x)
-        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // residual_path(job%output))
+        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // &
+                              residual_path(job%output))
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''
@@ -297,16 +301,20 @@ contains
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
         else
-            call summary%add('residuals', 'standard deviation ' // deviations_of(self%measured%columns, sigma, estimate, minimum, &
+            call summary%add('residuals', 'standard deviation ' // deviations_of(self%measured%columns, sigma, estimate, &
+                minimum, &
                                                                                  loss) // &
                              ', ' // to_text(m - n) // ' degrees of freedom')
         end if
         if (loss%is_robust()) then
-            call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // to_text(count(abs(minimum%residuals) > loss%bound)) // &
+            call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // &
+                             to_text(count(abs(minimum%residuals) > loss%bound)) // &
                              ' of ' // to_text(m) // ' residuals are beyond its bound')
         end if
-        call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // ' evaluations from ' // &
-                         counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // ' from ' // &
+        call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // &
+                         ' evaluations from ' // &
+                         counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // &
+                             ' from ' // &
                          rounded(search%first_span, 3) // ' s')
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)

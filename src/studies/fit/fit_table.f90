@@ -97,7 +97,8 @@ contains
         do i = 1, size(measured%columns)
             associate (column => measured%columns(i))
                 columns(3 * i - 1) = column_t(column%name, column%unit, 'measured: ' // trim(column%what))
-                columns(3 * i) = column_t(trim(column%name) // '_fit', column%unit, trim(column%name) // ' of the fitted motion')
+                columns(3 * i) = column_t(trim(column%name) // '_fit', column%unit, trim(column%name) // &
+                                          ' of the fitted motion')
                 columns(3 * i + 1) = column_t(trim(column%name) // '_residual', column%unit, 'measured less fitted')
             end associate
         end do

@@ -18,6 +18,9 @@ module spintop_sweep_sensitivities
     private
     public :: sweep_sensitivities_t
 
+    !> The axis along which the tolerance of the method varies.
+    character(*), parameter :: tolerance_key = 'integration.relative_tolerance'
+
     !> A sweep over nodes of a case: the axes of the sweep of the table, then the other keys. It must stay where it was prepared,
     !> and be a target there.
     type :: node_sweep_t
@@ -197,7 +200,7 @@ contains
         relative = 1
         if (allocated(job%plan%stepper)) relative = job%plan%stepper%controls%relative_tolerance
         do i = 1, size(others)
-            if (job%axes%axis(i)%name == 'integration.relative_tolerance') relative = parameters(i)
+            if (job%axes%axis(i)%name == tolerance_key) relative = parameters(i)
         end do
         do i = 1, size(others)
             others(i) = other_value(job%axes%axis(i)%name, parameters(i), relative, number)

@@ -49,11 +49,13 @@ contains
 
         call table%add('fit.data', scene%data, what='CSV table of measurements: t, and columns of trajectories')
         call table%add('fit.unknown', scene%unknown, what='sought parameters; their values are where the search begins')
-        call table%add('fit.from', scene%from, '', '', 'lower ends of the ranges in which the parameters are sought, in their ' // &
+        call table%add('fit.from', scene%from, '', '', &
+                       'lower ends of the ranges in which the parameters are sought, in their ' // &
                        'units (near their values)', elements=any_elements)
         call table%add('fit.to', scene%to, '', '', 'upper ends of these ranges', elements=any_elements)
         call table%add('fit.columns', scene%columns, what='measured columns (all but t)')
-        call table%add('fit.sigma', scene%sigma, '', '> 0', 'standard deviations of the measured columns, in their units (one ' // &
+        call table%add('fit.sigma', scene%sigma, '', '> 0', &
+                       'standard deviations of the measured columns, in their units (one ' // &
                        'that is common to all columns, from the residuals)', elements=leading_elements)
         call table%add('fit.wrapped', scene%wrapped, what='measured angles that are known but for whole turns')
         call table%add('fit.loss', scene%loss, join(loss_names, '|'), 'least squares, or a robust loss (squares)')
@@ -61,15 +63,17 @@ contains
         call table%add('fit.windows', scene%windows, 'begin with the first rows, and double their span step by step')
         call table%add('fit.searches', scene%searches, '', '>= 1', 'starts of the search at most, where the first is poor')
         call table%add('fit.time_offset', scene%time_offset, 's', '', 'time of the motion at t = 0 of the table (0)')
-        call table%add('fit.averaged', scene%averaged, 's', '>= 0', 'width of the interval around t of which a reading is the mean (0)')
-        call table%add('fit.mounting', scene%mounting, 'rad', '', 'rotation vector from body axes to those of the sensor of ' // &
+        call table%add('fit.averaged', scene%averaged, 's', '>= 0', 'width of the interval of which a reading is the mean (0)')
+        call table%add('fit.mounting', scene%mounting, 'rad', '', &
+                       'rotation vector from body axes to those of the sensor of ' // &
                        'omega1 to omega3 and accelerometer1 to accelerometer3 (0)')
         associate (sensors => scene%sensors)
             call table%add('sensor.column', sensors%column, what='measured column; one group for each sensor', &
                            elements=one_per_group)
             call table%add('sensor.sigma', sensors%sigma, '', '> 0', 'standard deviation of its readings, in their unit', &
                            elements=one_per_group)
-            call table%add('sensor.offset', sensors%offset, '', '', 'reading where the quantity is 0 (0)', elements=one_per_group)
+            call table%add('sensor.offset', sensors%offset, '', '', 'reading where the quantity is 0 (0)', &
+                           elements=one_per_group)
             call table%add('sensor.scale', sensors%scale, '', '', 'change of the reading with the quantity (1)', &
                            elements=one_per_group)
         end associate

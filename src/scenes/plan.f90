@@ -11,7 +11,7 @@ module spintop_plan
     use spintop_plan_controls, only: read_controls, read_projection
     use spintop_projection, only: projection_names, project_nothing
     use spintop_problems, only: problems_t
-    use spintop_recommendation, only: recommend_adaptive, recommend_steps
+    use spintop_automatic_method, only: recommend_adaptive, recommend_steps
     use spintop_run_plan, only: plan_t, sample_time, sample_times
     use spintop_scene, only: scene_t
     use spintop_status, only: is_ok, status_meaning

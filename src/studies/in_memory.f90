@@ -18,7 +18,7 @@ module spintop_in_memory
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
     use spintop_sweep_study, only: compute_cases
     use spintop_sweep_table, only: describe_columns
-    use spintop_team, only: team_t
+    use spintop_thread_team, only: team_t
     use spintop_text, only: join, string_t
     !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     implicit none

@@ -13,7 +13,7 @@ module spintop_benchmark_study
     use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, find_cases
+    use spintop_named_methods, only: method_choice_t, set_adaptive, set_steps, find_cases
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t

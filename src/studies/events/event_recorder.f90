@@ -8,7 +8,7 @@ module spintop_event_recorder
     use spintop_event_text, only: column_event_t
     use spintop_events, only: store_or_restore_search, event_search_t
     use spintop_files, only: file_exists, rename_file
-    use spintop_growing_table, only: refusal
+    use spintop_resumable_table, only: refusal
     use spintop_journal, only: journal_entry_t
     use spintop_motion, only: motion_t
     use spintop_row_maker, only: row_maker_t

@@ -4,7 +4,7 @@ module spintop_precision_plan
     use spintop_diagnostics, only: diagnostics_t
     use spintop_formulation, only: structure_quadruple
     use spintop_kinds, only: dp
-    use spintop_method_choice, only: method_choice_t, set_adaptive, set_steps, add_methods
+    use spintop_named_methods, only: method_choice_t, set_adaptive, set_steps, add_methods
     use spintop_methods, only: exact_info, method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t

@@ -15,7 +15,7 @@ module spintop_stability_study
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_lyapunov, only: find_lyapunov
-    use spintop_method_choice, only: method_choice_t
+    use spintop_named_methods, only: method_choice_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_options, only: options_t
     use spintop_plan, only: plan_t, make_plan

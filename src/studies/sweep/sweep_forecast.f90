@@ -11,10 +11,10 @@ module spintop_sweep_forecast
     use spintop_statistics_result, only: bytes_of_result
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_table, only: cells_of_row, describe_table
-    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_block_worker, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
-    use spintop_team, only: blocks_ahead
+    use spintop_thread_team, only: blocks_ahead
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads
     implicit none

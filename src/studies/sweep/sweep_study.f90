@@ -1,5 +1,5 @@
 !> The sweep as a kind of study: a case for each combination of the axes, one row each, on all cores, in one
-!> process or in many. A team of threads and ranks computes the cases (`spintop_team`); here its table is
+!> process or in many. A team of threads and ranks computes the cases (`spintop_thread_team`); here its table is
 !> begun, finished and summarized.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
@@ -28,9 +28,9 @@ module spintop_sweep_study
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
     use spintop_sweep_table, only: describe_table, start_table
-    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_block_worker, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
-    use spintop_team, only: team_t
+    use spintop_thread_team, only: team_t
     use spintop_text, only: join, to_text
     implicit none
     private

@@ -6,7 +6,7 @@ module spintop_sweep_table
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
-    use spintop_growing_table, only: growing_table_t
+    use spintop_resumable_table, only: growing_table_t
     use spintop_job, only: job_t
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_table_t

@@ -1,5 +1,5 @@
 !> The work of one thread in a sweep: makes cases, computes them, and fills their rows. Threads make texts one at a time, as
-!> those of `spintop_team` do.
+!> those of `spintop_thread_team` do.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
@@ -27,7 +27,7 @@ module spintop_sweep_worker
     use spintop_sweep_stability, only: perturbations_t
     use spintop_sweep_stepping, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
-    use spintop_team, only: computing, formatting, making
+    use spintop_thread_team, only: computing, formatting, making
     use spintop_parameters, only: is_set
     implicit none
     private

@@ -6,7 +6,7 @@ module spintop_motion_table
     use spintop_checksum, only: checksum_of
     use spintop_errors, only: error_t
     use spintop_files, only: file_exists, read_file, replace_file
-    use spintop_growing_table, only: growing_table_t, refusal
+    use spintop_resumable_table, only: growing_table_t, refusal
     use spintop_job, only: job_t
     use spintop_journal, only: journal_entry_t, journal_of, state_of
     use spintop_kinds, only: dp

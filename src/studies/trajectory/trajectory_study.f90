@@ -5,7 +5,7 @@ module spintop_trajectory_study
     use spintop_errors, only: error_t, exit_internal
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_exact_cost, only: measure_exact_cost
-    use spintop_growing_table, only: refusal, remove_leftovers
+    use spintop_resumable_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp

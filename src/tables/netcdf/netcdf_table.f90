@@ -1,4 +1,4 @@
-!> A table that grows as a NetCDF file, with a journal as that of a CSV table (spintop_growing_table). The part has the
+!> A table that grows as a NetCDF file, with a journal as that of a CSV table (spintop_resumable_table). The part has the
 !> classic format, in which rows that are on the disk stay valid whatever happens later; a file in the format NetCDF-4
 !> is made of it when all rows are there.
 !>
@@ -8,7 +8,7 @@ module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_output
     use spintop_files, only: output_file_t
-    use spintop_growing_table, only: growing_table_t
+    use spintop_resumable_table, only: growing_table_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t

@@ -1,5 +1,5 @@
 !> The segment of a rest: a body that lies still under dry friction keeps its attitude until other torques exceed the friction.
-module spintop_resting
+module spintop_lying_still
     use spintop_fixed_step, only: grid_time
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
@@ -121,4 +121,4 @@ contains
         y = formulation%action%at_rest(t, self%y_last, 0.0_dp)
     end function state_within
 
-end module spintop_resting
+end module spintop_lying_still

@@ -1,5 +1,5 @@
 !> Methods and formulations as they are named in an input for a comparison: `method` or `method/formulation`.
-module spintop_method_choice
+module spintop_named_methods
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
@@ -109,4 +109,4 @@ contains
         call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)
     end subroutine refuse_name
 
-end module spintop_method_choice
+end module spintop_named_methods

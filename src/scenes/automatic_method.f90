@@ -13,7 +13,7 @@
 !> * With a fixed step size splitting_6 costs half as much as dop853 for the slow top of Example 1 (`spintop
 !>   --set work_precision.methods=dop853,splitting_6 --set work_precision.steps=40,80,160,320
 !>   input/work_precision_slow_top.nml`), and more for the one body without symmetry that was tested.
-module spintop_recommendation
+module spintop_automatic_method
     use spintop_formulation, only: formulation_info_t, structure_split
     use spintop_kinds, only: dp
     use spintop_methods, only: create_stepper
@@ -73,4 +73,4 @@ contains
         why = trim(recommendation%why)
     end subroutine recommend_steps
 
-end module spintop_recommendation
+end module spintop_automatic_method

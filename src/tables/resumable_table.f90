@@ -8,7 +8,7 @@
 !>     part and journal, neither      an error: the rows would be lost
 !>
 !>     call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
-module spintop_growing_table
+module spintop_resumable_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds
     use spintop_errors, only: error_t, input_error
@@ -392,4 +392,4 @@ contains
                             '--restart discards it and computes all from the beginning')
     end function refusal
 
-end module spintop_growing_table
+end module spintop_resumable_table

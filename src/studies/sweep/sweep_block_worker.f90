@@ -1,5 +1,5 @@
 !> What a thread needs to compute the rows of a sweep: its cases, and their sensitivities.
-module spintop_sweep_thread
+module spintop_sweep_block_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: processor_seconds
     use spintop_job, only: job_t
@@ -7,7 +7,7 @@ module spintop_sweep_thread
     use spintop_row_block, only: row_block_t
     use spintop_sweep_sensitivities, only: sweep_sensitivities_t
     use spintop_sweep_worker, only: sweep_worker_t
-    use spintop_team, only: block_worker_t, computing
+    use spintop_thread_team, only: block_worker_t, computing
     implicit none
     private
     public :: sweep_thread_t
@@ -45,4 +45,4 @@ contains
         self%costs(computing) = self%costs(computing) + (processor_seconds() - began)
     end subroutine compute_rows
 
-end module spintop_sweep_thread
+end module spintop_sweep_block_worker

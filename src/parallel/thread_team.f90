@@ -8,7 +8,7 @@
 !>
 !>     call team%assemble(ranks, cases, 512)       ! in all ranks
 !>     call team%compute(workers, table)           ! in all ranks; in the writer the table is then written
-module spintop_team
+module spintop_thread_team
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: pause_for, processor_seconds, seconds
     use spintop_errors, only: error_t
@@ -375,4 +375,4 @@ contains
         !$ this_thread = omp_get_thread_num()
     end function this_thread
 
-end module spintop_team
+end module spintop_thread_team

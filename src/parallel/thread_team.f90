@@ -24,7 +24,7 @@ module spintop_thread_team
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none
     private
-    public :: team_t, block_worker_t, making, computing, formatting, team_in_words, blocks_ahead
+    public :: team_t, block_worker_t, work_of_making, work_of_computing, work_of_formatting, team_in_words, blocks_ahead
 
     !> Number of blocks per thread that a fast thread may be ahead of a slow one, or of a writing one; and the
     !> time it waits then, s.
@@ -44,12 +44,12 @@ module spintop_thread_team
     end type costs_t
 
     !> What is done with a case, of which a worker counts the costs.
-    integer, parameter :: making = 1, computing = 2, formatting = 3
+    integer, parameter :: work_of_making = 1, work_of_computing = 2, work_of_formatting = 3
 
     !> Computes blocks of cases in a thread.
     type, abstract :: block_worker_t
         !> Time of the processor, s.
-        real(dp) :: costs(formatting) = 0
+        real(dp) :: costs(work_of_formatting) = 0
     contains
         procedure(compute_rows), deferred :: compute_rows
     end type block_worker_t
@@ -173,14 +173,14 @@ contains
             call worker%compute_rows(first, min(first + self%cases_of_block - 1, self%cases(2)), rows)
             moment = processor_seconds()
             call table%format(rows)
-            worker%costs(formatting) = worker%costs(formatting) + (processor_seconds() - moment)
+            worker%costs(work_of_formatting) = worker%costs(work_of_formatting) + (processor_seconds() - moment)
         end do
         !$omp critical (queue)
         self%active = self%active - 1
         associate (costs => self%costs)
-            costs%making = costs%making + worker%costs(making)
-            costs%computing = costs%computing + worker%costs(computing)
-            costs%formatting = costs%formatting + worker%costs(formatting)
+            costs%making = costs%making + worker%costs(work_of_making)
+            costs%computing = costs%computing + worker%costs(work_of_computing)
+            costs%formatting = costs%formatting + worker%costs(work_of_formatting)
         end associate
         !$omp end critical (queue)
     end subroutine compute_share

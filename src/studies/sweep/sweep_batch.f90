@@ -37,6 +37,7 @@ module spintop_sweep_batch
 
 contains
 
+    !> Cases that lanes can compute: those of a body and a method that run in lanes, with events that lanes find.
     logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
@@ -93,6 +94,7 @@ contains
             .and. is_equal(a%absolute_tolerance, b%absolute_tolerance)
     end function are_like
 
+    !> Computes the cases in lanes; those that lanes left are to be computed one by one.
     subroutine compute(self, slots, list, task)
         class(sweep_batch_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block

@@ -7,7 +7,7 @@ module spintop_sweep_block_worker
     use spintop_row_block, only: row_block_t
     use spintop_sweep_sensitivities, only: sweep_sensitivities_t
     use spintop_sweep_worker, only: sweep_worker_t
-    use spintop_thread_team, only: block_worker_t, computing
+    use spintop_thread_team, only: block_worker_t, work_of_computing
     implicit none
     private
     public :: sweep_thread_t
@@ -33,6 +33,7 @@ contains
         call self%sensitivities%prepare(job)
     end subroutine prepare
 
+    !> Computes the rows of some cases, block by block.
     subroutine compute_rows(self, first, last, rows)
         class(sweep_thread_t), target, intent(inout) :: self
         integer(int64), intent(in) :: first, last !! first and last case, at most those of a block
@@ -42,7 +43,7 @@ contains
         began = processor_seconds()
         call self%sensitivities%fill(self%job, rows)
         self%costs = self%costs + self%worker%costs
-        self%costs(computing) = self%costs(computing) + (processor_seconds() - began)
+        self%costs(work_of_computing) = self%costs(work_of_computing) + (processor_seconds() - began)
     end subroutine compute_rows
 
 end module spintop_sweep_block_worker

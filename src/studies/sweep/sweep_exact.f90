@@ -36,6 +36,7 @@ module spintop_sweep_exact
 
 contains
 
+    !> Cases in closed form: undamped symmetric tops, and free bodies where these are not computed together.
     logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
@@ -55,6 +56,7 @@ contains
             (all(is_finite(start%rate)) .and. sin(start%angle(2)) > close_to_pole)
     end function suits_lanes
 
+    !> Computes the cases by the closed form, the nutations of all together.
     subroutine compute(self, slots, list, task)
         class(sweep_exact_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block

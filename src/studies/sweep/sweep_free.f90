@@ -26,6 +26,7 @@ module spintop_sweep_free
 
 contains
 
+    !> Free bodies up to the end of their span, without quantities that are measured along the motion.
     logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
@@ -36,6 +37,7 @@ contains
         end associate
     end function takes
 
+    !> Computes the cases together.
     subroutine compute(self, slots, list, task)
         class(sweep_free_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block

@@ -115,6 +115,7 @@ contains
         shares_lanes = a%max_steps == b%max_steps
     end function shares_lanes
 
+    !> Computes what perturbations of the cases have to tell.
     subroutine compute(self, slots, list, task)
         class(perturbations_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block

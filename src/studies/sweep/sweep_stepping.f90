@@ -54,6 +54,7 @@ module spintop_sweep_stepping
 
 contains
 
+    !> Computes the cases one by one, step by step.
     subroutine compute(self, slots, list, task)
         class(sweep_stepping_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block

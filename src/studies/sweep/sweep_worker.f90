@@ -27,7 +27,7 @@ module spintop_sweep_worker
     use spintop_sweep_stability, only: perturbations_t
     use spintop_sweep_stepping, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
-    use spintop_thread_team, only: computing, formatting, making
+    use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
     use spintop_parameters, only: is_set
     implicit none
     private
@@ -77,7 +77,7 @@ module spintop_sweep_worker
         real(dp), allocatable, private :: parameters(:, :)
         integer, private :: last_of_attitude = 0
         !> Time of the processor for making and computing the cases of the last block, and for formatting their rows, s.
-        real(dp) :: costs(formatting) = 0
+        real(dp) :: costs(work_of_formatting) = 0
     contains
         procedure :: prepare
         procedure :: compute_rows
@@ -152,7 +152,7 @@ contains
         type(job_t), intent(in) :: job !! the job
         integer(int64), intent(in) :: first, last !! first and last case
         type(row_block_t), intent(inout) :: rows !! the rows of the cases
-        real(dp) :: began, moments(0:formatting), spent(formatting)
+        real(dp) :: began, moments(0:work_of_formatting), spent(work_of_formatting)
         integer :: k, n
 
         began = processor_seconds()
@@ -162,7 +162,7 @@ contains
         do k = 1, n
             call begin_case(worker, job, k)
         end do
-        moments(making) = seconds()
+        moments(work_of_making) = seconds()
         associate (slots => worker%slots(:n))
             call run_engines(worker%engines, slots, worker%task)
             if (worker%skips_nutations .and. is_set(job%scene%nutations)) call refuse_endless(worker, job, n)
@@ -171,13 +171,13 @@ contains
                     if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%scene)
                 end do
             end if
-            moments(computing) = seconds()
+            moments(work_of_computing) = seconds()
             call rows%reserve(cells_of_row(job), block_size)
             call add_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
         end associate
-        moments(formatting) = seconds()
+        moments(work_of_formatting) = seconds()
         ! The time of the processor takes a call of the system, which may cost as much as a case: it is asked for once a block.
-        spent = moments(1:) - moments(:formatting - 1)
+        spent = moments(1:) - moments(:work_of_formatting - 1)
         worker%costs = spent * ((processor_seconds() - began) / max(sum(spent), tiny(began)))
     end subroutine compute_rows
 

@@ -137,7 +137,7 @@ class MemoryTest(ProgramCase):
         """Resources that the run-time library cannot get."""
         scene = self.write(SWEEP)
         said = self.short(scene, "--threads", "500", megabytes=200)
-        self.assertIn("spintop: stopped by the error above: there is no more memory", said)
+        self.assertIn("there is no more memory", said)
         self.assertFalse((self.folder / "output/scene.csv").exists())
 
 

@@ -30,8 +30,8 @@ module spintop_symmetric_motion
     type :: symmetric_motion_t
         private
         !> Quantities that do not depend on time.
-        type(nutation_t), public :: nutation
-        type(theta_motion_t) :: theta
+        type(nutation_t), public :: nutation = nutation_t()
+        type(theta_motion_t) :: theta = theta_motion_t()
         !> Time of the start, s.
         real(xp) :: time = 0
         !> Phases of the upper and the lower component at the start, rad; their rates, and the sum and the

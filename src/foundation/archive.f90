@@ -1,8 +1,8 @@
 !> The state of a run as a list of numbers. What has a state names each part of it once, in one procedure, which stores the
 !> parts or takes them back, as the archive wants:
 !>
-!>     call archive%carry(self%t)
-!>     call archive%carry(self%is_resting)
+!>     call archive%store_or_restore(self%t)
+!>     call archive%store_or_restore(self%is_resting)
 module spintop_archive
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp

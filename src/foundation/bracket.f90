@@ -4,7 +4,7 @@
 !>
 !>     call bracket%begin(a, f(a), b, f(b), tolerance)
 !>     do while (.not. bracket%found)
-!>         call bracket%take(f(bracket%trial))
+!>         call bracket%add_value(f(bracket%trial))
 !>     end do                                        ! the root is bracket%trial, if bracket%status is ok
 !>
 !> The search ends for any function: after `patience` values it bisects.

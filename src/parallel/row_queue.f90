@@ -3,7 +3,7 @@
 !> due writes it, while the others continue to compute.
 !>
 !>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
-!>     call queue%take(number)                  ! a block to compute, or retry_later, or none_left
+!>     call queue%claim_next(number)            ! a block to compute, or retry_later, or none_left
 !>     call queue%hand_in(number, block)
 !>     call queue%begin_write(is_due)           ! whether a block is to be written by the caller
 !>     call queue%write_next(table, error)      ! if so this, without holding up the others, and

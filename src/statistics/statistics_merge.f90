@@ -64,10 +64,11 @@ contains
         if (allocated(error)) return
         if (index(head, '&statistics' // nl) > 0) then
             call compare_with_table(states(1)%text, parts(1)%text, error)
-            if (.not. allocated(error)) call merge_statistics(statistics_beside(path), states, same, error)
             if (allocated(error)) return
         end if
         call merge_tables(path, parts, cases, error)
+        if (allocated(error) .or. index(head, '&statistics' // nl) == 0) return
+        call merge_statistics(statistics_beside(path), states, same, error)
     end subroutine merge_parts
 
     !> An error unless statistics are those of the table of a part: both have the same program, build and input.

@@ -224,8 +224,7 @@ contains
     end subroutine set_pause
 
     !> Called where the work for an entry begins before `make_entry_if_due`, so that the pause after it is as long as all of it
-    !> asks
-    !> for.
+    !> asks for.
     subroutine begin_entry(self)
         class(growing_table_t), intent(inout) :: self
         if (.not. self%entry_began > 0) self%entry_began = seconds()
@@ -264,9 +263,9 @@ contains
     !> Called after an entry was written: sets the time of the next one.
     subroutine end_entry(self)
         class(growing_table_t), intent(inout) :: self
-        self%in_entry = .false.
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
         self%entry_began = 0
+        self%in_entry = .false. ! last: other threads ask `is_due` meanwhile
     end subroutine end_entry
 
     !> The file for a new state of the run: the one that the last entry does not name.

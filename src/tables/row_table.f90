@@ -1,7 +1,7 @@
 !> A table whose rows are added in the order of their cases, block by block.
 !>
 !>     call table%format(block)                      ! by any thread
-!>     call table%put(block, error)                  ! by one thread at a time, as
+!>     call table%append(block, error)               ! by one thread at a time, as
 !>     call table%make_entry_if_due(entry, due, error)      ! this and `end_entry` are called;
 !>     if (due) call table%keep_entry(entry, error)  ! this without holding up the others
 !>     if (due) call table%end_entry()

@@ -3,7 +3,7 @@
 !>
 !>     call table%create('output/scene.csv', table_head(comments, ['t    ', 'theta']), error)
 !>     call table%add_row([0.0_dp, 0.3_dp], error)    ! a row of numbers, or
-!>     call table%put(text, error)                    ! rows made elsewhere
+!>     call table%append(text, error)                 ! rows made elsewhere
 !>     call table%finish(trailer, error)
 !>
 !> After an error call `discard`, or `abandon` if the part is to be kept.

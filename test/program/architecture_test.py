@@ -216,6 +216,22 @@ class ArchitectureTest(unittest.TestCase):
         missing = [item for source in sources for item in source.undocumented_items()]
         self.assertEqual(missing, [])
 
+    def test_examples_call_what_there_is(self) -> None:
+        """A call in a docstring is that of a procedure that there is."""
+        text = {path: path.read_text(encoding="utf-8") for path in SOURCES}
+        known = set()
+        for code in text.values():
+            known |= set(re.findall(r"(?im)^\s*procedure\b.*?::\s*(\w+)", code))
+            known |= set(re.findall(r"(?im)^\s*procedure.*?,\s*(\w+)", code))
+            known |= set(re.findall(r"(?i)\b(?:subroutine|function|generic ::)\s+(\w+)", code))
+        called = {
+            (path.name, name)
+            for path, code in text.items()
+            for name in re.findall(r"!>.*?call \w+(?:\(\w+\))?%(\w+)\((?![^()]*\)%)", code)
+        }
+        self.assertGreater(len(called), 50)
+        self.assertEqual([(file, name) for file, name in sorted(called) if name not in known], [])
+
     def test_dummy_arguments_are_documented(self) -> None:
         """Each dummy argument of a public procedure, but for the passed object, has a docstring."""
         found = [argument for path in SOURCES for argument in Source(path).dummy_arguments()]

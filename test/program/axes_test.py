@@ -368,6 +368,7 @@ class TableTest(ProgramCase):
             ("initial.theta,\n1,1\n", "cases.csv:1:15: ", "a column has no name"),
             ("initial.theta,study.kind\n1,1\n", "cases.csv:1:15: ", "is not a number"),
             ("initial.theta,sweep.seed\n1,1\n", "cases.csv:1:15: ", "cannot vary"),
+            ("initial.theta,sensor.offset(1)\n1,1\n", "cases.csv:1:15: ", "cannot vary"),
             ("initial.theta,initial.theta\n1,1\n", "cases.csv:1:15: ", "two columns"),
             (
                 "initial.psi,top.inertia_tensor(1,2)\n1,1\n",

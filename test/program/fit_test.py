@@ -244,6 +244,8 @@ class RefusalTest(FitCase):
             ("t,theta\n0,1\n2,inf\n3,1\n4,1\n", "theta has an infinite reading"),
             ("t,theta\n0,\n2,nan\n3,\n4,\n", "theta has no reading"),
             ("t,theta\n0,1\n2,nan\n3,1\n4,1\n", "3 measurements do not determine"),
+            ("t,theta,theta_sigma\n0,1,\n2,1,\n3,1,nan\n4,1,\n", "no reading with a standard"),
+            ("t,theta,theta_sigma\n0,1,1\n2,1,0\n3,1,1\n4,1,1\n", "not above 0"),
             ("t,thetta\n0,1\n2,1\n", "thetta"),
             ("t\n0\n2\n", "no column"),
             ("theta\n0\n2\n", "t"),

@@ -13,7 +13,7 @@ module spintop_axis_entry
 
     !> Parameters of the sweep as a whole, which cannot vary from case to case.
     character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'statistics.', 'work_precision.', &
-        'stability.', 'fit.', 'output.', 'span.samples', 'span.stop_after']
+        'stability.', 'fit.', 'sensor.', 'output.', 'span.samples', 'span.stop_after']
 
     !> What a scene says of one axis; what it leaves out is unset.
     type :: axis_entry_t

@@ -3,7 +3,7 @@
 !>
 !>     call swept%copy(scene, axes)            ! once: the scene that describes the axes
 !>     call axes%find_values(number, values)   ! for each case: its numbers,
-!>     call swept%put(values)                  ! put into
+!>     call swept%set_values(values)           ! set in
 !>     call make_case(swept%scene, ...)        ! its scene
 module spintop_sweep_axes
     use, intrinsic :: iso_fortran_env, only: int64

@@ -272,8 +272,13 @@ contains
                 measured%is_there(i, :) = measured%is_there(i, :) .and. .not. ieee_is_nan(sigma)
                 measured%sigma(i, :) = merge(sigma, 1.0_dp, measured%is_there(i, :))
                 is_known(i) = .true.
-                if (all(measured%sigma(i, :) > 0 .and. is_finite(measured%sigma(i, :)))) cycle
-                error = input_error('column ' // trim(columns(i)%name) // sigma_mark // ' has a cell that is not above 0')
+                if (.not. any(measured%is_there(i, :))) then
+                    error = input_error('column ' // trim(columns(i)%name) // ' has no reading with a standard deviation')
+                else if (all(measured%sigma(i, :) > 0 .and. is_finite(measured%sigma(i, :)))) then
+                    cycle
+                else
+                    error = input_error('column ' // trim(columns(i)%name) // sigma_mark // ' has a cell that is not above 0')
+                end if
             end if
             call problems%add(key, error%message, 'leave it empty or nan where the reading does not count')
             return

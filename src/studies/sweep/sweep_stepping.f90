@@ -15,7 +15,7 @@ module spintop_sweep_stepping
     use spintop_nutation_recorder, only: measures_t, nutation_recorder_t
     use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
@@ -87,6 +87,8 @@ contains
                     if (is_ok(status)) then
                         call set_nutation(slot, nutation)
                         slot%result%com_z_min = lowest_height(case, nutation%theta_max)
+                    else
+                        call slot%note%explain(trim(status_meanings(status)))
                     end if
                     slot%status = status
                 end if

@@ -30,8 +30,8 @@ module spintop_symmetric_motion
     type :: symmetric_motion_t
         private
         !> Quantities that do not depend on time.
-        type(nutation_t), public :: nutation = nutation_t()
-        type(theta_motion_t) :: theta = theta_motion_t()
+        type(nutation_t), public :: nutation
+        type(theta_motion_t) :: theta
         !> Time of the start, s.
         real(xp) :: time = 0
         !> Phases of the upper and the lower component at the start, rad; their rates, and the sum and the
@@ -123,8 +123,14 @@ contains
         end if
         if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
         status = status_non_finite
-        exact = symmetric_motion_t()
+        call forget(exact)
     end subroutine prepare_symmetric_motion
+
+    !> Resets a solution that overflowed.
+    pure subroutine forget(exact)
+        type(symmetric_motion_t), intent(out) :: exact
+        exact%passes_pole = .false.
+    end subroutine forget
 
     pure subroutine keep_constants(start, points, exact)
         type(regular_start_t), intent(in) :: start

@@ -63,7 +63,7 @@ contains
         type(minimum_t) :: other
         type(sobol_sequence_t) :: sequence
         type(loss_t) :: loss
-        real(dp), allocatable :: sigma(:, :)
+        real(dp) :: sigma(size(model%measured%sigma, 1), size(model%measured%sigma, 2))
         real(dp) :: fractions(size(start)), x(size(start)), width, least_misfit, other_misfit
         integer :: i, k
 

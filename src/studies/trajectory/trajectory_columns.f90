@@ -61,8 +61,8 @@ module spintop_trajectory_columns
         procedure :: value
     end type trajectory_column_t
 
-    !> All columns, in the order of the table's documentation.
-    type(trajectory_column_t), parameter :: trajectory_columns(*) = [ &
+    !> The registry of the columns.
+    type(trajectory_column_t), parameter :: registry(*) = [ &
         trajectory_column_t('t', 's', 'time', angle_group, vector_time, 1, &
                             is_default=.true., varies_near_poles=.true.), &
         trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, 1, passing_phi, &
@@ -184,6 +184,9 @@ module spintop_trajectory_columns
                             proof_group, vector_bounds, proof_of_orientation), &
         trajectory_column_t('proof', '', 'proved, or unproved if a bound of the row is infinite', &
                             proof_group, vector_proof, 1, is_proof=.true.)]
+
+    !> All columns, in the order of the table's documentation. A variable, since flang 19 fails at components of constants.
+    type(trajectory_column_t), protected :: trajectory_columns(size(registry)) = registry
 
 contains
 

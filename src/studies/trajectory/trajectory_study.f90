@@ -238,7 +238,7 @@ contains
         type(trajectory_column_t), allocatable :: needed(:)
         integer :: status
 
-        needed = [columns, trajectory_columns(job%sensitivities%columns())]
+        allocate (needed, source=[columns, trajectory_columns(job%sensitivities%columns())])
         call writer%set_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &

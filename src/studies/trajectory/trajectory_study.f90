@@ -157,7 +157,7 @@ contains
         type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
-        columns = trajectory_columns(job%columns)
+        allocate (columns, source=trajectory_columns(job%columns))
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then

@@ -71,8 +71,8 @@ contains
         if (m < 8 .or. .not. variance > 0) return
         rates = min(m / 2, most_terms / m + 1)
         highest = 0
-        do i = 1, rates
-            rate = 2 * pi * i / (t(m) - t(1))
+        do i = 2, 2 * rates ! twice as close as independent rates
+            rate = pi * i / (t(m) - t(1))
             shift = atan2(sum(sin(2 * rate * (t - t(1)))), sum(cos(2 * rate * (t - t(1))))) / 2
             c = cos(rate * (t - t(1)) - shift)
             s = sin(rate * (t - t(1)) - shift)

@@ -41,7 +41,7 @@ module spintop_extreme_lanes
         !> Those up to now, of the case in each lane.
         real(dp), dimension(lanes), private :: low = 0, high = 0
         real(dp), private :: mass(lanes) = 1, centre(lanes, 3) = 0
-        type(lane_arm_t), private :: arm
+        type(lane_arm_t), private :: arm = lane_arm_t()
     contains
         procedure :: prepare
         procedure :: begin

@@ -155,7 +155,8 @@ contains
             if (size(table%names) < 2) call problems%add(key, 'the table has no column of measurements', &
                                                          'give columns of trajectories, such as theta, beside t')
         end if
-        allocate (columns, source=trajectory_columns(places))
+        allocate (columns(size(places)))
+        columns = trajectory_columns(places)
 
     contains
 

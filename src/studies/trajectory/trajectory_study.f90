@@ -157,7 +157,8 @@ contains
         type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
-        allocate (columns, source=trajectory_columns(job%columns))
+        allocate (columns(size(job%columns)))
+        columns = trajectory_columns(job%columns)
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
@@ -238,7 +239,8 @@ contains
         type(trajectory_column_t), allocatable :: needed(:)
         integer :: status
 
-        allocate (needed, source=[columns, trajectory_columns(job%sensitivities%columns())])
+        allocate (needed(size(columns) + size(job%sensitivities%columns())))
+        needed = [columns, trajectory_columns(job%sensitivities%columns())]
         call writer%set_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &

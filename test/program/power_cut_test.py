@@ -23,7 +23,7 @@ SWEEP = """\
 &span t_end = 0.1 /
 &integration formulation = 'lagrange', method = 'rk4', steps = 4 /
 &output columns = 'theta_end', 'phi_end' /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 112 /
+&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 320 /
 """
 
 # RECORD names the record. FAIL_AT: the number of the call that fails. INTERRUPT: every other call
@@ -642,7 +642,7 @@ class FailingDiskTest(DiskCase):
         """Exit code 4, no half table, and --resume completes it."""
         run = self.folder / "run"
         failed = 0
-        self.sweep.write_text(SWEEP.replace("count(1) = 112", "count(1) = 48"), encoding="utf-8")
+        self.sweep.write_text(SWEEP.replace("count(1) = 320", "count(1) = 48"), encoding="utf-8")
         self.assertEqual(self.run_program(self.sweep, "-o", "reference").returncode, 0)
         self.reference = (self.folder / "reference/sweep.csv").read_bytes()
         most = self.count(self.sweep)

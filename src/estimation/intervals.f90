@@ -264,8 +264,7 @@ contains
         integer :: info
         copy = matrix
         call dgesvd('N', 'A', size(copy, 1), size(copy, 2), copy, size(copy, 1), values, unused, 1, vectors, size(values), &
-                    work, &
-                    size(work), info)
+                    work, size(work), info)
         if (info /= 0) values = no_number
     end subroutine decompose
 
@@ -331,8 +330,7 @@ contains
                 if (is_at_end) next = model%limited(k, best + next) - best
                 place = best + next
                 call minimize_others(model, minimum, jacobian, estimate%covariance(:, k) / estimate%covariance(k, k), k, &
-                                     place, &
-                                     rise_at_end, last, point)
+                                     place, rise_at_end, last, point)
                 evaluations = evaluations + point%evaluations
                 root = no_number
                 exists = point%sum_of_squares < huge(root)

@@ -89,8 +89,7 @@ contains
             end if
             if (rows%statistics_rows > 0) then
                 call MPI_Send(rows%statistics_cells, length * rows%statistics_rows, MPI_DOUBLE_PRECISION, writer, &
-                    tag_statistics_cells, &
-                              MPI_COMM_WORLD)
+                              tag_statistics_cells, MPI_COMM_WORLD)
             end if
         end if
         if (number /= signed_off) then

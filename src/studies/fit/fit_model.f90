@@ -199,9 +199,9 @@ contains
         associate (measured => self%measured, rows => size(readings, 2))
             differences = merge(measured%values(:, :rows) - readings, 0.0_dp, measured%is_there(:, :rows))
             do i = 1, size(readings, 1)
-                if (measured%turn(i) > 0) differences(i, :) = modulo(differences(i, :) + measured%turn(i) / 2, &
-                                                                     measured%turn(i)) &
-                                                              - measured%turn(i) / 2
+                associate (turn => measured%turn(i))
+                    if (turn > 0) differences(i, :) = modulo(differences(i, :) + turn / 2, turn) - turn / 2
+                end associate
             end do
         end associate
     end function differences

@@ -14,7 +14,7 @@ module spintop_fit_search
     use spintop_parameters, only: is_set
     implicit none
     private
-    public :: search_t, search_minimum, finish_search, period_of
+    public :: search_t, search_minimum, finish_search, period_of, far_above
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
@@ -106,6 +106,7 @@ contains
         real(dp), intent(in) :: x(:)
         real(dp) :: readings(size(model%measured%columns), size(model%measured%t))
         real(dp) :: differences(size(readings, 1), size(readings, 2))
+        real(dp), allocatable :: residuals(:)
         logical :: is_valid
         integer :: i
 
@@ -114,12 +115,10 @@ contains
         if (.not. is_valid) return
         differences = model%differences(readings)
         misfit = 0
+        if (model%measured%knows_sigma) differences = differences / model%measured%sigma
         do i = 1, size(readings, 1)
-            associate (residuals => pack(differences(i, :) / model%measured%sigma(i, :)**merge(1, 0, &
-                model%measured%knows_sigma), &
-                                         model%measured%is_there(i, :)))
-                misfit = misfit + size(residuals) * log(max(robust_deviation(residuals, 0), tiny(misfit)))
-            end associate
+            residuals = pack(differences(i, :), model%measured%is_there(i, :))
+            misfit = misfit + size(residuals) * log(max(robust_deviation(residuals, 0), tiny(misfit)))
         end do
     end function misfit
 

@@ -6,7 +6,7 @@ module spintop_fit_study
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_search, only: finish_search, period_of, search_minimum, search_t
+    use spintop_fit_search, only: far_above, finish_search, period_of, search_minimum, search_t
     use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
     use spintop_fit_unknown, only: find_unknown
     use spintop_fit_warnings, only: check_measurements
@@ -36,9 +36,6 @@ module spintop_fit_study
 
     !> Half the probability outside the intervals; the quantile that belongs to a known standard deviation.
     real(dp), parameter :: tail = 0.025_dp, normal_quantile = 1.9599639845400542_dp
-
-    !> Residuals that are so far above the errors of the motion are those of the measurements.
-    real(dp), parameter :: far_above = 1.0e3_dp
 
     !> Measurements, and the sought numbers.
     type, extends(study_t) :: fit_study_t
@@ -141,8 +138,7 @@ contains
         associate (last => t(size(t)))
             if (.not. is_set(scene%t_end)) scene%t_end = last
             if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // &
-                                                      ' s', &
-                                                      'omit t_end')
+                                                      ' s', 'omit t_end')
         end associate
     end subroutine set_span
 
@@ -302,8 +298,7 @@ contains
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
         else
             call summary%add('residuals', 'standard deviation ' // deviations_of(self%measured%columns, sigma, estimate, &
-                minimum, &
-                                                                                 loss) // &
+                                                                                 minimum, loss) // &
                              ', ' // to_text(m - n) // ' degrees of freedom')
         end if
         if (loss%is_robust()) then

@@ -161,11 +161,9 @@ contains
             type is (growth_lanes_t)
                 associate (found => monitor%growth(i))
                     if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
-                        found%singular_status, &
-                                                                   note_no_singular)
+                                                                   found%singular_status, note_no_singular)
                     if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
-                        found%exponent_status, &
-                                                                    note_no_lyapunov)
+                                                                    found%exponent_status, note_no_lyapunov)
                 end associate
             type is (inherent_lanes_t)
                 call store_or_explain(values%inherent_error, monitor%error(i), monitor%status(i), note_no_inherent)

@@ -163,11 +163,9 @@ contains
         do i = 1, size(list)
             associate (found => growth(i), result => slots(list(i))%result)
                 if (wanted(of_lyapunov)) call store_or_explain(found%exponent, found%exponent_status, &
-                    result%lyapunov_exponent, &
-                                                               note_no_lyapunov)
+                                                               result%lyapunov_exponent, note_no_lyapunov)
                 if (wanted(of_singular)) call store_or_explain(found%singular, found%singular_status, &
-                    result%largest_singular_value, &
-                                                               note_no_singular)
+                                                               result%largest_singular_value, note_no_singular)
             end associate
         end do
 

@@ -22,6 +22,10 @@ module spintop_effects_series
         procedure :: expand
     end type effects_series_t
 
+    include 'effects_series_terms.inc'
+
+contains
+
     include 'effects_series.inc'
 
     !> Constants of the series.

@@ -21,6 +21,10 @@ module spintop_effects_series_quadruple
         procedure :: expand
     end type body_quadruple_t
 
+    include 'effects_series_terms.inc'
+
+contains
+
     include 'effects_series.inc'
 
     !> Constants of the series.

@@ -191,8 +191,9 @@ contains
             character(*), intent(in) :: name
             is_deviation = .false.
             if (len(name) > len(sigma_mark)) then
-                if (name(len(name) - len(sigma_mark) + 1:) == sigma_mark) &
+                if (name(len(name) - len(sigma_mark) + 1:) == sigma_mark) then
                     is_deviation = place_of(trajectory_columns, name(:len(name) - len(sigma_mark))) > 0
+                end if
             end if
         end function is_deviation
 

@@ -8,6 +8,7 @@ import sys
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import matplotlib as mpl
 import numpy as np
@@ -42,7 +43,14 @@ from spintop_figures.motion.trace import draw_trace, draw_traces  # noqa: E402
 from spintop_figures.motion.trajectory import draw_angles, draw_forces  # noqa: E402
 from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
 from spintop_figures.style.lines import draw_sizes  # noqa: E402
-from spintop_figures.style.saving import lay_out, save_as, save_small  # noqa: E402
+from spintop_figures.style.saving import (  # noqa: E402
+    WRITERS,
+    lay_out,
+    save,
+    save_as,
+    save_small,
+    write_png,
+)
 from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
 from spintop_figures.sweeps.maps import draw_maps  # noqa: E402
 from spintop_figures.sweeps.scales import SIGNED  # noqa: E402
@@ -107,6 +115,24 @@ class PackageTest(FigureCase):
         with Image.open(png) as one, Image.open(small) as other:
             pixels = [np.asarray(picture.convert("RGB")).astype(int) for picture in (one, other)]
         self.assertLess(np.abs(pixels[0] - pixels[1]).max(), 20)
+
+    def test_at_once(self) -> None:
+        """Another process draws the same figure while it is being written: both succeed."""
+        figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
+        target = self.folder / "b.png"
+
+        def draw_elsewhere(*arguments: object) -> None:
+            write_png(*arguments)
+            if not (child := os.fork()):
+                with mock.patch.dict(WRITERS, png=write_png):
+                    save(figure, target)
+                os._exit(0)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+
+        with mock.patch.dict(WRITERS, png=draw_elsewhere):
+            save(figure, target)
+        self.assertEqual(list(self.folder.glob("*.part")), [])
+        self.assertGreater(target.stat().st_size, 5000)
 
     def test_provenance(self) -> None:
         """One line below a picture; the run and the program are in the metadata of the files."""

@@ -32,8 +32,11 @@ AREAS = 16
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure to a PNG or SVG file, which is replaced when the new one is complete."""
-    part = path.with_name(path.name + ".part")
+    """Write a figure to a PNG or SVG file, which is replaced when the new one is complete.
+
+    Processes may draw the same figure at once: each has a part of its own.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
     kind = path.suffix[1:]
     with the_look(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")

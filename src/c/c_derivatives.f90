@@ -113,11 +113,12 @@ contains
     end subroutine prepare_motion
 
     !> Finds the derivatives at some times, each followed by the estimate of its error.
-    subroutine find(self, t, base, cells)
+    subroutine find(self, t, base, cells, lacks_memory)
         class(asked_derivatives_t), intent(in) :: self
         real(dp), intent(in) :: t(:) !! the times, s
         real(dp), intent(in) :: base(:, :) !! the columns of which there are derivatives: a row for each time
         real(dp), intent(out) :: cells(:, :) !! two for each derivative; NaN where there is none
+        logical, intent(out) :: lacks_memory !! whether the memory is too small for so many times
         real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
         integer, allocatable :: best(:, :)
         real(dp) :: t_reached
@@ -125,9 +126,10 @@ contains
         integer :: key, i, k, row, status
 
         cells = no_number
-        allocate (values(size(base, 1), size(base, 2), node_count))
-        allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies))
-        allocate (best(size(t), self%count))
+        allocate (values(size(base, 1), size(base, 2), node_count), best(size(t), self%count), &
+                  others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
+        lacks_memory = status /= 0
+        if (lacks_memory) return
         do key = 1, size(self%keys)
             values = no_number
             values(:, :, 1) = base

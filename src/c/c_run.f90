@@ -71,17 +71,27 @@ contains
         call arithmetic%begin()
         !$omp critical (library)
         handle = c_null_ptr
-        ! A size_t beyond the range of Fortran's integers is negative here.
-        if (.not. (is_wrong(count < 0, 'the number of parameters is negative', error) .or. &
-                   is_wrong(cases < min(1, count) .or. cases > most_cases, &
-                            'a sweep over arrays has 1 to 2147483647 cases', error) .or. &
-                   is_wrong(is_any_null(names, int(count)), 'the name of a parameter is a null pointer', error) .or. &
-                   is_wrong(is_any_null(values, int(count)), 'the array of a parameter is a null pointer', error))) then
+        if (are_arrays(count, names, values, cases, error)) then
             call read_axes(count, names, values, cases, given)
             call run_text(input, c_null_ptr, c_null_ptr, threads, error, handle, given)
         end if
         !$omp end critical (library)
     end function run_sweep
+
+    !> Whether the arrays of a sweep can be read; what is wrong is handed over.
+    logical function are_arrays(count, names, values, cases, error)
+        integer(c_int), intent(in) :: count
+        type(c_ptr), intent(in) :: names, values
+        integer(c_size_t), intent(in) :: cases
+        type(c_ptr), intent(in) :: error
+        are_arrays = .false.
+        if (is_wrong(count < 0, 'the number of parameters is negative', error)) return
+        ! A size_t beyond the range of Fortran's integers is negative here.
+        if (is_wrong(cases < min(1, count) .or. cases > most_cases, 'a sweep over arrays has 1 to 2147483647 cases', error)) return
+        if (is_wrong(is_any_null(names, int(count)), 'the name of a parameter is a null pointer', error)) return
+        if (is_wrong(is_any_null(values, int(count)), 'the array of a parameter is a null pointer', error)) return
+        are_arrays = .true.
+    end function are_arrays
 
     subroutine run_text(input, name, folder, threads, place, handle, given)
         type(c_ptr), intent(in) :: input, name, folder

@@ -42,6 +42,7 @@ module spintop_c_top
 
     !> Most times of a call.
     integer(c_size_t), parameter :: most_times = huge(1_c_int)
+    character(*), parameter :: small_memory = 'the memory is too small for the derivatives at so many times'
     !> The text ''.
     character(c_char), target :: no_text = c_null_char
 
@@ -149,6 +150,7 @@ contains
         real(c_double), pointer, contiguous :: times(:), found(:, :)
         real(dp), allocatable :: values(:, :)
         real(dp) :: t_reached
+        logical :: lacks_memory
         integer :: status
 
         call arithmetic%begin()
@@ -167,12 +169,14 @@ contains
         if (top%derivatives%count == 0) then
             call top%motion%find(times, found, status, t_reached)
         else
-            allocate (values(n, top%motion%columns))
+            allocate (values(n, top%motion%columns), stat=status)
+            if (is_wrong(status /= 0, small_memory, error)) return
             call top%motion%find(times, values, status, t_reached)
             associate (own => size(top%chosen))
                 found(:, :own) = values(:, :own)
-                call top%derivatives%find(times, values(:, own + 1:), found(:, own + 1:))
+                call top%derivatives%find(times, values(:, own + 1:), found(:, own + 1:), lacks_memory)
             end associate
+            if (is_wrong(lacks_memory, small_memory, error)) return
         end if
         code = hand_status(status, t_reached, error)
     end function find_motion

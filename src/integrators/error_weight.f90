@@ -25,7 +25,6 @@ module spintop_error_weight
     contains
         procedure :: set
         procedure :: allowed
-        procedure :: magnitude
         procedure :: matlab_magnitude
     end type error_weight_t
 
@@ -64,14 +63,6 @@ contains
         real(dp) :: allowed(max_states)
         allowed = self%absolute + self%relative * max(abs(y), abs(y_new))
     end function allowed
-
-    !> Magnitude of each component to which its error is compared.
-    pure function magnitude(self, y)
-        class(error_weight_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states) !! state
-        real(dp) :: magnitude(max_states)
-        magnitude = merge(self%scale, abs(y), self%cyclic)
-    end function magnitude
 
     !> Magnitude by which MATLAB's step control divides an error, before it compares the ratio with the
     !> relative tolerance (Shampine and Reichelt, SIAM J. Sci. Comput. 18, 1997).

@@ -44,7 +44,7 @@ contains
         integer, intent(in) :: columns, rows !! numbers of columns and rows
         call self%clear()
         if (allocated(self%cells)) then
-            if (size(self%cells, 2) >= rows) return
+            if (size(self%cells, 1) == columns .and. size(self%cells, 2) >= rows) return
             deallocate (self%cells, self%notes)
         end if
         allocate (self%cells(columns, rows), self%notes(rows))

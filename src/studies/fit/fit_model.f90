@@ -290,10 +290,11 @@ contains
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(in) :: t(:)
         real(dp), intent(inout) :: quantities(:, :)
-        type(exact_path_t) :: path
+        type(exact_path_t), allocatable :: path ! it is large, and a thread may have a small stack
         type(motion_t) :: motion
         integer :: i, status
 
+        allocate (path)
         call path%begin(self%case, looks_per_step * self%plan%max_steps + size(t), status)
         if (.not. is_ok(status)) return
         call self%maker%set(self%columns, self%case)

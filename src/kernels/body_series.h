@@ -2,7 +2,8 @@
 // vectors, as no Fortran compiler makes vectors of the products of one body: each term of the series is kept in
 // six arrangements, so that all products of two terms are three products of vectors.
 
-static void expand_body(int order, const struct body_products *body, const double *state, const double *share, double *c) {
+static void expand_body(int order, const struct body_products *body, const double *state, const double *share,
+                        const double *share_rest, double *c) {
     struct factors row[most_terms], start, next, f;
     struct inner_sums later;
     vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
@@ -38,14 +39,15 @@ static void expand_body(int order, const struct body_products *body, const doubl
         from_halves(&q, &momentum, both);
         for_all(p, parts) memcpy(c + numbers * k + width * p, &both[p], sizeof *both);
         if (k == order) return;
+        const struct share s = share_of(share, share_rest, k);
         for_all(p, parts) {
             s1[p] += start.b1[p] * f.b1[p], s2[p] += start.b2[p] * f.b2[p];
             s1[p] += start.a1[p] * f.a1[p], s2[p] += start.a2[p] * f.a2[p];
             rate[p] = ((ahead[p] - decay[p] * now[p]) + start.a0[p] * f.a0[p] + by_torque[1][p] * torque[1][p])
                       + (start.b0[p] * f.b0[p] + by_torque[0][p] * torque[0][p]);
-            now[p] = share[k] * rate[p];
+            now[p] = scaled(rate[p], s);
         }
-        q = share[k] * sum_of_halves(s1, s2);
+        q = scaled_half(sum_of_halves(s1, s2), s);
         // What the next term needs of those before it does not wait for that.
         if (k + 1 == order) continue;
         if (k == 1) {

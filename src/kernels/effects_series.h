@@ -108,16 +108,16 @@ inlined void arrange_sides(const struct series_effects *e, int k, const vector *
 }
 
 // Term k + 1 of X and Y, from term k and the products of the terms between.
-inlined void append_sides(const struct series_effects *e, int k, const struct products *s, double share, const vector *ahead,
-                          vector *side) {
+inlined void append_sides(const struct series_effects *e, int k, const struct products *s, struct share share,
+                          const vector *ahead, vector *side) {
     vector other[parts], up[parts], frame[2][parts];
     get_parts(frame[0], e->side_frame[0]), get_parts(frame[1], e->side_frame[1]);
     from_halves(&s->rows[2][k], &s->rows[1][k], other), from_halves(&s->rows[0][k], &s->rows[0][k], up);
     for_all(p, parts) {
-        side[p] = share
-                  * ((ahead[p] + other[p] * frame[0][p] + up[p] * frame[1][p])
-                     + (s->x0[k][p] * s->b0[0][p] + s->x0[0][p] * s->b0[k][p])
-                     + (s->x1[k][p] * s->b1[0][p] + s->x1[0][p] * s->b1[k][p]));
+        side[p] = scaled((ahead[p] + other[p] * frame[0][p] + up[p] * frame[1][p])
+                             + (s->x0[k][p] * s->b0[0][p] + s->x0[0][p] * s->b0[k][p])
+                             + (s->x1[k][p] * s->b1[0][p] + s->x1[0][p] * s->b1[k][p]),
+                         share);
     }
 }
 
@@ -161,7 +161,7 @@ inlined void swap_factors(const vector *first, const vector *second, const vecto
 }
 
 inlined int expand_effects_with(const struct kinds *has, int order, const struct series_effects *e, const double *state,
-                                const double *pivot, const double *share, double *c) {
+                                const double *pivot, const double *share, const double *share_rest, double *c) {
     struct factors row[most_terms], start, next, f;
     struct products o;
     struct first_terms of;
@@ -186,12 +186,13 @@ inlined int expand_effects_with(const struct kinds *has, int order, const struct
 
     for (int k = 1;; ++k) {
         // `now`, `side` and `q` are term k; `ahead`, `sum` and `q_ahead` the products of the terms 1 to k - 1.
-        moment = moment_of(e, has, share[k - 1], &sum, &total, &o);
+        moment = moment_of(e, has, share[k - 1] + share_rest[k - 1], &sum, &total, &o);
         from_halves(&moment, &none, more);
         arrange(now, &q, &f, torque);
         momentum = first_half(now);
         put_half(c + numbers * k, &q), put_half(c + numbers * k + half, &momentum);
         if (k == order) return 1;
+        const struct share s = share_of(share, share_rest, k);
         for_all(p, parts) {
             rate[p] = k > 1 ? ahead[p] + more[p] : more[p];
             s1[p] = start.b1[p] * f.b1[p] + start.a1[p] * f.a1[p];
@@ -210,11 +211,11 @@ inlined int expand_effects_with(const struct kinds *has, int order, const struct
             arrange_sides(e, k, now, side, &f, &o);
             add_columns(of.linear + 6, &o.rows[1][k], rate), add_columns(of.linear + 9, &o.rows[2][k], rate);
             w -= e->frame_rate[0] * o.rows[1][k] + e->frame_rate[1] * o.rows[2][k];
-            append_sides(e, k, &o, share[k], sum.side, side);
+            append_sides(e, k, &o, s, sum.side, side);
         }
         for (int d = 0; d < has->drags; ++d) append_drag(&e->drag[d], k, &w, &o.drag[d]);
-        for_all(p, parts) now[p] = share[k] * rate[p];
-        q = share[k] * (sum_of_halves(s1, s2) + q_ahead);
+        for_all(p, parts) now[p] = scaled(rate[p], s);
+        q = scaled_half(sum_of_halves(s1, s2) + q_ahead, s);
         // What the next term needs of those before it does not wait for that.
         if (k + 1 == order) continue;
         sum = (struct effects_sums){0};
@@ -241,12 +242,12 @@ inlined int expand_effects_with(const struct kinds *has, int order, const struct
 
 // One effect has a build of its own, in which nothing is asked in loops.
 static void expand_effects(int order, const struct series_effects *e, const double *state, const double *pivot,
-                           const double *share, double *c, int *exists) {
+                           const double *share, const double *share_rest, double *c, int *exists) {
 #define try_kinds(...)                                                                           \
     do {                                                                                         \
         const struct kinds has = {__VA_ARGS__};                                                  \
         if (has.sides == e->has_sides && has.drags == e->drags && has.vibrates == e->vibrates) { \
-            *exists = expand_effects_with(&has, order, e, state, pivot, share, c);               \
+            *exists = expand_effects_with(&has, order, e, state, pivot, share, share_rest, c);   \
             return;                                                                              \
         }                                                                                        \
     } while (0)
@@ -256,7 +257,7 @@ static void expand_effects(int order, const struct series_effects *e, const doub
     try_kinds(0, 1, 0);
     try_kinds(0, 0, 1);
     try_kinds(1, 0, 1);
-    *exists = expand_effects_with(&any, order, e, state, pivot, share, c);
+    *exists = expand_effects_with(&any, order, e, state, pivot, share, share_rest, c);
 }
 
 #undef try_kinds

@@ -3,14 +3,15 @@
 // names with spintop_ before (kernels.c).
 
 // body_series.h, top_series.h: terms of the series of a motion.
-PROCEDURE(expand_body, (order, body, state, share, c), int order, const struct body_products *body, const double *state,
-          const double *share, double *c)
-PROCEDURE(expand_top, (order, linear, weight, share, state, rate, fall, c), int order, const double *linear,
-          const double *weight, const double *share, const double *state, const double *rate, double fall, double *c)
+PROCEDURE(expand_body, (order, body, state, share, share_rest, c), int order, const struct body_products *body,
+          const double *state, const double *share, const double *share_rest, double *c)
+PROCEDURE(expand_top, (order, linear, weight, share, share_rest, state, rate, fall, c), int order, const double *linear,
+          const double *weight, const double *share, const double *share_rest, const double *state, const double *rate,
+          double fall, double *c)
 
 // effects_series.h: the same with effects. `state` has q, U, G, X, Y and the momentum of the rotor.
-PROCEDURE(expand_effects, (order, e, state, pivot, share, c, exists), int order, const struct series_effects *e,
-          const double *state, const double *pivot, const double *share, double *c, int *exists)
+PROCEDURE(expand_effects, (order, e, state, pivot, share, share_rest, c, exists), int order, const struct series_effects *e,
+          const double *state, const double *pivot, const double *share, const double *share_rest, double *c, int *exists)
 
 // series_terms.h: the time at which the larger of the last two terms reaches the admissible error, not finite if they are not;
 // the change after a time h, the sum of all terms but the first; the changes after several times, of one variable after the

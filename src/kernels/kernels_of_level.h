@@ -10,6 +10,7 @@
 #include "vectors.h"
 
 #include "body_vectors.h"
+#include "shares.h"
 #include "body_start.h"
 
 #include "body_series.h"

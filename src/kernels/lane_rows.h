@@ -11,12 +11,3 @@ enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };
 enum { frame, torque = 3, push = 6, pull_back = 9, total = 12, drags = 15, of_drag = 9 };
 enum { drag_u, drag_s = 3, drag_t, drag_y, drag_v };
 enum { most_drags = 2, most_turning = 4 };
-
-// Terms of the series whose share is more than one number.
-enum { exact_shares = 8 };
-
-// 1/k as the sum of two numbers, or as one.
-struct share {
-    double first, rest;
-    int is_sum;
-};

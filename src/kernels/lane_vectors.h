@@ -8,8 +8,3 @@ inlined vector get(const double *rows_of_lanes, int row) {
 }
 
 inlined void put(double *rows_of_lanes, int row, vector value) { memcpy(rows_of_lanes + lanes * row, &value, sizeof value); }
-
-inlined vector scaled(vector rate, struct share s) {
-    const vector value = s.first * rate;
-    return s.is_sum ? value + s.rest * rate : value;
-}

@@ -29,22 +29,22 @@ inlined void keep_term(struct top_terms *s, int k, const vector *term, double *c
 }
 
 // Term k + 2: products of the terms 0 to k, and a factor of term k. The newest terms come last.
-inlined void add_top_term(struct top_terms *s, int k, double share, double *c) {
+inlined void add_top_term(struct top_terms *s, int k, struct share share, double *c) {
     vector sum[parts], more[parts], now[parts], next[parts];
     for_all(p, parts) sum[p] = more[p] = (vector){0};
     unrolled_far_for(int j = k / 2; j > 0; --j)
         for_all(p, parts) sum[p] += s->height[j] * s->term[k - j][p];
     unrolled_far_for(int j = k / 2 + 1; j < k; ++j)
         for_all(p, parts) more[p] += s->height[j] * s->term[k - j][p];
-    for_all(p, parts) now[p] = (share * s->weight[p]) * (sum[p] + more[p]);
-    for_all(p, parts) now[p] += (share * s->linear[p]) * s->term[k][p];
-    for_all(p, parts) next[p] = now[p] + s->height[k] * (share * s->start[p]);
+    for_all(p, parts) now[p] = s->weight[p] * scaled(sum[p] + more[p], share);
+    for_all(p, parts) now[p] += scaled(s->linear[p], share) * s->term[k][p];
+    for_all(p, parts) next[p] = now[p] + s->height[k] * scaled(s->start[p], share);
     keep_term(s, k + 2, next, c);
 }
 
 // From the state, whose height counts as zero, its rate, and the second derivative of the height.
-static void expand_top(int order, const double *linear, const double *weight, const double *share, const double *state,
-                       const double *rate, double fall, double *c) {
+static void expand_top(int order, const double *linear, const double *weight, const double *share, const double *share_rest,
+                       const double *state, const double *rate, double fall, double *c) {
     struct top_terms s;
     vector term[parts];
     get_parts(s.linear, linear), get_parts(s.weight, weight);
@@ -61,7 +61,7 @@ static void expand_top(int order, const double *linear, const double *weight, co
     // Without loops, so that no branch depends on the number of terms but the one that ends.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
-    add_top_term(&s, k, share[k], c);
+    add_top_term(&s, k, share_of(share, share_rest, k), c);
     // clang-format off
     after(1) after(2) after(3) after(4) after(5) after(6) after(7) after(8) after(9) after(10) after(11) after(12)
     after(13) after(14) after(15) after(16) after(17) after(18) after(19) after(20) after(21) after(22) after(23)
@@ -69,6 +69,6 @@ static void expand_top(int order, const double *linear, const double *weight, co
     // clang-format on
 #undef after
 #else
-    for (int k = 1; k + 2 <= order; ++k) add_top_term(&s, k, share[k], c);
+    for (int k = 1; k + 2 <= order; ++k) add_top_term(&s, k, share_of(share, share_rest, k), c);
 #endif
 }

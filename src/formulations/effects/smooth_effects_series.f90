@@ -18,7 +18,7 @@ module spintop_smooth_effects_series
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_kernel_types, only: body_products_t, half, series_effects_t
     use spintop_kinds, only: dp
-    use spintop_series_shares, only: of_rate
+    use spintop_series_shares, only: share_rest, short_share
     use spintop_vectors, only: cross
     implicit none
     private
@@ -40,11 +40,12 @@ module spintop_smooth_effects_series
     end type smooth_series_t
 
     interface
-        pure subroutine c_expand(order, effects, state, pivot, share, c, exists) bind(C, name='spintop_expand_effects')
+        pure subroutine c_expand(order, effects, state, pivot, share, share_rest, c, exists) &
+            bind(C, name='spintop_expand_effects')
             import :: c_double, c_int, series_effects_t
             integer(c_int), value :: order
             type(series_effects_t), intent(in) :: effects
-            real(c_double), intent(in) :: state(*), pivot(*), share(*)
+            real(c_double), intent(in) :: state(*), pivot(*), share(*), share_rest(*)
             real(c_double), intent(out) :: c(*)
             integer(c_int), intent(out) :: exists
         end subroutine c_expand
@@ -167,7 +168,7 @@ contains
         pivot(:, 0) = 0
         if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)
         if (abs(self%of%circle) > 0) call set_pivot_acceleration(self, t, state, pivot(:, 0))
-        call c_expand(order, self%of, state, pivot, of_rate, coefficient, has_series)
+        call c_expand(order, self%of, state, pivot, short_share, share_rest, coefficient, has_series)
         exists = has_series > 0
         if (.not. exists) return
         coefficient(:, 0) = y

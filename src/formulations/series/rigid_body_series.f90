@@ -16,7 +16,7 @@ module spintop_rigid_body_series
     use spintop_kernel_types, only: body_products_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_series_shares, only: of_rate
+    use spintop_series_shares, only: share_rest, short_share
     implicit none
     private
     public :: rigid_body_series_t
@@ -31,11 +31,11 @@ module spintop_rigid_body_series
     end type rigid_body_series_t
 
     interface
-        pure subroutine c_expand(order, body, state, share, c) bind(C, name='spintop_expand_body')
+        pure subroutine c_expand(order, body, state, share, share_rest, c) bind(C, name='spintop_expand_body')
             import :: body_products_t, c_double, c_int
             integer(c_int), value :: order
             type(body_products_t), intent(in) :: body
-            real(c_double), intent(in) :: state(*), share(*)
+            real(c_double), intent(in) :: state(*), share(*), share_rest(*)
             real(c_double), intent(out) :: c(*)
         end subroutine c_expand
     end interface
@@ -60,7 +60,7 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
         associate (unused => t)
         end associate
-        call c_expand(order, self%products, y, of_rate, coefficient)
+        call c_expand(order, self%products, y, short_share, share_rest, coefficient)
     end subroutine expand
 
 end module spintop_rigid_body_series

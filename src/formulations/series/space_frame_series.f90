@@ -7,7 +7,7 @@ module spintop_space_frame_series
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
-    use spintop_series_shares, only: of_acceleration
+    use spintop_series_shares, only: acceleration_rest, acceleration_share
     use spintop_small_turn, only: half_turn
     implicit none
     private
@@ -38,11 +38,11 @@ module spintop_space_frame_series
     end type space_frame_quadruple_t
 
     interface
-        pure subroutine c_expand(order, linear, weight, share, state, rate, fall, c) &
+        pure subroutine c_expand(order, linear, weight, share, share_rest, state, rate, fall, c) &
             bind(C, name='spintop_expand_top')
             import :: c_double, c_int
             integer(c_int), value :: order
-            real(c_double), intent(in) :: linear(*), weight(*), share(*), state(*), rate(*)
+            real(c_double), intent(in) :: linear(*), weight(*), share(*), share_rest(*), state(*), rate(*)
             real(c_double), value :: fall
             real(c_double), intent(out) :: c(*)
         end subroutine c_expand
@@ -80,7 +80,7 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
         !> Rates of the state and of v, and the factors of their linear terms.
         real(dp) :: rate(max_states), linear(max_states)
-        real(dp) :: m, w(3), axis(3), upper, lower, inverse, square, fall
+        real(dp) :: m, w(3), axis(3), upper, lower, excess, square, fall
 
         m = self%pull
         w = [y(1:2), self%vertical] / self%i1
@@ -88,8 +88,13 @@ contains
         associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6), unused => t)
             upper = p0**2 + p3**2
             lower = p1**2 + p2**2
-            inverse = 1 / (upper + lower)
-            axis = inverse * [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower]
+            ! Divided by the squared norm; see body_start.h.
+            excess = (((p0**2 - 1) + p3**2) + p1**2) + p2**2
+            excess = excess / (1 + excess)
+            axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower]
+            axis = axis - excess * axis
+            upper = upper - excess * upper
+            lower = lower - excess * lower
             rate = [w(3) / 2 * y(2) - m * axis(2) * self%i1, &
                     m * axis(1) * self%i1 - w(3) / 2 * y(1), &
                     -(w(1) * p1 + w(2) * p2 + w(3) * p3) / 2, &
@@ -99,10 +104,10 @@ contains
                     w(1) * axis(2) - w(2) * axis(1), 0.0_dp]
         end associate
         linear = [m * axis(3) - w(3)**2 / 4, m * axis(3) - w(3)**2 / 4, &
-                  m * inverse * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
+                  m * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
         fall = w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
             - m * (axis(1)**2 + axis(2)**2)
-        call c_expand(order, linear, self%weight, of_acceleration, y, rate, fall, coefficient)
+        call c_expand(order, linear, self%weight, acceleration_share, acceleration_rest, y, rate, fall, coefficient)
     end subroutine expand
 
     !> Rotates L back to axes at rest.

@@ -1,15 +1,13 @@
 // Sliders and boxes of the parameters. A slider and a box show one number; both write it.
 
 import { NUMBERS, refusal } from "./scene.js";
+import { readQuantity } from "./units.js";
 
 const STEPS = 1000;
 const ABOUT = 10; // a slider that goes by ratios covers this factor to both sides
-const DIGITS = 6;
 
-/** A number with a few digits, for a box. */
-export function inBox(value) {
-  return String(Number(value.toPrecision(DIGITS)));
-}
+/** A number as its box has it: with all its digits, for it is this number with which the page computes. */
+export const inBox = String;
 
 /** A round number that is not smaller. */
 export function roundUp(value) {
@@ -43,6 +41,7 @@ export class Control {
     this.fault = Object.assign(document.createElement("p"), { className: "fault", id: `${id}-fault`, hidden: true });
     this.element.append(label, this.box, units, this.track, this.fault);
     this.slider.addEventListener("input", () => this.#slide());
+    this.box.addEventListener("focus", () => { this.before = this.value; });
     this.box.addEventListener("input", () => this.#type(false));
     this.box.addEventListener("change", () => this.#type(true));
   }
@@ -62,6 +61,7 @@ export class Control {
 
   set(value) {
     this.value = value;
+    this.before = value;
     this.box.value = inBox(value);
     this.#say("");
     this.#put(value);
@@ -106,15 +106,24 @@ export class Control {
     this.onChange(this.name, this.value);
   }
 
+  /**
+   * Take what stands in the box, a number with or without a unit. What is none leaves the number that was there
+   * before one began to type, which the box shows again when one has ended.
+   */
   #type(isFinal) {
-    const text = this.box.value.trim().replace("\u2212", "-").replace(",", ".");
-    const value = text === "" ? NaN : Number(text);
-    const fault = refusal(this.name, value);
-    this.#say(fault && isFinal ? fault : "");
-    if (fault) return;
-    this.value = value;
-    this.#put(value);
-    this.onChange(this.name, value);
+    const { unit } = NUMBERS[this.name];
+    const read = readQuantity(this.box.value, unit);
+    const fault = read.fault ?? refusal(this.name, read.value);
+    const value = fault ? this.before : read.value;
+    this.#say(fault && isFinal ? `${fault}: it stays ${inBox(value)}${unit && ` ${unit}`}` : "");
+    if (value !== this.value) {
+      this.value = value;
+      this.#put(value);
+      this.onChange(this.name, value);
+    }
+    if (!isFinal) return;
+    this.box.value = inBox(this.value);
+    this.before = this.value;
   }
 
   #say(fault) {
@@ -122,6 +131,5 @@ export class Control {
     this.fault.textContent = fault;
     if (fault) this.box.setAttribute("aria-describedby", this.fault.id);
     else this.box.removeAttribute("aria-describedby");
-    this.box.setAttribute("aria-invalid", String(Boolean(fault)));
   }
 }

@@ -1,4 +1,4 @@
-// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the exact solution
+// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the motion
 // is computed anew and shown in the next frame.
 
 import { Quaternion, Vector3 } from "three";
@@ -12,10 +12,9 @@ import { Control, roundUp } from "./controls.js";
 import { Keeper, STILL } from "./keeper.js";
 import { bindKeys } from "./keys.js";
 import { fillPanel, showMoment } from "./panel.js";
-import {
-  FIRST, NUMBERS, PRESETS, SHAPES, START, complete, inputOf, linkOf, resolve, stateOfLink,
-} from "./scene.js";
-import { COARSE, FINE, Track, drawingOf, nutationsIn } from "./track.js";
+import { FIRST, PRESETS } from "./presets.js";
+import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, resolve, stateOfLink } from "./scene.js";
+import { COARSE, FINE, Track, drawingOf } from "./track.js";
 import { accountOf } from "./words.js";
 
 const QUIET = 500; // ms without a change before it is announced and the link holds it
@@ -35,6 +34,12 @@ function coneOf(table, perUnit) {
     spokes.push(0, 0, 0, edge[i], edge[i + 1], edge[i + 2]);
   }
   return [edge, [...spokes, 0, 0, 0]];
+}
+
+/** The time of so many nutations of a state, s; of a motion that has none, as many seconds. */
+function timeOf(state, nutations) {
+  const { period } = new Track(complete({ ...state, t_end: 1e-6 })).nutation ?? {};
+  return Number((nutations * (Number.isFinite(period) ? period : 1)).toPrecision(6));
 }
 
 export class LiveTop {
@@ -77,7 +82,7 @@ export class LiveTop {
   #makeControls() {
     const { parts } = this;
     parts.preset.append(
-      ...Object.entries(PRESETS).map(([key, { title, words }]) => new Option(`${title}: ${words}`, key)),
+      ...Object.entries(PRESETS).map(([key, { title }]) => new Option(title, key)),
       new Option("as set below", ""),
     );
     parts.shape.append(...Object.entries(SHAPES).map(([key, { name }]) => new Option(name, key)));
@@ -86,8 +91,7 @@ export class LiveTop {
       const control = new Control(name, `live${made}`);
       control.onChange = (key, value) => this.change({ [key]: value });
       this.controls[name] = control;
-      const place = START.includes(name) ? parts.start : name === "nutations" ? parts.span : parts.body;
-      place.append(control.element);
+      parts[NUMBERS[name].part].append(control.element);
     }
     for (const part of ["preset", "shape", "precession", "speed"]) {
       parts[part].id = `live${made}-${part}`;
@@ -157,10 +161,12 @@ export class LiveTop {
   /** Show a state, with ranges and a speed that suit it. */
   load(state, preset = null) {
     const isFirst = !state;
-    const { span, ...given } = state ?? PRESETS[FIRST].state;
+    const { nutations, ...given } = state ?? PRESETS[FIRST].state;
     this.state = complete(given);
-    if (span) this.state.nutations = nutationsIn(this.state, span);
-    this.parts.preset.value = preset ?? (isFirst ? FIRST : "");
+    Object.assign(this.state, consequenceOf(this.state, {}).fields);
+    if (nutations) this.state.t_end = timeOf(this.state, nutations);
+    this.#namePreset(preset ?? (isFirst ? FIRST : ""));
+    this.parts.limits.textContent = "";
     for (const name of Object.keys(NUMBERS)) this.controls[name].set(this.state[name]);
     this.parts.shape.value = this.state.shape;
     this.parts.precession.value = this.state.precession;
@@ -175,9 +181,18 @@ export class LiveTop {
   /** Change parameters. */
   change(fields) {
     Object.assign(this.state, fields);
-    this.parts.preset.value = "";
+    const { fields: others, words } = consequenceOf(this.state, fields);
+    Object.assign(this.state, others);
+    for (const [name, value] of Object.entries(others)) this.controls[name].set(value);
+    this.parts.limits.textContent = words;
+    this.#namePreset("");
     this.#isChanged = true;
     this.#request();
+  }
+
+  #namePreset(key) {
+    this.parts.preset.value = key;
+    this.parts.preset_words.textContent = PRESETS[key]?.words ?? "";
   }
 
   /** Ranges of the sliders that suit the state. */
@@ -185,7 +200,18 @@ export class LiveTop {
     const { state, controls } = this;
     const { body, threshold, roots } = resolve(state);
     for (const [name, control] of Object.entries(controls)) control.suit(state[name]);
-    const natural = Math.sqrt((2 * body.mgl) / body.inertia1) || 1;
+    const natural = Math.SQRT2 * body.naturalRate || 1;
+    const largest = Math.max(...body.inertia);
+    const reach = Math.hypot(...body.centre) || 1;
+    const losses = {
+      damping1: 0.1 * largest * natural, damping2: 0.1 * largest * natural, damping3: 0.1 * body.inertia3 * natural,
+      friction: 0.1 * largest * natural ** 2, amplitude: 0.3 * reach, vibration_rate: 40 * natural,
+    };
+    for (const [name, most] of Object.entries(losses)) controls[name].setRange(0, roundUp(Math.max(most, state[name])));
+    for (const name of ["centre_x", "centre_y", "centre_z", "product23", "product31", "product12"]) {
+      const most = roundUp(Math.max(name.startsWith("centre") ? reach : 0.3 * largest, Math.abs(state[name])));
+      controls[name].setRange(-most, most);
+    }
     const symmetric = (...values) => {
       const most = roundUp(Math.max(...values.map(Math.abs), 1e-3));
       return [-most, most];
@@ -210,7 +236,7 @@ export class LiveTop {
     const began = performance.now();
     this.#isChanged = false;
     const track = new Track(this.state, most);
-    this.#isCoarse = most === COARSE && track.count > COARSE;
+    this.#isCoarse = most === COARSE && !track.isComplete;
     this.track = track;
     this.clock.span = track.span;
     this.clock.time = Math.min(this.clock.time, track.span);

@@ -1,7 +1,7 @@
 // The panel of a live top: what its motion is, and the readings of a moment.
 
 import { inDegrees, inShort } from "../text.js";
-import { SHAPES } from "./scene.js";
+import { numbersOf } from "./scene.js";
 import { classOf, factsOf, sleepOf } from "./words.js";
 
 /** Bring the panel up to the motion of a live top. */
@@ -10,7 +10,9 @@ export function fillPanel({ parts, track, controls, state }) {
   parts.class.textContent = name;
   parts.meaning.textContent = meaning;
   parts.sleep.textContent = sleepOf(track);
-  factsOf(track).forEach(([term, value], i) => {
+  const facts = factsOf(track);
+  while (parts.facts.children.length > facts.length) parts.facts.lastChild.remove();
+  facts.forEach(([term, value], i) => {
     const row = parts.facts.children[i] ?? parts.facts.appendChild(newFact());
     [row.firstChild.textContent, row.lastChild.textContent] = [term, value];
   });
@@ -22,10 +24,8 @@ export function fillPanel({ parts, track, controls, state }) {
   }
   controls.omega3.markAt(track.threshold > 0 ? track.threshold : null);
   parts.threshold.disabled = !(track.threshold > 0);
-  const { needs } = SHAPES[state.shape];
-  for (const [key, { element }] of Object.entries(controls)) {
-    if (element.parentNode === parts.body) element.hidden = key !== "gravity" && !needs.includes(key);
-  }
+  const names = numbersOf(state);
+  for (const [key, { element }] of Object.entries(controls)) element.hidden = !names.includes(key);
 }
 
 function newFact() {
@@ -39,7 +39,8 @@ export function showMoment(parts, moment, track) {
   parts.t.textContent = `${moment.t.toPrecision(4)} s`;
   ["phi", "theta", "psi"].forEach((name, k) => {
     parts[name].textContent = inDegrees(moment.angle[k], 2);
-    parts[`${name}_rate_now`].textContent = inShort(moment.rate[k]);
+    const rate = moment.rate[k];
+    parts[`${name}_rate_now`].textContent = Number.isFinite(rate) ? inShort(rate) : "–";
   });
   for (const name of ["kinetic", "potential"]) parts[name].textContent = `${inShort(moment[name])} J`;
   parts.energy.textContent = `${inShort(moment.kinetic + moment.potential)} J`;

@@ -1,7 +1,7 @@
 // Steady motion of a symmetric top: precession at a constant inclination and spin, and the sleeping top:
 // src/exact/steady_motion.f90.
 
-import { sign } from "./arithmetic.js";
+
 
 /**
  * Rates of steady precession at an inclination for a given axial angular velocity, rad/s: the roots of
@@ -29,7 +29,7 @@ export function criticalOmega3(body) {
 function precessionRoots(a, b, c) {
   const discriminant = b ** 2 - 4 * a * c;
   if (discriminant < 0) return [];
-  const larger = b + sign(Math.sqrt(discriminant), b);
+  const larger = b + (b < 0 ? -1 : 1) * Math.sqrt(discriminant);
   if (larger === 0) return [];
   return a === 0 ? [(2 * c) / larger] : [(2 * c) / larger, larger / (2 * a)];
 }

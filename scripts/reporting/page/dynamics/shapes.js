@@ -30,5 +30,6 @@ function disc(inner, outer, height, length) {
 export function buildShape(name, size, density) {
   const { volume, length, across, along } = SOLIDS[name](size);
   const mass = density * volume;
-  return { mass, length, inertia1: mass * across + mass * length ** 2, inertia3: mass * along };
+  const transverse = mass * (across + length ** 2);
+  return { mass, inertia: [transverse, transverse, mass * along], centre: [0, 0, length] };
 }

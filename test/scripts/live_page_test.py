@@ -312,9 +312,88 @@ class LiveTest(LiveCase):
         """Path, body, arrows and cones come and go."""
         self.choose("loop")
         self.run_script("liveTop.seek(2.3)")
-        for name in ("body_shown", "trace", "momentum", "omega", "force", "cones"):
+        for name in (
+            "body_shown",
+            "trace",
+            "momentum",
+            "omega",
+            "force",
+            "torque",
+            "change",
+            "cones",
+        ):
             with self.subTest(name), self.changing(self.section):
                 self.part(self.section, name).click()
+
+    def drag(self, place: str, right: int, down: int) -> None:
+        """Drag a point of the stage, which is an expression of its place."""
+        script = f"""
+            const [x, y] = {place}, {{ element }} = liveTop.stage;
+            const {{ left, top }} = element.getBoundingClientRect();
+            return [left + x, top + y];
+        """
+        x, y = self.run_script(script)
+        for kind, to_x, to_y in (
+            ("mouseMoved", x, y),
+            ("mousePressed", x, y),
+            ("mouseMoved", x + right, y + down),
+            ("mouseReleased", x + right, y + down),
+        ):
+            button = "none" if kind == "mouseMoved" and to_x == x else "left"
+            self.tell(
+                "Input.dispatchMouseEvent", type=kind, x=to_x, y=to_y, button=button, clickCount=1
+            )
+
+    def test_drag(self) -> None:
+        """The tip of the axis is dragged to another tilt, the body to another spin."""
+        self.choose("cusp")
+        wait_for(lambda: self.run_script("return liveTop.stage.dimensions"), "the stage")
+        self.run_script("liveTop.section.scrollIntoView(); liveTop.seek(1.2)")
+        arrow = "liveTop.stage.project(liveTop.axisNow().multiplyScalar(liveTop.tip * {}))"
+        self.run_script("liveTop.seek(0)")
+        self.drag(arrow.format("1"), 0, 60)
+        theta = wait_for(
+            lambda: self.run_script("return liveTop.state.theta !== 50 && liveTop.state.theta"),
+            "another tilt",
+        )
+        self.assertTrue(50 < theta < 120, theta)
+        self.assertEqual(float(self.control("theta", "text").get_property("value")), theta)
+        self.assertEqual(self.run_script("return liveTop.state.omega3"), 30)
+        before = self.run_script("return liveTop.stage.project(liveTop.axisNow())")
+        self.drag(f"{arrow.format('0.9')}.map((v) => v + 12)", 80, 0)
+        wait_for(lambda: self.run_script("return liveTop.state.omega3 > 35"), "another spin")
+        self.assertEqual(self.run_script("return liveTop.state.theta"), theta)
+        after = self.run_script("return liveTop.stage.project(liveTop.axisNow())")
+        self.assertEqual(before, after)  # the view has not turned
+
+    def test_tour(self) -> None:
+        """Six steps, each with its preset, its arrows and words; then the page is as before."""
+        self.part(self.section, "tour_begin").click()
+        titles = []
+        for number in range(1, 7):
+            self.assertIn(f"Step {number} of 6", self.text("tour_count"))
+            titles.append(self.text("tour_count").partition(": ")[2])
+            menu = self.part(self.section, "preset")
+            chosen = self.run_script("return arguments[0].selectedOptions[0].textContent", menu)
+            self.assertEqual(chosen, titles[-1])
+            self.assertGreater(len(self.text("tour_text")), 80)
+            if number == 3:
+                self.assertEqual(self.violations(self.part(self.section, "tour")), [])
+                self.assertTrue(self.part(self.section, "torque").is_selected())
+            self.part(self.section, "tour_next").click()
+        self.assertEqual(len(set(titles)), 6)
+        self.assertFalse(self.part(self.section, "tour").is_displayed())
+
+    def test_full_screen(self) -> None:
+        """The live top fills the screen, and leaves it."""
+        button = self.part(self.section, "screen")
+        button.click()
+        wait_for(
+            lambda: self.run_script("return document.fullscreenElement === liveTop.section"), "it"
+        )
+        wait_for(lambda: button.text == "Leave full screen", "its name")
+        button.click()
+        wait_for(lambda: self.run_script("return !document.fullscreenElement"), "the page")
 
     def test_accessibility(self) -> None:
         """axe finds nothing; light and dark, wide and narrow, at rest and moving."""

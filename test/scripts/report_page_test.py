@@ -129,19 +129,19 @@ class PageTest(BrowserCase):
                 self.assertEqual(self.violations(), [])
 
     def test_live_top(self) -> None:
-        """A symmetric top without damping has a live top, which opens with its scene."""
+        """A body that the page can compute has a live top, which opens with its scene."""
         cards = self.browser.find_elements("css selector", "section.live.closed")
         script = "return arguments[0].closest('article').querySelector('.lead code').textContent"
         by_table = {self.run_script(script, card): card for card in cards}
         self.assertIn("spinning_wheel_figure11.csv", by_table)
-        self.assertNotIn("heavy_top_benchmark.csv", by_table)  # its axis of symmetry is body y
+        self.assertIn("heavy_top_benchmark.csv", by_table)  # its axis of symmetry is body y
         card = by_table["slow_top.csv"]
         self.run_script("arguments[0].scrollIntoView({ behavior: 'instant' })", card)
         card.find_element("css selector", "button").click()
         wait_for(lambda: self.run_script("return arguments[0].top?.track?.count > 0", card), "it")
         self.assertEqual(self.part(card, "class").text, "Cusps")
         state = self.run_script("return arguments[0].top.state", card)
-        expected = {"theta": 11.25, "omega3": 1, "inertia1": 0.875, "nutations": 3}
+        expected = {"theta": 11.25, "omega3": 1, "inertia1": 0.875}
         self.assertEqual({key: state[key] for key in expected}, expected)
         self.run_script("arguments[0].top.pause()", card)
         self.assertEqual(self.violations(card), [])

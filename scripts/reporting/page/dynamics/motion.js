@@ -151,7 +151,7 @@ export class Motion {
   /**
    * The motion at a time, s: angles with all turns of phi and psi, their rates (NaN where they do not exist), the
    * angular velocity in body axes; in space axes the axis, the angular velocity, the angular momentum, the torque
-   * of gravity, and the support force; and the energies.
+   * of gravity, the derivative of the momentum, and the support force; and the energies.
    */
   at(t) {
     this.reach(t);
@@ -173,20 +173,24 @@ export class Motion {
       omegaSpace: toSpace(quaternion, omega),
       momentum: toSpace(quaternion, momentum),
       torque: [-body.mass * load * centre[1], body.mass * load * centre[0], 0],
-      force: this.#forceAt(t, state, omega),
+      ...this.#accelerated(t, state, omega),
       kinetic: dot(omega, momentum) / 2,
       potential: body.mass * body.gravity * centre[2],
     };
   }
 
-  /** Mass times acceleration of the centre of mass, minus the weight, N. */
-  #forceAt(t, { quaternion, momentum }, omega) {
+  /** Mass times acceleration of the centre of mass, minus the weight, N; and the derivative of the momentum. */
+  #accelerated(t, { quaternion, momentum }, omega) {
     const { body } = this;
     const change = t >= this.stop ? [0, 0, 0] : accelerationOf(body, t, quaternion, momentum);
     const swing = cross(omega, cross(omega, body.centre));
     const acceleration = cross(change, body.centre).map((value, k) => value + swing[k]);
     const [x, y, z] = toSpace(quaternion, acceleration);
-    return [body.mass * x, body.mass * y, body.mass * (z + loadAt(body, t))];
+    const turned = cross(omega, momentum);
+    return {
+      force: [body.mass * x, body.mass * y, body.mass * (z + loadAt(body, t))],
+      change: toSpace(quaternion, times(body.tensor, change).map((value, k) => value + turned[k])),
+    };
   }
 }
 

@@ -9,16 +9,18 @@ import { unitsOf } from "../stage/view.js";
 import { Charts, linesOf } from "./charts.js";
 import { Clock } from "./clock.js";
 import { Control, roundUp } from "./controls.js";
+import { Grip } from "./grip.js";
 import { Keeper, STILL } from "./keeper.js";
 import { bindKeys } from "./keys.js";
 import { fillPanel, showMoment } from "./panel.js";
 import { FIRST, PRESETS } from "./presets.js";
 import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, resolve, stateOfLink } from "./scene.js";
 import { COARSE, FINE, Track, drawingOf } from "./track.js";
+import { Tour } from "./tour.js";
 import { accountOf } from "./words.js";
 
 const QUIET = 500; // ms without a change before it is announced and the link holds it
-const VECTORS = ["momentum", "omega", "force"];
+const VECTORS = ["momentum", "omega", "force", "torque", "change"];
 const PLOTS = ["theta", "phi", "psi", "energy", "potential", "portrait"];
 const SPOKES = 36; // of a cone
 const SPHERE = { times: [0, 1, 2, 3, 4, 5], points: [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1] };
@@ -62,6 +64,7 @@ export class LiveTop {
       [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
     );
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.isCalm = calm;
     this.clock = new Clock();
     this.stage = new Stage(this.parts.stage, { calm });
     this.charts = new Charts(Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]])));
@@ -110,8 +113,7 @@ export class LiveTop {
     });
     parts.precession.addEventListener("change", () => this.change({ precession: parts.precession.value }));
     parts.threshold.addEventListener("click", () => {
-      this.change({ omega3: Number(this.track.threshold.toPrecision(12)) });
-      this.controls.omega3.set(this.state.omega3);
+      this.set({ omega3: Number(this.track.threshold.toPrecision(12)) });
     });
     parts.play.addEventListener("click", () => this.toggle());
     parts.time.addEventListener("input", () => {
@@ -119,10 +121,20 @@ export class LiveTop {
     });
     parts.speed.addEventListener("change", () => { this.clock.speed = Number(parts.speed.value); });
     parts.reset.addEventListener("click", () => this.stage.look("reset"));
+    parts.screen.hidden = !document.fullscreenEnabled;
+    parts.screen.addEventListener("click", () => {
+      if (document.fullscreenElement) document.exitFullscreen();
+      else this.section.requestFullscreen();
+    });
+    document.addEventListener("fullscreenchange", () => {
+      parts.screen.textContent = document.fullscreenElement ? "Leave full screen" : "Full screen";
+    });
+    this.tour = new Tour(this);
     for (const name of ["body_shown", "trace", "cones", ...VECTORS]) {
       parts[name].addEventListener("change", () => this.#showParts());
     }
     this.keeper = new Keeper(this);
+    this.grip = new Grip(this);
     this.charts.onPick = (time) => this.seek(time);
     bindKeys(this.section, this);
   }
@@ -188,6 +200,12 @@ export class LiveTop {
     this.#namePreset("");
     this.#isChanged = true;
     this.#request();
+  }
+
+  /** Change parameters, and have their controls show it. */
+  set(fields) {
+    for (const [name, value] of Object.entries(fields)) this.controls[name].set(value);
+    this.change(fields);
   }
 
   #namePreset(key) {
@@ -274,12 +292,18 @@ export class LiveTop {
     }
     if (parts.cones.checked) {
       const unit = unitsOf([{ body: this.drawing }], { omega: track.omega }).omega;
-      for (const [table, colour, frame] of [[track.omega, "momentum", "space"], [track.omegaBody, "odd", "body"]]) {
+      for (const [table, colour, frame] of [[track.omega, "omega", "space"], [track.omegaBody, "mark", "body"]]) {
         const [edge, spokes] = coneOf(table, unit);
         curves.push({ points: edge, colour, width: 2, frame }, { points: spokes, colour, width: 0.7, frame });
       }
     }
     this.stage.setCurves(curves);
+  }
+
+  /** Show or hide an arrow, the path, or the cones, as its box does. */
+  show(name, on) {
+    this.parts[name].checked = on;
+    this.#showParts();
   }
 
   #showParts(isShown = true) {
@@ -346,10 +370,17 @@ export class LiveTop {
         momentum: new Vector3(...moment.momentum),
         omega: new Vector3(...moment.omegaSpace),
         force: new Vector3(...moment.force),
+        torque: new Vector3(...moment.torque),
+        change: new Vector3(...moment.change),
       },
     });
     this.charts.show(moment);
     showMoment(parts, moment, track);
+  }
+
+  /** The axis at the moment that is shown. */
+  axisNow() {
+    return new Vector3(...this.track.at(this.clock.time).axis);
   }
 
   play() {

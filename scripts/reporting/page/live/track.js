@@ -13,7 +13,7 @@ const FEWEST = 240;
 export const COARSE = { points: 300, steps: 1500 };
 export const FINE = { points: 1800, steps: 40000 };
 const COLUMNS = ["t", "phi", "theta", "psi", "kinetic", "potential", "energy", "thetaRate"];
-const VECTORS = ["axis", "omega", "omegaBody", "momentum", "force", "torque"];
+const VECTORS = ["axis", "omega", "omegaBody", "momentum", "force", "torque", "change"];
 
 export class Track {
   /** @param state as scene.js has it @param most points and steps, `COARSE` or `FINE` */
@@ -56,6 +56,7 @@ export class Track {
       this.momentum.set(moment.momentum, 3 * i);
       this.force.set(moment.force, 3 * i);
       this.torque.set(moment.torque, 3 * i);
+      this.change.set(moment.change, 3 * i);
     }
   }
 

@@ -92,7 +92,7 @@ class LiveTest(LiveCase):
         shown = float(self.control("omega3", "text").get_property("value"))
         self.assertEqual(shown, self.run_script("return liveTop.state.omega3"))
         box = self.control("omega3", "text")
-        self.type_into(box, "26")
+        self.type_into(box, "26\n")
         wait_for(lambda: "upright it sleeps" in self.text("sleep"), "sleep")
         self.assertIn("almost upright it sleeps", self.text("meaning"))
         self.assertLess(self.run_script(widest), 3)
@@ -147,7 +147,7 @@ class LiveTest(LiveCase):
                 self.assertEqual(fault.text, words)
                 self.assertEqual(self.run_script("return liveTop.state.theta"), 50)
                 self.assertEqual(box.get_property("value"), "50")
-        self.type_into(box, "60,5")
+        self.type_into(box, "60,5\n")
         wait_for(lambda: self.run_script("return liveTop.track.start.angle[1]") > 1.05, "60.5")
         self.assertFalse(fault.is_displayed())
 
@@ -216,6 +216,16 @@ class LiveTest(LiveCase):
         wait_for(lambda: "computes no vibration" in self.text("limits"), "a sentence")
         self.assertEqual(self.control("amplitude", "text").get_property("value"), "0")
         self.assertEqual(self.run_script("return liveTop.state.amplitude"), 0)
+
+    def test_impossible_bodies(self) -> None:
+        """A number for which there is no body changes another one, which its box shows."""
+        self.open(self.page, "#shape=ring&radius=0.1&inner_radius=0.5")
+        box = self.control("inner_radius", "text")
+        self.assertEqual(float(box.get_property("value")), 0.099)
+        self.open(self.page, "#shape=tensor&product12=0.1")
+        self.type_into(self.control("product12", "text"), "3\n")
+        wait_for(lambda: "No body has such products" in self.text("limits"), "a sentence")
+        self.assertEqual(self.control("product12", "text").get_property("value"), "0")
 
     def test_all_that_is_linked(self) -> None:
         """Stage, readings, cursors and points are those of the motion at the time."""
@@ -383,6 +393,21 @@ class LiveTest(LiveCase):
             self.part(self.section, "tour_next").click()
         self.assertEqual(len(set(titles)), 6)
         self.assertFalse(self.part(self.section, "tour").is_displayed())
+
+    def test_second_top(self) -> None:
+        """A motion is kept in grey while a slider changes the other; both move, and it goes."""
+        button = self.part(self.section, "keep")
+        button.click()
+        self.assertIn("the same motion", self.text("kept"))
+        self.type_into(self.control("omega3", "text"), "40\n")
+        wait_for(lambda: self.text("kept") == "In grey: ω₃ = 30 rad/s.", "what differs")
+        self.assertEqual(self.run_script("return liveTop.kept.track.start.omega[2]"), 30)
+        self.assertEqual(self.run_script("return liveTop.track.start.omega[2]"), 40)
+        with self.changing(self.section):
+            self.run_script("liveTop.seek(2.2)")
+        with self.changing(self.section):
+            button.click()
+        self.assertEqual(self.text("kept"), "")
 
     def test_full_screen(self) -> None:
         """The live top fills the screen, and leaves it."""

@@ -46,8 +46,8 @@ export class Charts {
     for (const plot of Object.values(this.plots)) plot.resize();
   }
 
-  /** Draw all charts of a track. */
-  draw(track, colours) {
+  /** Draw all charts of a track, and the angles of another beside it. */
+  draw(track, colours, other = null) {
     const { plots } = this;
     const pane = plots.potential.pane.parentElement;
     if (pane.hidden === Boolean(track.nutation)) { // of other bodies there is none
@@ -56,14 +56,16 @@ export class Charts {
     }
     const { t } = track;
     const times = [0, track.wanted];
-    const byTime = (plot, columns, lines, least) => {
-      plot.begin(times, rangeOf(columns, least), colours);
+    const byTime = (plot, columns, lines, least, beside = []) => {
+      plot.begin(times, rangeOf([...columns, ...beside], least), colours);
+      for (const column of beside) plot.line(other.t, column, colours.quiet);
       columns.forEach((column, i) => plot.line(t, column, lines[i]));
       plot.end();
     };
-    byTime(plots.theta, [degrees(track.theta)], [colours.trace], 1e-3);
-    byTime(plots.phi, [degrees(track.phi)], [colours.trace], 1e-3);
-    byTime(plots.psi, [degrees(track.psi)], [colours.trace], 1e-3);
+    for (const name of ["theta", "phi", "psi"]) {
+      const beside = other ? [degrees(other[name])] : [];
+      byTime(plots[name], [degrees(track[name])], [colours.trace], 1e-3, beside);
+    }
     const energies = ["kinetic", "potential", "energy"];
     byTime(plots.energy, energies.map((name) => track[name]), [colours.kinetic, colours.potential, colours.ink]);
     this.#drawPotential(track, colours);

@@ -32,7 +32,7 @@ export class Control {
     label.append(sign, ` ${words}`);
     this.slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: STEPS, step: 1 });
     this.slider.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
-    this.box = Object.assign(document.createElement("input"), { type: "text", inputMode: "decimal", id });
+    this.box = Object.assign(document.createElement("input"), { type: "text", id });
     this.box.autocomplete = "off";
     const units = Object.assign(document.createElement("span"), { className: "unit", textContent: unit });
     this.track = Object.assign(document.createElement("div"), { className: "track" });
@@ -41,9 +41,7 @@ export class Control {
     this.fault = Object.assign(document.createElement("p"), { className: "fault", id: `${id}-fault`, hidden: true });
     this.element.append(label, this.box, units, this.track, this.fault);
     this.slider.addEventListener("input", () => this.#slide());
-    this.box.addEventListener("focus", () => { this.before = this.value; });
-    this.box.addEventListener("input", () => this.#type(false));
-    this.box.addEventListener("change", () => this.#type(true));
+    this.box.addEventListener("change", () => this.#type());
   }
 
   /** The values at the ends of the slider. */
@@ -61,7 +59,6 @@ export class Control {
 
   set(value) {
     this.value = value;
-    this.before = value;
     this.box.value = inBox(value);
     this.#say("");
     this.#put(value);
@@ -106,24 +103,16 @@ export class Control {
     this.onChange(this.name, this.value);
   }
 
-  /**
-   * Take what stands in the box, a number with or without a unit. What is none leaves the number that was there
-   * before one began to type, which the box shows again when one has ended.
-   */
-  #type(isFinal) {
+  /** Take what was typed, a number with or without a unit; the box shows the number that is used. */
+  #type() {
     const { unit } = NUMBERS[this.name];
+    const before = this.value;
     const read = readQuantity(this.box.value, unit);
     const fault = read.fault ?? refusal(this.name, read.value);
-    const value = fault ? this.before : read.value;
-    this.#say(fault && isFinal ? `${fault}: it stays ${inBox(value)}${unit && ` ${unit}`}` : "");
-    if (value !== this.value) {
-      this.value = value;
-      this.#put(value);
-      this.onChange(this.name, value);
-    }
-    if (!isFinal) return;
+    if (!fault) this.set(read.value);
     this.box.value = inBox(this.value);
-    this.before = this.value;
+    this.#say(fault && `${fault}: it stays ${inBox(this.value)}${unit && ` ${unit}`}`);
+    if (this.value !== before) this.onChange(this.name, this.value);
   }
 
   #say(fault) {

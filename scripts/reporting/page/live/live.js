@@ -130,6 +130,7 @@ export class LiveTop {
       parts.screen.textContent = document.fullscreenElement ? "Leave full screen" : "Full screen";
     });
     this.tour = new Tour(this);
+    parts.keep.addEventListener("click", () => this.keep(!this.kept));
     for (const name of ["body_shown", "trace", "cones", ...VECTORS]) {
       parts[name].addEventListener("change", () => this.#showParts());
     }
@@ -271,15 +272,17 @@ export class LiveTop {
     const { body, label } = drawingOf(state, track.body);
     const trace = { times: track.t, points: track.axis };
     const vectors = Object.fromEntries(VECTORS.map((name) => [name, track[name]]));
-    const key = JSON.stringify(body);
+    const { kept } = this;
+    const key = JSON.stringify([body, kept?.drawing]);
     if (key !== this.#drawn) {
       this.#drawn = key;
       this.drawing = body; // the same while the body is the same
       this.tip = tipOf(body);
-      stage.setTops([{ body, trace: SPHERE, look: "solid" }], vectors);
+      const other = kept && { body: kept.drawing, trace: SPHERE, look: "ghost" };
+      stage.setTops([{ body, trace: SPHERE, look: "solid" }, other].filter(Boolean), vectors);
       this.#showParts(false);
     }
-    stage.setTraces([trace], vectors);
+    stage.setTraces([trace, kept?.trace].filter(Boolean), vectors);
     this.parts.label.textContent = [label, track.lack].filter(Boolean).join(" ");
     this.#setCurves();
   }
@@ -315,9 +318,20 @@ export class LiveTop {
     this.#show();
   }
 
+  /** Keep the motion as a second top in grey, which stays while the sliders change the first; or remove it. */
+  keep(on) {
+    const { state, track, drawing, parts } = this;
+    this.kept = on ? { state: { ...state }, track, drawing, trace: { times: track.t, points: track.axis } } : null;
+    parts.keep.setAttribute("aria-pressed", String(on));
+    parts.keep.textContent = on ? "Remove the second top" : "Keep as second top";
+    this.#fillStage();
+    this.redraw();
+    fillPanel(this);
+  }
+
   /** Draw the charts, and the moment. */
   redraw(isShown = true) {
-    this.charts.draw(this.track, linesOf(this.section));
+    this.charts.draw(this.track, linesOf(this.section), this.kept?.track);
     if (isShown) this.#show();
   }
 
@@ -362,10 +376,10 @@ export class LiveTop {
   #show() {
     const { parts, track, clock } = this;
     const moment = track.at(clock.time);
-    const [w, x, y, z] = moment.quaternion;
+    const moments = [moment, this.kept?.track.at(clock.time)].filter(Boolean);
     this.stage.show({
       time: clock.time,
-      attitudes: [new Quaternion(x, y, z, w)],
+      attitudes: moments.map(({ quaternion: [w, x, y, z] }) => new Quaternion(x, y, z, w)),
       vectors: {
         momentum: new Vector3(...moment.momentum),
         omega: new Vector3(...moment.omegaSpace),

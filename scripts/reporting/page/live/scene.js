@@ -62,6 +62,7 @@ export const NUMBERS = {
   t_end: { symbol: "T", words: "time shown", unit: "s", part: "span", least: 1e-6, log: true },
 };
 const LARGEST = 1e9;
+const THINNEST_RING = 0.99; // the largest hole, as a part of the radius
 const START = ["omega3", "theta", "phi_rate", "theta_rate"];
 const ALWAYS = [...START, "gravity", "friction", "amplitude", "vibration_rate", "t_end"];
 
@@ -93,12 +94,20 @@ export function refusal(name, value) {
 }
 
 /**
- * What else has to change with some numbers of a state: dry friction and a vibrating pivot exclude each other,
- * since a body that rests in friction would start again; and what is said of it.
+ * What else has to change with some numbers of a state, because there is no such body or the page does not compute
+ * it: the `fields`, and the `words` by which the page says so. What a box shows is what is computed.
  */
 export function consequenceOf(state, changed) {
-  const isVibrated = state.amplitude * state.vibration_rate !== 0;
-  if (!state.friction || !isVibrated) return { fields: {}, words: "" };
+  const { shape, radius, inner_radius: inner, inertia1, inertia2, inertia3 } = state;
+  if (shape === "ring" && inner > THINNEST_RING * radius) {
+    return { fields: { inner_radius: THINNEST_RING * radius }, words: "The hole of the ring is smaller than the ring." };
+  }
+  if (shape === "tensor" && !isPossible([inertia1, inertia2, inertia3], PRODUCTS.map((name) => state[name]))) {
+    const fields = Object.fromEntries(PRODUCTS.map((name) => [name, 0]));
+    return { fields, words: "No body has such products of inertia; they are set to zero." };
+  }
+  if (!state.friction || state.amplitude * state.vibration_rate === 0) return { fields: {}, words: "" };
+  // A body that rests in friction would start again.
   return Object.hasOwn(changed, "friction")
     ? { fields: { amplitude: 0 }, words: "The pivot stands still: with dry friction this page computes no vibration." }
     : { fields: { friction: 0 }, words: "Without dry friction: this page computes none on a vibrating pivot." };
@@ -113,7 +122,7 @@ function massOf(state) {
     return { mass, inertia: [inertia1, inertia2, inertia3], products, centre: [x, y, z] };
   }
   const { radius, thickness, density } = state;
-  const size = { radius, thickness, innerRadius: Math.min(state.inner_radius, radius), rodLength: state.rod_length };
+  const size = { radius, thickness, innerRadius: state.inner_radius, rodLength: state.rod_length };
   return buildShape(shape, size, density);
 }
 
@@ -127,20 +136,14 @@ function dampingOf({ shape, damping1, damping2, damping3 }) {
  * sentence where something that is asked for does not exist.
  */
 export function resolve(state) {
-  const given = massOf(state);
-  let lack = "";
-  if (given.products && !isPossible(given.inertia, given.products)) {
-    given.products = [0, 0, 0];
-    lack = "No body has these products of inertia; the motion is shown without them.";
-  }
   const body = makeBody({
-    ...given, gravity: state.gravity, damping: dampingOf(state), friction: state.friction, amplitude: state.amplitude,
+    ...massOf(state), gravity: state.gravity, damping: dampingOf(state), friction: state.friction, amplitude: state.amplitude,
     vibrationRate: state.vibration_rate,
   });
   const isTop = body.isSymmetric && body.centre[2] >= 0;
   const theta = state.theta === 180 ? Math.PI : state.theta * DEGREE;
   const roots = isTop ? steadyRates(body, theta, state.omega3) : [];
-  let [phiRate, thetaRate] = [state.phi_rate, state.theta_rate];
+  let [phiRate, thetaRate, lack] = [state.phi_rate, state.theta_rate, ""];
   if (state.precession !== "given") {
     thetaRate = 0;
     const root = roots[state.precession === "slow" ? 0 : 1];

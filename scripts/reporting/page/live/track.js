@@ -11,7 +11,7 @@ const FEWEST = 240;
 
 /** Points and steps at most: while one changes something, and afterwards. */
 export const COARSE = { points: 300, steps: 1500 };
-export const FINE = { points: 1800, steps: 40000 };
+export const FINE = { points: 1800, steps: 20000 };
 const COLUMNS = ["t", "phi", "theta", "psi", "kinetic", "potential", "energy", "thetaRate"];
 const VECTORS = ["axis", "omega", "omegaBody", "momentum", "force", "torque", "change"];
 
@@ -87,7 +87,7 @@ const THINNEST = 0.04; // no solid is drawn thinner than this part of its larges
 const DRAWN = {
   spinning_wheel: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
   ring: (s) => ({
-    kind: "ring", radius: s.radius, inner: Math.min(s.inner_radius, 0.999 * s.radius), height: s.thickness,
+    kind: "ring", radius: s.radius, inner: s.inner_radius, height: s.thickness,
   }),
   sphere: (s) => ({ kind: "sphere", radius: s.radius }),
   cylinder: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),

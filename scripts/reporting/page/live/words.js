@@ -12,7 +12,7 @@ const UPRIGHT = (5.01 * Math.PI) / 180; // a top that starts with less tilt is a
 
 /** Name and meaning of the class of a motion; of a top that is almost upright, whether it sleeps. */
 export function classOf(track) {
-  const { nutation, threshold, start, body } = track;
+  const { nutation, threshold, start } = track;
   if (!nutation) return { name: nameOf(track), meaning: meaningOf(track) };
   const [name, meaning] = [NAMES[nutation.motionClass], CLASS_MEANINGS[nutation.motionClass]];
   const isUpright = threshold > 0 && start.angle[1] <= UPRIGHT && start.omega[2] !== 0;

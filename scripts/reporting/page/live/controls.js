@@ -90,6 +90,7 @@ export class Control {
     }
     this.slider.value = Math.round(STEPS * Math.min(Math.max(this.#partOf(value), 0), 1));
     this.slider.setAttribute("aria-valuetext", `${inBox(value)} ${NUMBERS[this.name].unit}`);
+    this.box.title = inBox(value); // where the box is too narrow
   }
 
   #slide() {
@@ -98,6 +99,7 @@ export class Control {
     const value = Number(exact.toPrecision(5));
     this.value = Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value;
     this.box.value = inBox(this.value);
+    this.box.title = this.box.value;
     this.slider.setAttribute("aria-valuetext", `${inBox(this.value)} ${NUMBERS[this.name].unit}`);
     this.#say("");
     this.onChange(this.name, this.value);

@@ -8,13 +8,14 @@ import { Stage } from "../stage/stage.js";
 import { unitsOf } from "../stage/view.js";
 import { Charts, linesOf } from "./charts.js";
 import { Clock } from "./clock.js";
-import { Control, roundUp } from "./controls.js";
+import { Control } from "./controls.js";
 import { Grip } from "./grip.js";
 import { Keeper, STILL } from "./keeper.js";
 import { bindKeys } from "./keys.js";
 import { fillPanel, showMoment } from "./panel.js";
 import { FIRST, PRESETS } from "./presets.js";
-import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, resolve, stateOfLink } from "./scene.js";
+import { suitRanges } from "./ranges.js";
+import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
 import { COARSE, FINE, Track, drawingOf } from "./track.js";
 import { Tour } from "./tour.js";
 import { accountOf } from "./words.js";
@@ -109,7 +110,7 @@ export class LiveTop {
     });
     parts.shape.addEventListener("change", () => {
       this.change({ shape: parts.shape.value });
-      this.#suitRanges();
+      suitRanges(this.controls, this.state);
     });
     parts.precession.addEventListener("change", () => this.change({ precession: parts.precession.value }));
     parts.threshold.addEventListener("click", () => {
@@ -183,7 +184,7 @@ export class LiveTop {
     for (const name of Object.keys(NUMBERS)) this.controls[name].set(this.state[name]);
     this.parts.shape.value = this.state.shape;
     this.parts.precession.value = this.state.precession;
-    this.#suitRanges();
+    suitRanges(this.controls, this.state);
     this.#isChanged = true;
     this.clock.time = 0;
     this.#compute();
@@ -212,34 +213,6 @@ export class LiveTop {
   #namePreset(key) {
     this.parts.preset.value = key;
     this.parts.preset_words.textContent = PRESETS[key]?.words ?? "";
-  }
-
-  /** Ranges of the sliders that suit the state. */
-  #suitRanges() {
-    const { state, controls } = this;
-    const { body, threshold, roots } = resolve(state);
-    for (const [name, control] of Object.entries(controls)) control.suit(state[name]);
-    const natural = Math.SQRT2 * body.naturalRate || 1;
-    const largest = Math.max(...body.inertia);
-    const reach = Math.hypot(...body.centre) || 1;
-    const losses = {
-      damping1: 0.1 * largest * natural, damping2: 0.1 * largest * natural, damping3: 0.1 * body.inertia3 * natural,
-      friction: 0.1 * largest * natural ** 2, amplitude: 0.3 * reach, vibration_rate: 40 * natural,
-    };
-    for (const [name, most] of Object.entries(losses)) controls[name].setRange(0, roundUp(Math.max(most, state[name])));
-    for (const name of ["centre_x", "centre_y", "centre_z", "product23", "product31", "product12"]) {
-      const most = roundUp(Math.max(name.startsWith("centre") ? reach : 0.3 * largest, Math.abs(state[name])));
-      controls[name].setRange(-most, most);
-    }
-    const symmetric = (...values) => {
-      const most = roundUp(Math.max(...values.map(Math.abs), 1e-3));
-      return [-most, most];
-    };
-    const spin = roundUp(Math.max(1.6 * threshold, 1.5 * Math.abs(state.omega3), 1));
-    controls.omega3.setRange(state.omega3 < 0 ? -spin : 0, spin);
-    const fast = state.precession === "fast" ? 1.2 * (roots[1] ?? 0) : 0;
-    controls.phi_rate.setRange(...symmetric(1.2 * natural, 1.5 * state.phi_rate, fast));
-    controls.theta_rate.setRange(...symmetric(2 * natural, 1.5 * state.theta_rate));
   }
 
   #suitSpeed() {

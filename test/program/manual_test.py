@@ -62,6 +62,8 @@ SKIPPED = {
         "scripts/film input/tip_loop.nml",
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
+        "scripts/film --from 1 --to 3 --speed 0.25 --elevation 60 input/slow_top.nml",
+        "scripts/film --ghost input/slow_top.nml input/slow_top_scenario2_rk4.nml",
         ".venv/bin/python test/measure_live_page.py",
     ],
     "packaging.md": [

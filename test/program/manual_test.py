@@ -74,6 +74,9 @@ SKIPPED = {
         "apptainer build spintop.sif packaging/container/spintop.def",
         "mpirun -np 4 apptainer exec spintop.sif spintop-mpi input/spinning_wheel_sweep.nml",
         "packaging/make_deb",
+        "packaging/from_sources sundials-7.1.1 minpack-2.0.0-rc.1 /opt/spintop",
+        "packaging/fill_recipes https://github.com/OWNER/spintop MAINTAINER spintop.tar.gz "
+        "sundials.tar.gz minpack.tar.gz recipes",
     ],
     "python.md": [
         "pip install ./python",

@@ -16,14 +16,17 @@ DPI = 100
 LETTERS, LARGE = 1 / 36, 1.3
 """Height of letters, of the height of a picture; titles are larger than the rest."""
 
-LEAST_LETTERS = 12
-"""Pixels; smaller ones cannot be read."""
+LEAST_LETTERS, LARGEST_LETTERS = 12, 1 / 15
+"""Pixels; smaller ones cannot be read. But no more than so large a part of a low picture."""
 
 WIDE = 0.55
 """Width of a letter, of its height."""
 
 STRIP, LINES = 0.2, 4.0
 """The part of a picture below the stages, the inclination against time: or as many lines."""
+
+CURVES = ("ink", "ghost")
+"""The colours of the inclination of the first motion and of the second, and of their titles."""
 
 SHEET = Path(__file__).resolve().parent.parent / "reporting" / "page" / "page.css"
 """The style sheet of the report, whose stage has the colours of a film."""
@@ -71,7 +74,7 @@ class Camera:
         self.takes = [take] if second is None else [take, second]
         self.colours = palette(dark)
         self.scale = size[1] / 720
-        pixels = max(LEAST_LETTERS, LETTERS * size[1])
+        pixels = max(min(LEAST_LETTERS, LARGEST_LETTERS * size[1]), LETTERS * size[1])
         self.letters = pixels * 72 / DPI
         self.figure = Figure(
             figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["stage"]
@@ -106,18 +109,19 @@ class Camera:
             self.figure.text(*place, describe_speed(speed), ha="center", va="center", **style)
 
     def add_titles(self, groups: list[list[Take]], letters: int) -> float:
-        """The title of each motion, in lines of so many letters; that of a ghost in its colour.
+        """The title of each motion, in lines of so many letters, in the colour of its curve.
 
         Returns the height of the lowest line, below which the stages are.
         """
         style = {"size": LARGE * self.letters, "va": "top"}
-        lowest = 1.0
+        lowest, colours = 1.0, iter(CURVES)
         for i, takes in enumerate(groups):
             height = 1 - 0.4 * self.row
-            for take, colour in zip(takes, ("ink", "ghost"), strict=False):
+            for take in takes:
                 lines = textwrap.wrap(take.title, letters) or [""]
                 words, place = "\n".join(lines), 0.02 + i / len(groups)
-                self.figure.text(place, height, words, color=self.colours[colour], **style)
+                colour = self.colours[next(colours)]
+                self.figure.text(place, height, words, color=colour, **style)
                 height -= LARGE * self.row * len(lines)
             lowest = min(lowest, height)
         return lowest
@@ -127,7 +131,7 @@ class Camera:
         colours, size = self.colours, self.letters
         chart = self.figure.add_axes((0.075, 1.35 * self.row, 0.905, self.strip - 2.6 * self.row))
         chart.patch.set_alpha(0)
-        for take, colour in zip(self.takes, ("ink", "ghost"), strict=False):
+        for take, colour in zip(self.takes, CURVES, strict=False):
             theta = np.degrees(take.theta)
             chart.plot(take.times, theta, color=colours[colour], lw=1.3 * self.scale)
         chart.set_xlim(self.takes[0].times[0], self.takes[0].times[-1])

@@ -234,7 +234,7 @@ FIGURES = (
     ),
     FigureKind(
         "table1",
-        "the same as a page, where the spin ratio is swept (Table 1)",
+        "table of the approximations and of the exact values over the spin ratio (Table 1)",
         "sweep",
         tuple(column.column for column in table1.COLUMNS),
         table1.draw_table1,

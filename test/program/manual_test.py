@@ -62,6 +62,8 @@ SKIPPED = {
         "scripts/film input/tip_loop.nml",
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
+        "scripts/film --from 1 --to 3 --speed 0.25 --elevation 60 input/slow_top.nml",
+        "scripts/film --ghost input/slow_top.nml input/slow_top_scenario2_rk4.nml",
         ".venv/bin/python test/measure_live_page.py",
     ],
     "packaging.md": [
@@ -72,6 +74,9 @@ SKIPPED = {
         "apptainer build spintop.sif packaging/container/spintop.def",
         "mpirun -np 4 apptainer exec spintop.sif spintop-mpi input/spinning_wheel_sweep.nml",
         "packaging/make_deb",
+        "packaging/from_sources sundials-7.1.1 minpack-2.0.0-rc.1 /opt/spintop",
+        "packaging/fill_recipes https://github.com/OWNER/spintop MAINTAINER spintop.tar.gz "
+        "sundials.tar.gz minpack.tar.gz recipes",
     ],
     "python.md": [
         "pip install ./python",

@@ -55,7 +55,7 @@ module spintop_effects_action
 
     !> Relative size of what a cross product loses in rounding.
     real(dp), parameter :: rounding = 1.0e-14_dp
-    !> So often in a period of a vibration a resting body is looked at.
+    !> So often in a period of a vibration or of a torque a resting body is looked at.
     integer, parameter :: looks_per_period = 64
 
 contains
@@ -196,8 +196,9 @@ contains
         if (loads%sticks) excess = min(excess, 0.0_dp)
     end function excess
 
-    !> A time in which the torques on a resting body change little: a part of the period of the vibration, or of the interval
-    !> of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all the time there is.
+    !> A time in which the torques on a resting body change little: a part of a period of the vibration or of a harmonic
+    !> torque, or of the interval of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all
+    !> the time there is.
     pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
@@ -205,6 +206,10 @@ contains
         if (.not. all(is_zero(self%effects%vibration_amplitude))) then
             time = 2 * pi / self%effects%vibration_rate / looks_per_period
         end if
+        associate (effects => self%effects)
+            if (allocated(effects%harmonic_body)) time = min(time, 2 * pi / effects%harmonic_body%rate / looks_per_period)
+            if (allocated(effects%harmonic_space)) time = min(time, 2 * pi / effects%harmonic_space%rate / looks_per_period)
+        end associate
         if (.not. self%next_knot(t) < huge(t)) return
         time = min(time, self%next_knot(t) - t, self%effects%table%pace(t))
     end function pause

@@ -75,6 +75,7 @@ contains
             end if
             if (.not. allocated(effects%table) .or. .not. has_fixed_steps) return
             order = effects%table%interpolation + 1
+            if (any(effects%table%is_jump)) order = 1
             if (count(effects%table%knots > 0 .and. effects%table%knots < t_end) > 0) then
                 call problems%warn('effects.torque_table', 'steps of fixed size do not end at the rows of the table: the order &
                                    &of the method is ' // to_text(order) // ' at most', 'use a method with step control')

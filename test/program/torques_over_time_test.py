@@ -1,4 +1,4 @@
-"""Torques that depend on the time."""
+"""Torques that depend on the time: harmonic ones, and tables with jumps."""
 
 import csv
 import math
@@ -140,3 +140,91 @@ def test_bad_harmonics(folder: Path, effects: str, word: str) -> None:
     """What is missing beside an amplitude, a rate or a phase is named."""
     text = scene(FREE, "theta = 1  psi_rate = 10", "t_end = 1", effects)
     refused(folder, text, "scene.nml:4", word)
+
+
+STEPS = "t,m1,m2,m3\n0,0,0,0.3\n1,0,0,0.3\n1,0,0,-0.2\n2.5,0,0,-0.2\n2.5,0,0,0.5\n4,0,0,0.5\n"
+
+
+def spin_under_steps(t: float) -> float:
+    """The integral of the torques of that table, from 1 rad/s, of a body with 0.3 kg m^2."""
+    changes = 0.3 * min(t, 1) - 0.2 * min(max(t - 1, 0), 1.5) + 0.5 * max(t - 2.5, 0)
+    return 1 + changes / 0.3
+
+
+@pytest.mark.parametrize("method", ["taylor", "taylor_quadruple", "dop853", "ode45", "arkode"])
+@pytest.mark.parametrize("end", ["4", "2.5", "3.3"])
+def test_jumps(folder: Path, method: str, end: str) -> None:
+    """Steps end where the torque jumps, and each sees the torque of its side."""
+    (folder / "torque.csv").write_text(STEPS)
+    integration, _ = METHODS.get(method, (f"method = '{method}'  relative_tolerance = 1e-6", 0))
+    effects = "torque_table = 'torque.csv'"
+    text = scene(FREE, "theta = 1  omega = 0, 0, 1", f"t_end = {end}  samples = 81", effects)
+    motion = move(folder, text.replace("relative_tolerance = 1e-14", integration))
+    assert motion.rows[-1]["t"] == float(end)
+    for row in motion.rows:
+        spin = spin_under_steps(row["t"])
+        assert row["omega3"] == pytest.approx(spin, abs=2e-14)
+        assert row["work_torque"] == pytest.approx(0.15 * (spin**2 - 1), abs=1e-14)
+
+
+def test_jumps_of_a_tumbling_body(folder: Path) -> None:
+    """Jumps are those of motions that end and begin there, in every kind of piece."""
+    rows = ["0,1,0,0", "1,0,1,0", "2,0,0,1", "3,1,1,0"]
+    others = ["3,0,-1,1", "4,0,0,1", "4.5,1,-2,0", "6,0,0,0"]
+    (folder / "first.csv").write_text("\n".join(["t,m1,m2,m3", *rows]) + "\n")
+    later = [f"{float(row.split(',')[0]) - 3},{row.partition(',')[2]}" for row in others]
+    (folder / "second.csv").write_text("\n".join(["t,m1,m2,m3", *later]) + "\n")
+    (folder / "both.csv").write_text("\n".join(["t,m1,m2,m3", *rows, *others]) + "\n")
+    names = ("q0", "q1", "q2", "q3", "omega1", "omega2", "omega3")
+    for kind in ("linear", "monotone", "spline"):
+        for axes in ("body", "space"):
+            how = f"torque_interpolation = '{kind}'  torque_axes = '{axes}'"
+            start = "theta = 1  psi_rate = 5"
+            ends = {}
+            for name, span in (("first", 3), ("second", 3), ("both", 6)):
+                effects = f"torque_table = '{name}.csv'  {how}"
+                if name == "second":
+                    last = [repr(ends["first"][key]) for key in names]
+                    start = f"quaternion = {', '.join(last[:4])}  omega = {', '.join(last[4:])}"
+                if name == "both":
+                    start = "theta = 1  psi_rate = 5"
+                text = scene(SKEW, start, f"t_end = {span}  samples = 2", effects)
+                ends[name] = move(folder, text).last
+            found, known = ([ends[one][key] for key in names] for one in ("both", "second"))
+            assert found == pytest.approx(known, abs=1e-11), (kind, axes)
+
+
+def test_jumps_over_friction(folder: Path) -> None:
+    """A torque that jumps over the friction moves a resting body; below it friction stops it."""
+    rows = "0,0,0,0\n1,0,0,0.4\n1,0,0,0.8\n2,0,0,0.8\n2,0,0,0.2\n9,0,0,0.2\n"
+    (folder / "torque.csv").write_text("t,m1,m2,m3\n" + rows)
+    text = scene(
+        FREE,
+        "theta = 1  omega = 0, 0, 0",
+        "t_end = 9",
+        "friction_torque = 0.5  torque_table = 'torque.csv'",
+    )
+    assert run(folder, text + "&output events = 'slip', 'stuck', 'knot' /\n").returncode == 0
+    lines = (folder / "scene.events.csv").read_text().splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    found = [(row["event"], float(row["t"])) for row in rows]
+    # The spin is 1 rad/s at t = 2; 0.3 kg m^2 and 0.3 N m take it in 1 s.
+    known = [("slip", 1), ("knot", 1), ("knot", 2), ("stuck", 3), ("knot", 9)]
+    assert sorted(name for name, _ in found) == sorted(name for name, _ in known)
+    for name, t in known:
+        assert any(other == name and abs(at - t) < 1e-7 for other, at in found), found
+
+
+@pytest.mark.parametrize(
+    ("rows", "interpolation", "words"),
+    [
+        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n1,0,0,2\n2,0,0,1\n", "linear", "do not increase"),
+        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n", "linear", "up to a jump, has 1 rows"),
+        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n2,0,0,1\n3,0,0,1\n", "monotone", "from t = 0 to 1"),
+    ],
+)
+def test_bad_jumps(folder: Path, rows: str, interpolation: str, words: str) -> None:
+    """Three rows of one time, and pieces with too few rows, are refused."""
+    (folder / "torque.csv").write_text("t,m1,m2,m3\n" + rows)
+    effects = f"torque_table = 'torque.csv'  torque_interpolation = '{interpolation}'"
+    refused(folder, scene(FREE, "theta = 1  psi_rate = 1", "t_end = 1", effects), words)

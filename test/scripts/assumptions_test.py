@@ -36,6 +36,8 @@ EXE = os.environ["SPINTOP_EXE"]
 BESIDE = {
     "friction_coefficient": ["friction_radius=1e-3"],
     "vibration_amplitude": ["vibration_rate=60"],
+    "torque_body_amplitude": ["torque_body_rate=60"],
+    "torque_space_amplitude": ["torque_space_rate=60"],
     "earth_rate": ["latitude_deg=50"],
     "torque_table": [],
 }

@@ -12,6 +12,7 @@ from unittest import mock
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.colors import to_rgb
 from PIL import Image
 
@@ -51,6 +52,7 @@ from spintop_figures.style.saving import (  # noqa: E402
     save_small,
     write_png,
 )
+from spintop_figures.sweeps.curves import sleeping_threshold  # noqa: E402
 from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
 from spintop_figures.sweeps.maps import draw_maps  # noqa: E402
 from spintop_figures.sweeps.scales import SIGNED  # noqa: E402
@@ -505,6 +507,20 @@ class StudyTest(FigureCase):
         self.assertEqual(list(lay_out_verdicts(rows).x), order)
         titles = [axes.get_title(loc="left") for axes in draw_costs(table).axes]
         self.assertEqual([title for title in titles if title], order)
+
+
+class ThresholdTest(unittest.TestCase):
+    """The line at the threshold of the sleeping top, in curves over spins."""
+
+    def test_threshold(self) -> None:
+        """It is where the ratio is one; a rotor, which adds to the spins, leaves none."""
+        rows = pd.DataFrame({"initial.omega3": [0.0, 10, -40], "sleeping_ratio": [0, 0.5, 2]})
+        self.assertAlmostEqual(sleeping_threshold("initial.omega3", rows), 20)
+        self.assertIsNone(sleeping_threshold("initial.theta", rows))
+        self.assertIsNone(
+            sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5]))
+        )
+        self.assertIsNone(sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")))
 
 
 class MarksTest(FigureCase):

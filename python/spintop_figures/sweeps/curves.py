@@ -27,6 +27,9 @@ from spintop_figures.tables.table import Table
 PANEL_HEIGHT, LEAST_HEIGHT = 1.9, 3.0
 """Of a row of panels, and of all of them, in inches."""
 
+SAME_THRESHOLD = 1e-6
+"""Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
+
 
 def object_to_curves(table: Table) -> str:
     """The curves are over one parameter that has several values."""
@@ -47,12 +50,15 @@ def draw_curves(table: Table) -> Figure:
     x = rows[name].to_numpy(float)
     failed = ~ended_well(rows).to_numpy()
     height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
+    threshold = sleeping_threshold(name, rows)
     title = f"Curves over {parameter_words(name)}{tell_failed(table)}{tell_noise(table)}"
     figure = new_figure(table, title, height)
     panels = add_panels(figure, len(quantities), sharey=False)
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
         cross(axes, x[failed])
+        if threshold:
+            axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
         is_low = axes.get_subplotspec().is_last_row()
         axes.tick_params(labelbottom=is_low)
         if is_low:
@@ -62,6 +68,15 @@ def draw_curves(table: Table) -> Figure:
         for axes in panels:
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     return figure
+
+
+def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
+    """Where on an axis of spins the sleeping top becomes stable, if the table has the ratio."""
+    if name not in ("initial.omega3", "initial.spin_ratio") or "sleeping_ratio" not in rows:
+        return None
+    at = np.abs(rows[name] / rows["sleeping_ratio"]).dropna()
+    spread = np.ptp(at) if at.size else np.inf
+    return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
 
 
 def cross(axes: Axes, x: np.ndarray) -> None:

@@ -1,5 +1,6 @@
 !> The trajectory study: one motion, one table.
 module spintop_trajectory_study
+    use spintop_case, only: case_t
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_internal
@@ -17,6 +18,7 @@ module spintop_trajectory_study
     use spintop_process, only: stop_watching_signals
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
+    use spintop_steady_motion, only: critical_omega3, starts_upright
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
@@ -73,7 +75,22 @@ contains
         associate (unused => self, also_unused => diagnostics)
         end associate
         call job%make_first_case(scene, problems, planned=.true.)
+        if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
     end subroutine check
+
+    !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
+    subroutine warn_of_slow_sleeper(case, problems)
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        associate (body => case%body, omega3 => case%start%omega(3))
+            if (allocated(body%effects) .or. .not. starts_upright(body, case%start)) return
+            if (abs(omega3) >= critical_omega3(body)) return
+            call problems%warn('initial', 'the top stays upright only because nothing disturbs it: it spins with ' // &
+                               rounded(abs(omega3)) // ' rad/s, and a sleeping top is stable from ' // &
+                               rounded(critical_omega3(body)) // ' rad/s', &
+                               'start with a tilt, such as 1e-6 rad, or spin faster')
+        end associate
+    end subroutine warn_of_slow_sleeper
 
     !> Number of rows, and time span.
     function explain(self, job) result(phrase)

@@ -13,7 +13,8 @@ module spintop_sweep_columns
     use spintop_sweep_result, only: of_nutation, of_range, of_whole, of_measured, of_fastest, of_lowest, &
         of_details, of_class, of_nutation_rate, of_force, of_vertical_force, of_fast_top, of_period, of_end, &
         of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, of_singular, of_multiplier, &
-        kinds_of_work, set_of
+        of_threshold, kinds_of_work, set_of
+    use spintop_sweep_stability, only: explain_no_threshold
     implicit none
     private
     public :: sweep_columns, columns_at, work_for
@@ -105,6 +106,12 @@ contains
     function stability_columns() result(columns)
         type(sweep_column_t), allocatable :: columns(:)
         columns = [ &
+            sweep_column_t('critical_omega3', 'rad/s', &
+                           'omega3 from which the sleeping top is stable, 2 sqrt(m g l I1)/I3, for its inertia and weight', &
+                           'sleeping', set_of([of_threshold]), explain=explain_no_threshold), &
+            sweep_column_t('sleeping_ratio', '', &
+                           'magnitude of omega3 at the start, with h/I3 of a rotor, over critical_omega3', &
+                           'sleeping', set_of([of_threshold]), explain=explain_no_threshold), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', set_of([of_growth])), &
             sweep_column_t('lyapunov_exponent', '1/s', &

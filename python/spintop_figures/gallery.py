@@ -159,6 +159,20 @@ GALLERY = (
         " points, and phase portrait of the inclination.",
     ),
     Exhibit(
+        "toy",
+        one("toy_top"),
+        ("angles", "trace"),
+        "A toy top at 1500 revolutions per minute, released at an inclination of 20 degrees.",
+        documented=("angles",),
+    ),
+    Exhibit(
+        "toy_methods",
+        one("toy_top_methods"),
+        ("precision_time",),
+        "The toy top by five methods: error against time.",
+        documented=("precision_time",),
+    ),
+    Exhibit(
         "separatrix",
         one("separatrix"),
         ("portrait", "potential", "support", "cones"),
@@ -230,6 +244,13 @@ GALLERY = (
         one("fit"),
         ("fit",),
         "Residuals of a fit of two moments of inertia and the spin to measured angles.",
+    ),
+    Exhibit(
+        "camera",
+        one("tip_camera"),
+        ("fit",),
+        "Residuals of a fit of the spin and the camera to pixels of the tip of a top.",
+        documented=("fit",),
     ),
     Exhibit(
         "precision",

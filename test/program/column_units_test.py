@@ -137,7 +137,7 @@ class AxesTest(UnitsCase):
         ]
         table = self.compute(self.write(SWEEP + f"&sweep {' '.join(axes)} /\n"))
         rates = np.linspace(-2 * math.pi, 20 * math.pi, 12)
-        np.testing.assert_allclose(table.column("initial.psi_rate")[::3], rates, rtol=1e-15)
+        np.testing.assert_allclose(table.column("initial.psi_rate")[::3], rates, atol=1e-13)
         values = [math.radians(10), 0.5, math.pi / 2]
         np.testing.assert_allclose(table.column("initial.phi")[:3], values, rtol=1e-15)
         self.assertIn(f"from = {-2 * math.pi!r}", "\n".join(table.header).replace("(1)", ""))

@@ -49,6 +49,7 @@ from spintop_figures.sweeps.statistics import (
     object_to_distributions,
 )
 from spintop_figures.sweeps.sweep import draw_sweep, formula_columns, good_rows, sweep_columns
+from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError
 
 TRIALS = ("case", "method", "formulation", "verdict", "status", "reference", "reason")
@@ -75,8 +76,9 @@ class FigureKind(NamedTuple):
 
     def draw(self, tables: Table | Sequence[Table]) -> Figure:
         """Draw the figure of a table, or of all tables that are compared, in the look of all."""
+        alone = isinstance(tables, Table)
         with the_look():
-            return self.make(tables)
+            return self.make(in_own_units(tables) if alone else list(map(in_own_units, tables)))
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
@@ -400,6 +402,7 @@ def choose_figures(
     table: Table, names: list[str] | None = None
 ) -> tuple[list[FigureKind], list[str]]:
     """The figures to draw from a table, and what is wrong with those that should be drawn too."""
+    table = in_own_units(table)
     wanted = [
         kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
     ]
@@ -414,6 +417,6 @@ def draw(table: Table, name: str) -> Figure:
     if kind is None:
         known = ", ".join(kind.name for kind in FIGURES)
         raise TableError(f"there is no figure {name}; there are {known}")
-    if refusal := kind.refusal(table):
+    if refusal := kind.refusal(in_own_units(table)):
         raise TableError(f"{refusal}: no {name} figure")
     return kind.draw(table)

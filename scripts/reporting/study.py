@@ -17,6 +17,7 @@ from spintop_figures.moving.data import Data, rows_kept, which_rows
 from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import ended_well, is_good_end
+from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError, read_table
 
 MOST_CELLS = 4_000
@@ -206,7 +207,7 @@ def read_study(
     problems: list[str] = []
     for path in find_tables(folder, before):
         try:
-            table = read_table(path)
+            table = in_own_units(read_table(path))
             undrawn: list[str] = []
             pictures = pictures_of(table, undrawn)
         except TableError as error:

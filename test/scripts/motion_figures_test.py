@@ -19,7 +19,9 @@ from spintop_figures.motion.fits import draw_fit  # noqa: E402
 from spintop_figures.motion.potential import draw_portrait, draw_potential  # noqa: E402
 from spintop_figures.motion.reduced import find_reduced  # noqa: E402
 from spintop_figures.motion.trace import draw_trace, on_sphere, project  # noqa: E402
-from spintop_figures.registry import COMPARISONS, FIGURES  # noqa: E402
+from spintop_figures.moving.motion import refusal as motion_refusal  # noqa: E402
+from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw  # noqa: E402
+from spintop_figures.tables.own_units import in_own_units  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
@@ -191,6 +193,33 @@ class TogetherTest(MotionCase):
         """No comparison has the name of a figure."""
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         self.assertEqual(len(names), len(set(names)))
+
+
+class UnitsTest(MotionCase):
+    """Tables in other units than those of the columns."""
+
+    def test_own_units(self) -> None:
+        """They have the figures of others, which are the same."""
+        own = ("t", "phi", "theta", "psi", "com_z")
+        other = ("t_ms", "phi_deg", "theta_turns", "psi_mrad", "com_z_mm")
+        tables = [
+            self.compute("slow_top", f"output.columns={','.join(names)}") for names in (own, other)
+        ]
+        self.assertEqual(list(tables[1].rows), list(other))
+        self.assertEqual(tables[1].units["theta_turns"], "turns")
+        drawn = []
+        for table in tables:
+            kinds, problems = choose_figures(table)
+            self.assertEqual(problems, [])
+            self.assertIn("angles", [kind.name for kind in kinds])
+            lines = draw(table, "angles").axes[0].lines
+            drawn.append(np.concatenate([line.get_xydata() for line in lines]))
+        np.testing.assert_allclose(drawn[1], drawn[0], rtol=1e-12, atol=1e-12)
+        shown = in_own_units(tables[1])
+        self.assertEqual(shown.units["theta"], "rad")
+        self.assertIs(in_own_units(tables[0]), tables[0])
+        self.assertIs(in_own_units(shown), shown)
+        self.assertEqual(motion_refusal(shown), "")
 
 
 class FitTest(MotionCase):

@@ -10,6 +10,7 @@ from spintop_figures.style.lines import MANY_POINTS
 from spintop_figures.style.look import LINES
 from spintop_figures.style.page import add_panels, new_figure
 from spintop_figures.tables.names import SYMBOLS, axis_of
+from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
 
 LEAST_EVENTS = 20
@@ -82,9 +83,11 @@ def describe_event(name: str) -> str:
     if not known:
         return name.replace("_", " ")
     column, value, turns, side = known.groups()
-    is_angle = column.endswith("_deg")
-    symbol = SYMBOLS.get(column.removesuffix("_deg"), column)
-    value = value.replace("-", "\N{MINUS SIGN}") + ("\N{DEGREE SIGN}" if is_angle else "")
+    unit = ""
+    if found := converted(column):
+        column, unit = found.column, f" {found.unit}".replace(" deg", "\N{DEGREE SIGN}")
+    symbol = SYMBOLS.get(column, column)
+    value = value.replace("-", "\N{MINUS SIGN}") + unit
     words = [f"{symbol} = {value}", *filter(None, (turns.strip(), side))]
     return ", ".join(words)
 

@@ -7,6 +7,7 @@ from spintop_figures.motion.trajectory import TIME, numbers
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.names import SYMBOLS, with_unit
+from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
 
 ENDING = "_residual"
@@ -30,7 +31,8 @@ def draw_fit(table: Table) -> Figure:
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     t = numbers(table, "t")
     for axes, name in zip(panels, names, strict=True):
-        label, unit = SYMBOLS.get(name, name), table.units.get(name, "")
+        found = converted(name)
+        label, unit = SYMBOLS.get(found.column if found else name, name), table.units.get(name, "")
         residuals = numbers(table, name + ENDING)
         if unit == "rad":
             residuals, unit = np.degrees(residuals), "deg"

@@ -4,6 +4,8 @@ The registry of the program, and the header of a table, have a description and a
 column (`words.py`). They have no symbols, and nothing short enough for an axis.
 """
 
+import re
+
 PARAMETERS = {
     "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
     "initial.omega3": r"initial angular velocity $\omega_3$",
@@ -51,10 +53,17 @@ SYMBOLS = {
 }
 """Columns as they are written within a line of text; the others stand by their names."""
 
-UNITS = {"1": "", "degree": "deg"}
-"""Units that NetCDF tables name otherwise, as UDUNITS knows them."""
+UNITS = {"degree": "deg", "standard_free_fall": "g0"}
+"""Words of units that NetCDF tables name otherwise, as UDUNITS knows them."""
 UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""
+
+
+def unit_of_netcdf(text: str) -> str:
+    """A unit of a NetCDF table as tables of texts have it."""
+    if text == "1":
+        return ""
+    return re.sub(r"^[^ */^]+", lambda word: UNITS.get(word[0], word[0]), text)
 
 
 def with_unit(name: str, unit: str) -> str:

@@ -26,7 +26,7 @@ module spintop_trajectory_study
     use spintop_summary, only: decimal, rounded, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
     use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private
@@ -175,7 +175,7 @@ contains
 
         writer%total = job%plan%samples
         allocate (columns(size(job%columns)))
-        columns = trajectory_columns(job%columns)
+        columns = trajectory_columns_at(job%columns)
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
@@ -257,7 +257,7 @@ contains
         integer :: status
 
         allocate (needed(size(columns) + size(job%sensitivities%columns())))
-        needed = [columns, trajectory_columns(job%sensitivities%columns())]
+        needed = [columns, trajectory_columns_at(job%sensitivities%columns())]
         call writer%set_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &

@@ -5,6 +5,7 @@
 !> place in the list of the results of the case (spintop_sweep_result).
 module spintop_sweep_columns
     use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_study_column, only: chosen_column_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_free_columns, only: sweep_free_columns
     use spintop_sweep_proof_columns, only: sweep_proof_columns
@@ -125,13 +126,16 @@ contains
                            'multiplier', set_of([of_multiplier]))]
     end function stability_columns
 
-    !> Columns at some places of the list of all.
-    function columns_at(places) result(columns)
-        integer, intent(in) :: places(:) !! the places
+    !> The columns of a table.
+    function columns_at(chosen) result(columns)
+        type(chosen_column_t), intent(in) :: chosen(:) !! as they were chosen
         type(sweep_column_t), allocatable :: columns(:), known(:)
         ! Not on the stack, which may be small.
         allocate (known, source=sweep_columns())
-        columns = known(places)
+        columns = known(chosen%place)
+        columns%name = chosen%name
+        columns%unit = chosen%unit
+        columns%size = chosen%size
     end function columns_at
 
     !> What columns need, as flags.

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import LINES
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.look import FAINT, LINES
+from spintop_figures.style.page import add_panels, is_lowest, new_figure
 from spintop_figures.tables.names import SYMBOLS, axis_of
 from spintop_figures.tables.table import Table
 
@@ -54,24 +54,28 @@ def object_to_sections(table: Table) -> str:
 def draw_events(table: Table) -> Figure:
     """The instants of the events, one row per kind; where there are many, how many per interval."""
     names = list(table.rows["event"].unique())
-    figure = new_figure(table, "Events", 1.5 + ROW_HEIGHT * len(names))
+    figure = new_figure(table, "Events of the motion", 1.5 + ROW_HEIGHT * len(names))
     axes = figure.add_subplot()
     times = table.rows["t"].to_numpy(float)
     labels = []
     for place, name in enumerate(names):
         t = times[(table.rows["event"] == name).to_numpy()]
-        colour = LINES[place % 2]["color"]
         label = f"{describe_event(name)} ({len(t)})"
         if len(t) > MANY_EVENTS:
-            width = draw_density(axes, t, place, (times.min(), times.max()), colour)
+            width = draw_density(axes, t, place, (times.min(), times.max()))
             label += f"\nper {width:.3g} s: up to {count_most(t, times, width)}"
         else:
-            style = {"color": colour, "markersize": 12}
+            style = {"color": LINES[0]["color"], "markersize": 12, "zorder": 3}
             axes.plot(t, np.full_like(t, place), "|", **style)
         labels.append(label)
     axes.set_yticks(range(len(names)), labels=labels)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", color=FAINT, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines["left"].set_visible(False)
+    begin, end = min(0.0, times.min()), times.max()
+    axes.set_xlim(begin - 0.01 * (end - begin), end + 0.01 * (end - begin))
     axes.set_xlabel("time t (s)")
     return figure
 
@@ -89,9 +93,7 @@ def describe_event(name: str) -> str:
     return ", ".join(words)
 
 
-def draw_density(
-    axes: Axes, t: np.ndarray, place: int, span: tuple[float, float], colour: str
-) -> float:
+def draw_density(axes: Axes, t: np.ndarray, place: int, span: tuple[float, float]) -> float:
     """How many events there are in each interval, as a row of bars; the length of an interval."""
     counts, edges = np.histogram(t, BARS, span)
     axes.bar(
@@ -100,7 +102,7 @@ def draw_density(
         np.diff(edges),
         place + ROW / 2,
         align="edge",
-        color=colour,
+        color=LINES[0]["color"],
         linewidth=0,
     )
     return float(edges[1] - edges[0])
@@ -125,9 +127,9 @@ def draw_sections(table: Table) -> Figure:
         title = f"{describe_event(name)} ({len(rows)})"
         axes.set_title(title, loc="left", fontsize=9.5, parse_math=False)
         spot = axes.get_subplotspec()
-        axes.tick_params(labelleft=spot.is_first_col(), labelbottom=spot.is_last_row())
+        axes.tick_params(labelleft=spot.is_first_col(), labelbottom=is_lowest(axes))
         if spot.is_first_col():
             axes.set_ylabel(axis_of("theta_rate", "rad/s"))
-        if spot.is_last_row():
+        if is_lowest(axes):
             axes.set_xlabel(axis_of("theta", "deg"))
     return figure

@@ -48,14 +48,27 @@ def new_figure(
 
 
 def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
-    """Two panels in a row over the same x; the first of an odd number has its row to itself."""
-    cells = figure.add_gridspec((count + 1) // 2, 2)
+    """Two panels in a row over the same x, all of one size."""
+    across = min(count, 2)
+    cells = figure.add_gridspec(-(-count // across), across)
     panels: list[Axes] = []
-    for place in range(count % 2, count + count % 2):
+    for place in range(count):
         first = panels[0] if panels else None
-        spot = cells[0, :] if count % 2 and not panels else cells[divmod(place, 2)]
+        spot = cells[divmod(place, across)]
         panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
     return panels
+
+
+def is_lowest(axes: Axes) -> bool:
+    """Whether no panel is below another one of its grid."""
+    spot = axes.get_subplotspec()
+    others = [other.get_subplotspec() for other in axes.figure.axes if other.get_subplotspec()]
+    return not any(
+        other.get_gridspec() is spot.get_gridspec()
+        and other.rowspan.start >= spot.rowspan.stop
+        and other.colspan.start <= spot.colspan.start < other.colspan.stop
+        for other in others
+    )
 
 
 def head(axes: Axes, words: str) -> None:
@@ -67,4 +80,4 @@ def head(axes: Axes, words: str) -> None:
 def width_of(axes: Axes) -> float:
     """About how wide a panel is, in inches, before it is laid out."""
     spot = axes.get_subplotspec()
-    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / 2
+    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / spot.get_gridspec().ncols

@@ -320,7 +320,7 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
         handles.append(a_mark(textwrap.fill(f"failed: {words}", FAILED_LETTERS), **RUG))
     axes.set_axis_off()
     if tint:
-        bar = axes.inset_axes([0.0, 0.0, 0.6 if handles else 1.0, 0.35])
+        bar = axes.inset_axes([0.0, 0.0, 0.45, 0.35])
         colours = ScalarMappable(tint.norm, tint.shades)
         axes.figure.colorbar(colours, cax=bar, orientation="horizontal")
         bar.set_title(f"colours: {tint.label}", fontsize=9, pad=3)

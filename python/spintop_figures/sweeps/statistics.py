@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks
 from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES
-from spintop_figures.style.page import add_panels, head, new_figure, width_of
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, width_of
 from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
 from spintop_figures.sweeps.quantities import Quantity, parameter_words, the_column, unit_shown
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
@@ -30,7 +30,9 @@ SLIT = 0.05
 MINUS = "\N{MINUS SIGN}"
 DARK = -0.5
 """Bins below this part of the largest size have dark colours."""
-NAME_ROOM = 0.14
+EVEN = 1.5
+"""Variance over mean of the cases in bins, which is 1 of random ones, up to which they are even."""
+NAME_ROOM = 0.16
 """Distance of the names of two lines, in inches."""
 
 
@@ -139,14 +141,18 @@ def describe(table: Table, column: str) -> tuple[str, str, float]:
 def draw_statistics(table: Table) -> Figure:
     """The mean of each column over the bins, and the number of cases."""
     bins = bins_of(table)
+    rows = table.rows[table.rows["bin"] > 0]
     names = gathered(table)
-    count = len(names) + 1
+    is_noise = len(bins) == 2 and names and is_even(rows["cases"].to_numpy(float))
+    names += [] if is_noise else [""]
+    count = len(names)
     over = " and ".join(parameter_words(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
+    if "" not in names:
+        title += f", about {rows['cases'].mean():.3g} in each bin"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((count + 1) // 2), LEAST_HEIGHT))
     panels = add_panels(figure, count, sharey=len(bins) == 2)
-    rows = table.rows[table.rows["bin"] > 0]
-    for name, axes in zip([*names, ""], panels, strict=True):
+    for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
         else:
@@ -154,6 +160,11 @@ def draw_statistics(table: Table) -> Figure:
     for axes in panels:
         label_bins(axes, table, bins)
     return figure
+
+
+def is_even(cases: np.ndarray) -> bool:
+    """Whether the numbers of cases in bins differ no more than those of random cases do."""
+    return bool(cases.size > 1 and cases.var() <= EVEN * cases.mean())
 
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
@@ -229,8 +240,7 @@ def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
     axes.set_xlim(bins[0].edges[0], bins[0].edges[-1])
     if bins[0].is_log:
         axes.xaxis.set_major_formatter(plain)
-    axes.tick_params(labelbottom=spot.is_last_row())
-    if spot.is_last_row():
+    if is_lowest(axes):
         axes.set_xlabel(label(table, bins[0].column))
     if len(bins) < 2:
         return
@@ -240,7 +250,6 @@ def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
         axes.yaxis.set_major_formatter(plain)
     if table.units.get(bins[1].column) == "deg":
         set_degree_ticks(axes.yaxis, bins[1].edges)
-    axes.tick_params(labelleft=spot.is_first_col())
     if spot.is_first_col():
         axes.set_ylabel(label(table, bins[1].column))
 
@@ -253,11 +262,11 @@ def draw_distributions(table: Table) -> Figure:
     names = [name for name in gathered(table) if name in found]
     title = f"Distributions over {tell_cases(table)}"
     figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), 3.0))
-    cells = figure.add_gridspec((len(names) + 1) // 2, 2)
+    across = min(2, len(names))
+    cells = figure.add_gridspec(-(-len(names) // across), across)
     for place, name in enumerate(names):
-        alone = len(names) % 2 and place == 0
-        spot = cells[0, :] if alone else cells[divmod(place + len(names) % 2, 2)]
-        draw_distribution(figure.add_subplot(spot), table, name, found[name])
+        axes = figure.add_subplot(cells[divmod(place, across)])
+        draw_distribution(axes, table, name, found[name])
     return figure
 
 

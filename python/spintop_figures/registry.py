@@ -5,6 +5,10 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from spintop_figures.methods.benchmarks import COLUMNS as BENCHMARKS
+from spintop_figures.methods.benchmarks import WORDS as BENCHMARK_WORDS
+from spintop_figures.methods.benchmarks import draw_benchmarks, object_to_benchmarks
+from spintop_figures.methods.choice import draw_choice, object_to_choice
 from spintop_figures.methods.costs import draw_costs, object_to_costs
 from spintop_figures.methods.orders import draw_orders, object_to_orders
 from spintop_figures.methods.peers import draw_peers, object_to_peers
@@ -319,7 +323,7 @@ FIGURES = (
     ),
     FigureKind(
         "costs",
-        "error of the methods against function evaluations, one panel per hard case",
+        "cost and error of the methods, a line per method and a dot per hard case",
         "stability",
         ("orientation_error", "evaluations", "inherent_error"),
         draw_costs,
@@ -361,6 +365,25 @@ FIGURES = (
         draw_tolerance_map,
         object_to_tolerance_map,
         words=PRECISION,
+    ),
+    FigureKind(
+        "choice",
+        "time of the automatic choice of a method over that of the cheapest one",
+        "work_precision",
+        ("orientation_error", "time_s"),
+        draw_choice,
+        object_to_choice,
+        words=(*PRECISION, "auto"),
+    ),
+    FigureKind(
+        "benchmarks",
+        "errors of published numbers and of spintop",
+        "benchmark",
+        BENCHMARKS,
+        draw_benchmarks,
+        object_to_benchmarks,
+        sparse=True,
+        words=BENCHMARK_WORDS,
     ),
     FigureKind(
         "peers",

@@ -28,8 +28,8 @@ class Curve(NamedTuple):
     rows: pd.DataFrame
 
     def style(self) -> dict[str, object]:
-        """How it is drawn, in every figure alike."""
-        return style_of(self.method, self.formulation)
+        """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
+        return style_of(self.method, self.formulation if self.label != self.method else "")
 
 
 def fineness(setting: str) -> float:

@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.methods.styles import style_of
 from spintop_figures.style.look import FAINT
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.page import add_panels, is_lowest, new_figure
 from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
@@ -57,7 +57,7 @@ def draw_peers(table: Table) -> Figure:
         place = axes.get_subplotspec()
         if place.is_first_col():
             axes.set_ylabel("error of the attitude at the end (rad)")
-        if place.is_last_row():
+        if is_lowest(axes):
             axes.set_xlabel("time (s)")
     order = [*OWN_METHODS, "exact", *PEER_MARKERS, "floor"]
     known = [handles[name] for name in order if name in handles]

@@ -25,9 +25,9 @@ class Extreme(NamedTuple):
     value: float
     of_rows: bool
 
-    def note(self) -> str:
-        """What a label adds if the motion may go further than the rows."""
-        return " of the rows" if self.of_rows else ""
+    def note(self, side: str) -> str:
+        """What a label of the "least" or "largest" says first if the motion may go further."""
+        return f"{side} row: " if self.of_rows else ""
 
 
 def extremes_of_rows(values: np.ndarray) -> tuple[Extreme, Extreme]:

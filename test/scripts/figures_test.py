@@ -139,16 +139,16 @@ class PackageTest(FigureCase):
         table = replace(self.read(a_trajectory()), status="pole at t = 1.25000000001")
         figure = spintop_figures.draw(table, "angles")
         caption = figure.get_supxlabel()
-        self.assertEqual(caption, "A top, trajectory: $5; ended with status pole at t = 1.25 s")
+        self.assertEqual(caption, "A top, trajectory: $5; ended early: at a pole at t = 1.25 s")
         png, svg = save_as(figure, self.folder / "b")
         save_small(figure, small := self.folder / "c.png")
         for path in (png, small):
             with Image.open(path) as picture:
                 known = picture.text
             self.assertEqual(known["Software"], "spintop 0.1.0, revision 0123456789ab-dirty")
-            self.assertIn("Formulation lagrange, method rk4, 992 steps", known["Description"])
+            self.assertIn("Lagrange, RK4, 992 steps", known["Description"])
             self.assertEqual(known["Source"], "a.csv")
-        self.assertIn("method rk4, 992 steps", svg.read_text(encoding="utf-8"))
+        self.assertIn("RK4, 992 steps", svg.read_text(encoding="utf-8"))
         long = replace(table, header=table.header | {"title": "word " * 99})
         caption = spintop_figures.draw(long, "angles").get_supxlabel()
         self.assertLess(len(caption), 109)
@@ -510,7 +510,7 @@ class StudyTest(FigureCase):
         table = self.read(a_stability())
         cost, error = draw_costs(table).axes[:2]
         names = [label.get_text() for label in cost.get_yticklabels()]
-        self.assertEqual(names, ["rk4", "new"])
+        self.assertEqual(names, ["RK4", "new"])
         dots = [line for axes in (cost, error) for line in axes.lines if line.get_marker() in "sD"]
         found = sorted(x for line in dots[: len(dots) // 2] for x in line.get_xdata())
         np.testing.assert_allclose(found, [90 / 400, 1, 1, 8])

@@ -84,12 +84,12 @@ class StabilityTest(TableCase):
     def test_entries(self) -> None:
         """A method has an entry; its other formulations have entries of their own."""
         rows = trials(read_table(self.put("a.csv", a_stability())))
-        expected = ["rk4", "rk4, lagrange", "new"]
+        expected = ["RK4", "RK4, Lagrange", "new"]
         self.assertEqual(list(rows["entry"]), 2 * expected)
         families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
         self.assertEqual(list(rows["family"]), 2 * families)
         alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
-        expected = ["rk4, space_frame", "rk4, lagrange", "new"]
+        expected = ["RK4, space frame", "RK4, Lagrange", "new"]
         self.assertEqual(list(trials(alone)["entry"]), expected)
 
     def test_digits(self) -> None:

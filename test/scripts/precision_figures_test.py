@@ -156,9 +156,9 @@ class CurveTest(TableCase):
         """From coarse to fine; formulations where there are several; without what failed."""
         curves = self.curves()
         self.assertEqual(len(curves), len(STAGES) + 1)
-        self.assertIn("rk4, lagrange", curves)
-        self.assertIn("ode45", curves)
-        self.assertNotIn("galerkin", curves)
+        self.assertIn("RK4, Lagrange", curves)
+        self.assertIn("ODE45", curves)
+        self.assertNotIn("Galerkin", curves)
         for curve in curves.values():
             self.assertTrue((np.diff(curve.rows["time_s"]) > 0).all())
 
@@ -167,9 +167,9 @@ class CurveTest(TableCase):
         table = read_table(self.put("a.csv", a_precision()))
         axes = draw_precision_time(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
-        rows = self.curves()["splitting_8"].rows
+        rows = self.curves()["splitting 8"].rows
         for data, name in zip(
-            lines["splitting_8"].get_data(), ("time_s", "error_max"), strict=True
+            lines["splitting 8"].get_data(), ("time_s", "error_max"), strict=True
         ):
             np.testing.assert_array_equal(data, rows[name])
         texts = {text.get_text(): text for text in axes.texts}
@@ -251,7 +251,7 @@ class CurveTest(TableCase):
 
     def test_time_to(self) -> None:
         """Between two settings times are as the power that joins them says."""
-        curve = self.curves()["gauss_8"]
+        curve = self.curves()["Gauss 8"]
         rows = curve.rows[curve.rows["error_max"] > 1e-13]
         slope, height = np.polyfit(np.log(rows["error_max"]), np.log(rows["time_s"]), 1)
         expected = np.exp(height + slope * np.log(TARGET))

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
 
@@ -79,4 +80,4 @@ def describe(benchmark: str, method: str) -> str:
 
 def tell_time(times: pd.Series) -> str:
     """The longest time of the quantities in microseconds; empty if nothing was computed."""
-    return "" if times.isna().all() else f"{times.max() * 1e6:.2g} µs"
+    return "" if times.isna().all() else f"{write(times.max() * 1e6, 2)} µs"

@@ -1,5 +1,7 @@
 """What the methods of a stability study cost and reach: a line a method, a dot a hard case."""
 
+import textwrap
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -10,9 +12,11 @@ from matplotlib.ticker import LogLocator, NullLocator
 from spintop_figures.methods.known import families
 from spintop_figures.methods.styles import Look, ink_of, look_of
 from spintop_figures.methods.trials import object_to_trials, trials
-from spintop_figures.style.look import FAINT, GREY
+from spintop_figures.style.look import FAINT, GREY, by_width
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
+
+COST = "evaluations over those of the cheapest accurate method of the case"
 
 ROW, GAP = 0.2, 0.5
 """Height of a method in inches, and the distance of families over it."""
@@ -94,8 +98,10 @@ def draw_costs(table: Table) -> Figure:
         label.set(color=ink_of(family), fontsize=8.5)
     cost.set_ylim(most + 0.75, -0.75)
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
-    cost.set_xlabel("evaluations over those of the cheapest\naccurate method of the case")
-    error.set_xlabel("largest error of the attitude (rad)")
+    letters = by_width(38, 22)
+    cost.set_xlabel(textwrap.fill(COST, letters))
+    error.set_xlabel(textwrap.fill("largest error of the attitude (rad)", letters))
+    error.xaxis.set_major_locator(LogLocator(numticks=by_width(8, 4)))
     add_legend(figure.add_subplot(grid[1, :]), rows)
     return figure
 
@@ -138,4 +144,6 @@ def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
     style = {"color": "black", "linestyle": "", "marker": "|", "markersize": 10}
     handles.append(Line2D([], [], **style, markeredgewidth=1.6, label="median of the accurate"))
     axes.axis("off")
-    axes.legend(handles=handles, loc="center right", ncols=4, borderpad=0).set_in_layout(False)
+    axes.legend(
+        handles=handles, loc="center right", ncols=by_width(4, 2), borderpad=0
+    ).set_in_layout(False)

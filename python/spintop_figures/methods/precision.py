@@ -11,9 +11,11 @@ from spintop_figures.methods.best import best_of_families, name_at_the_top
 from spintop_figures.methods.curves import EXACT, curves_of, problems_of, time_to
 from spintop_figures.methods.known import family_of, order_of
 from spintop_figures.methods.styles import look_of, style_of
-from spintop_figures.style.look import FAINT, GREY
+from spintop_figures.style.look import FAINT, GREY, by_width
+from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 WORDS = ("problem", "method", "formulation", "setting", "status")
@@ -68,8 +70,10 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     there = cost > 0
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
     for place in zip(cost[there][:1], error[there][:1], strict=True):
-        style = {"ha": "left", "va": "top", "fontsize": 9}
-        axes.annotate("exact solution", place, (6, -1), textcoords="offset points", **style)
+        style = {"ha": "left", "va": by_width("top", "bottom"), "fontsize": 9}
+        axes.annotate(
+            "exact solution", place, (6, by_width(-1, 1)), textcoords="offset points", **style
+        )
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
@@ -124,7 +128,7 @@ def problem_panels(
     by_problem = dict(zip(problems, panels, strict=True))
     if len(problems) > 1:
         for problem, axes in by_problem.items():
-            axes.set_title(problem, loc="left", pad=4)
+            axes.set_title(name_of(problem), loc="left", pad=4)
     return figure, by_problem
 
 
@@ -179,7 +183,7 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
         return ""
     (least, first), (more, second) = reached[:2]
     ratio = more / least
-    told = f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"
+    told = write(ratio, 2) if ratio < 100 else write_count(ratio)
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 

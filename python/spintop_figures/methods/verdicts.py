@@ -19,7 +19,9 @@ from spintop_figures.methods.trials import (
     trials,
 )
 from spintop_figures.style.look import GREY, WIDTH
+from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 CELL = 0.158
@@ -154,7 +156,13 @@ def draw_labels(axes: Axes, layout: Layout) -> None:
         axes.text(0, y, family, va="bottom", fontsize=WORDS, color=GREY, fontstyle="italic")
     for case, x in layout.x.items():
         axes.text(
-            x + 0.5, layout.height + 0.25, case, ha="center", va="top", rotation=90, fontsize=WORDS
+            x + 0.5,
+            layout.height + 0.25,
+            name_of(case),
+            ha="center",
+            va="top",
+            rotation=90,
+            fontsize=WORDS,
         )
     for reference, cases in layout.references.items():
         begin, end = layout.x[cases[0]], layout.x[cases[-1]] + 1
@@ -221,7 +229,9 @@ def legend_lines(
         if verdict.name == "no_reference" and not number:
             continue
         meaning = table.header.get(f"verdict {verdict.name}", "")
-        text = f"{verdict.name.replace('_', ' ')} ({number})" + (f": {meaning}" if meaning else "")
+        text = f"{name_of(verdict.name)} ({write_count(number)})" + (
+            f": {meaning}" if meaning else ""
+        )
         if verdict.name != "failed":
             lines.append((verdict, verdict.mark.format(digits="n", why=""), text))
             continue
@@ -230,7 +240,7 @@ def legend_lines(
             chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
             lines.append(
-                (verdict, letter, f"{len(chosen)} by {status.replace('_', ' ')}: {reason}")
+                (verdict, letter, f"{write_count(len(chosen))} by {name_of(status)}: {reason}")
             )
     if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):
         lines.append((None, "", f"empty ({empty}): not tried"))

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 
 from spintop_figures.motion.trajectory import TIME, numbers
 from spintop_figures.style.lines import draw_line, draw_sizes, set_degree_ticks
-from spintop_figures.style.look import FAINT, HIDDEN, LINES
+from spintop_figures.style.look import FAINT, HIDDEN, LINES, by_width
 from spintop_figures.style.page import new_figure
-from spintop_figures.tables.names import SYMBOLS, axis_of
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import columns_of
 
@@ -58,7 +58,7 @@ def works_of(table: Table) -> dict[str, np.ndarray]:
     if not acting:
         return {"effects": numbers(table, "work")}
     acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
-    words = {name: SYMBOLS.get(name, name).replace("_", " of ") for name in acting}
+    words = {name: name_of(name) for name in acting}
     return {words[name].removeprefix("work of "): numbers(table, name) for name in acting}
 
 
@@ -86,7 +86,9 @@ def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.nda
         draw_line(axes, t, ground, 1, label="potential energy")
     axes.set_ylabel("energy (J)")
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1.0), "borderpad": 0.1}
-    axes.legend(**place, ncols=5, handlelength=1.4, columnspacing=0.7, handletextpad=0.5)
+    axes.legend(
+        **place, ncols=by_width(5, 2), handlelength=1.4, columnspacing=0.7, handletextpad=0.5
+    )
 
 
 def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
@@ -105,4 +107,6 @@ def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndar
             label="potential energy",
         )
     axes.set_ylabel("energy, work (J)")
-    axes.legend(loc="upper right", ncols=2, handlelength=2.2, columnspacing=1.2, borderpad=0.1)
+    axes.legend(
+        loc="upper right", ncols=by_width(2, 1), handlelength=2.2, columnspacing=1.2, borderpad=0.1
+    )

@@ -10,8 +10,8 @@ from spintop_figures.motion.path import HEIGHT
 from spintop_figures.motion.sphere import BACK, ENDS, FRONT, draw_globe, draw_seen, project
 from spintop_figures.motion.trajectory import numbers
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import GREY, LINES
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.look import GREY, LINES, by_width
+from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
 
 RAYS = 24
@@ -65,10 +65,9 @@ def body_at_start(table: Table) -> np.ndarray:
 def draw_cones(table: Table) -> Figure:
     """The two cones, that of the body rolling on that in space, and their curves in planes."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
-    figure = new_figure(table, title, HEIGHT + 0.2)
+    figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
     figure.get_layout_engine().set(wspace=0.08)
-    grid = figure.add_gridspec(2, 3, height_ratios=(1, 0.06))
-    globe, body, space = (figure.add_subplot(grid[0, column]) for column in range(3))
+    (globe, body, space), key = three_panels(figure)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
     draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
@@ -85,15 +84,13 @@ def draw_cones(table: Table) -> Figure:
     globe.set_title("directions, at the start", fontsize=9.5, pad=4)
     draw_plane(body, in_body(table), BODY | {"linestyle": "-"}, "12", "in the body")
     draw_plane(space, in_space(table), FRONT, "xy", "in space, from above")
-    key = figure.add_subplot(grid[1, :])
-    key.axis("off")
     handles = [
         Line2D([], [], **BODY, label="cone of the body"),
         Line2D([], [], **FRONT, label="cone in space"),
         Line2D([], [], color="black", linewidth=1.3, label="where they touch"),
         *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
     ]
-    key.legend(handles=handles, loc="center", ncols=5, borderpad=0, columnspacing=1.2)
+    key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
     return figure
 
 

@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 
 from spintop_figures.style.lines import MANY_POINTS
 from spintop_figures.style.look import FAINT, LINES
-from spintop_figures.style.page import add_panels, is_lowest, new_figure
-from spintop_figures.tables.names import SYMBOLS, axis_of
+from spintop_figures.style.numbers import true_minus, write, write_count
+from spintop_figures.style.page import add_panels, is_lowest, new_figure, panel_rows
+from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.table import Table
 
 LEAST_EVENTS = 20
@@ -60,10 +61,10 @@ def draw_events(table: Table) -> Figure:
     labels = []
     for place, name in enumerate(names):
         t = times[(table.rows["event"] == name).to_numpy()]
-        label = f"{describe_event(name)} ({len(t)})"
+        label = f"{describe_event(name)} ({write_count(len(t))})"
         if len(t) > MANY_EVENTS:
             width = draw_density(axes, t, place, (times.min(), times.max()))
-            label += f"\nper {width:.3g} s: up to {count_most(t, times, width)}"
+            label += f"\nper {write(width, 3)} s: up to {count_most(t, times, width)}"
         else:
             style = {"color": LINES[0]["color"], "markersize": 12, "zorder": 3}
             axes.plot(t, np.full_like(t, place), "|", **style)
@@ -84,12 +85,14 @@ def describe_event(name: str) -> str:
     """An event in words: `theta_deg=90 rising` is \u03b8 = 90\u00b0, rising."""
     known = re.fullmatch(r"(\w+)=(\S+)((?: every turn)?) ?(rising|falling|)", name)
     if not known:
-        return name.replace("_", " ")
+        return name_of(name)
     column, value, turns, side = known.groups()
     is_angle = column.endswith("_deg")
-    symbol = SYMBOLS.get(column.removesuffix("_deg"), column)
-    value = value.replace("-", "\N{MINUS SIGN}") + ("\N{DEGREE SIGN}" if is_angle else "")
-    words = [f"{symbol} = {value}", *filter(None, (turns.strip(), side))]
+    value = true_minus(value) + ("\N{DEGREE SIGN}" if is_angle else "")
+    words = [
+        f"{sign_of(column.removesuffix('_deg'))} = {value}",
+        *filter(None, (turns.strip(), side)),
+    ]
     return ", ".join(words)
 
 
@@ -116,7 +119,7 @@ def count_most(t: np.ndarray, times: np.ndarray, width: float) -> int:
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at the events of each kind that happens often."""
     names = sections(table)
-    height = 1.3 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), LEAST_HEIGHT)
+    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
     figure = new_figure(table, "Inclination and nutation rate at events", height)
     panels = add_panels(figure, len(names))
     for name, axes in zip(names, panels, strict=True):
@@ -124,7 +127,7 @@ def draw_sections(table: Table) -> Figure:
         theta, rate = np.degrees(rows["theta"]), rows["theta_rate"]
         style = {"color": LINES[0]["color"], "markersize": 2 if len(rows) > 200 else 4}
         axes.plot(theta, rate, ".", rasterized=len(rows) > MANY_POINTS, **style)
-        title = f"{describe_event(name)} ({len(rows)})"
+        title = f"{describe_event(name)} ({write_count(len(rows))})"
         axes.set_title(title, loc="left", fontsize=9.5, parse_math=False)
         spot = axes.get_subplotspec()
         axes.tick_params(labelleft=spot.is_first_col(), labelbottom=is_lowest(axes))

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from spintop_figures.motion.trajectory import TIME, numbers
-from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, WIDTH
+from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
+from spintop_figures.style.numbers import TIMES, true_minus, with_power, write
 from spintop_figures.style.page import new_figure
-from spintop_figures.tables.names import PARAMETERS, SYMBOLS, UNIT_WORDS, with_unit
+from spintop_figures.tables.names import UNIT_WORDS, name_of, sign_of, with_unit
 from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING = "_residual"
@@ -70,13 +71,20 @@ def draw_fit(table: Table) -> Figure:
     names = measured_columns(table)
     values = values_beside(table)
     lines = [] if values is None else tell_values(values)
-    across = 2 if len(names) >= MANY_COLUMNS else 1
+    across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1
     down = -(-len(names) // across)
     height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, LINE * len(lines) + 1.2)
     figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
-    widths = [(WIDTH - SIDE) / across] * across + [SIDE]
-    grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
+    if by_width(True, False):
+        widths = [(drawn_width() - SIDE) / across] * across + [SIDE]
+        grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
+        side = grid[:, across]
+    else:
+        below = LINE * len(lines) + 1.2
+        figure.set_figheight(1.0 + PAIR * down + below)
+        grid = figure.add_gridspec(down + 1, 1, height_ratios=[*[PAIR] * down, below])
+        side = grid[down, 0]
     t = numbers(table, "t")
     first = None
     for place, name in enumerate(names):
@@ -90,13 +98,13 @@ def draw_fit(table: Table) -> Figure:
         below.tick_params(labelbottom=is_lowest)
         if is_lowest:
             below.set_xlabel(TIME)
-    draw_side(figure.add_subplot(grid[:, across]), lines)
+    draw_side(figure.add_subplot(side), lines)
     return figure
 
 
 def draw_column(table: Table, name: str, t: np.ndarray, above: Axes, below: Axes) -> None:
     """A measured column with the fitted motion; below, the residuals with twice their size."""
-    label, unit = SYMBOLS.get(name, name), table.units.get(name, "")
+    label, unit = sign_of(name), table.units.get(name, "")
     measured, fitted, left = (numbers(table, name + end) for end in ("", FITTED, ENDING))
     if unit == "rad":
         measured, fitted, left = (np.degrees(part) for part in (measured, fitted, left))
@@ -111,7 +119,7 @@ def draw_column(table: Table, name: str, t: np.ndarray, above: Axes, below: Axes
     below.axhline(0, color=GREY, linewidth=0.8)
     below.plot(t, left, **dots)
     below.set_ylabel("residual")
-    size = " ".join(filter(None, (f"{deviation:.2g}", UNIT_WORDS.get(unit, unit))))
+    size = " ".join(filter(None, (write(deviation, 2), UNIT_WORDS.get(unit, unit))))
     words = f"root mean square {size}"
     if outside.any():
         words += f" without {np.count_nonzero(outside)} outliers"
@@ -135,16 +143,16 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
     """The fitted values in lines, of which those of names are bold."""
     lines = []
     for row in values.itertuples():
-        name = PARAMETERS.get(row.parameter, row.parameter).partition(" $")[0]
+        name = name_of(row.parameter)
         lines += [(line, True) for line in textwrap.wrap(name, LETTERS)]
         unit = row.unit if isinstance(row.unit, str) else ""
         size = abs(row.estimate)
         power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
-        factor = f"\N{MULTIPLICATION SIGN}10{str(power).translate(RAISED)}" if power else ""
+        factor = f"{TIMES}{with_power('1', power)}" if power else ""
         half = (row.upper - row.lower) / 2 / 10.0**power
         decimals = max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 6
         estimate, low, high = (
-            f"{value / 10.0**power:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+            true_minus(f"{value / 10.0**power:.{decimals}f}")
             for value in (row.estimate, row.lower, row.upper)
         )
         lines += [(f"{estimate}{factor} {unit}".strip(), False), (f"95 %: {low} to {high}", False)]

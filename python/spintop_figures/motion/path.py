@@ -17,8 +17,9 @@ from spintop_figures.motion.sphere import (
 )
 from spintop_figures.motion.trajectory import numbers
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN, by_width
+from spintop_figures.style.numbers import write
+from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
 
 HEIGHT = 3.5
@@ -38,16 +39,15 @@ def draw_path(table: Table) -> Figure:
     place = tuple(numbers(table, f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
-    figure = new_figure(table, title, height=HEIGHT)
+    figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
     figure.get_layout_engine().set(wspace=0.08)
-    grid = figure.add_gridspec(2, 3, height_ratios=(1, 0.06))
-    space, above, side = (figure.add_subplot(grid[0, column]) for column in range(3))
+    (space, above, side), key = three_panels(figure)
     radius = float(np.nanmedian(np.sqrt(sum(part**2 for part in place))))
     joined = not sparse
     if radius > 0:
         draw_path_on(space, tuple(part / radius for part in place), joined)
     space.axis("off")
-    space.set_title(f"on its sphere of {radius:.4g} m", fontsize=9.5, pad=4)
+    space.set_title(f"on its sphere of {write(radius)} m", fontsize=9.5, pad=16)
     x, y, z = place
     draw_plane(above, (x, y), z >= 0, radius, joined)
     label_plane(above, "x", "y", "from above")
@@ -57,10 +57,8 @@ def draw_path(table: Table) -> Figure:
     else:
         draw_plane(side, (y, z), x >= 0, radius, joined)
         label_plane(side, "y", "z", "from $+x$")
-    key = figure.add_subplot(grid[1, :])
-    key.axis("off")
     handles = path_handles([WHOLE], [joined])
-    key.legend(handles=handles, loc="center", ncols=len(handles), borderpad=0)
+    key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
     return figure
 
 

@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 
 from spintop_figures.motion.reduced import Reduced, find_reduced
 from spintop_figures.motion.trajectory import decimals_for, numbers
-from spintop_figures.style.look import FAINT, LINES
+from spintop_figures.style.look import FAINT, LINES, by_width
+from spintop_figures.style.numbers import write_fixed
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
@@ -84,12 +85,12 @@ def draw_potential(table: Table) -> Figure:
     axes.set_xlim(np.degrees(low), np.degrees(high))
     decimals = decimals_for(np.degrees(turns[1] - turns[0]), 2)
     for (turn, turning), side, shift in zip(ends, ("left", "right"), (8, -8), strict=True):
-        words = f"{np.degrees(turn):.{decimals}f}°"
+        words = f"{write_fixed(np.degrees(turn), decimals)}°"
         face = "black" if turning else "white"
         place = np.degrees(turn), reduced.energy
         axes.plot(*place, "o", mec="black", mfc=face, clip_on=False, zorder=4)
         axes.annotate(
-            words if turning else f"{np.degrees(turn):.0f}°, never reached",
+            words if turning else f"{write_fixed(np.degrees(turn), 0)}°, never reached",
             place,
             (shift, 6),
             textcoords="offset points",
@@ -142,7 +143,7 @@ def draw_legend(axes: Axes, across: int) -> None:
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.01, 1.0),
-        ncols=across,
+        ncols=by_width(across, 2),
         columnspacing=1.2,
         borderpad=0.2,
     )

@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 
 from spintop_figures.style.lines import MANY_POINTS
 from spintop_figures.style.look import DOTS, GREY, HIDDEN, LINES
+from spintop_figures.style.numbers import write
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -170,7 +171,7 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
             continue
         circle = on_sphere(np.full_like(around, count * step), around)
         draw_seen(axes, circle, style, view=view)
-        name_circle(axes, circle, f"{np.degrees(count * step):.8g}°", view)
+        name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
     down = np.linspace(low, high, 181)
     apart = GRID if low == 0 or high == np.pi else step / np.sin(middle)
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)

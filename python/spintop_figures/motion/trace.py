@@ -18,12 +18,20 @@ from spintop_figures.motion.sphere import (
     path_handles,
 )
 from spintop_figures.motion.trajectory import numbers
-from spintop_figures.style.look import GREY, WIDTH
+from spintop_figures.style.look import GREY, by_width, drawn_width
+from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
 
 LEAST_NUTATION = np.radians(0.5)
 """A smaller range of the inclination is about the width of the line of the path."""
+
+BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
+UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
+"""Where the legend of a single sphere is, beside it and below it."""
+
+BELOW = 3.0
+"""Inches below a sphere on a narrow figure."""
 
 MOST_ACROSS = 3
 """Spheres in a row."""
@@ -79,7 +87,7 @@ def tell_path(table: Table) -> list[str]:
     """The extremes of the inclination and the azimuth passed, in lines of words."""
     theta, phi = path_of(table)
     low, high = inclination_extremes(table)
-    ends = [f"{np.degrees(end.value):.4g}°" for end in (low, high)]
+    ends = [f"{write(np.degrees(end.value))}°" for end in (low, high)]
     words = rf"$\theta$ = {ends[0]}" if ends[0] == ends[1] else rf"$\theta$ {ends[0]} to {ends[1]}"
     if (low.of_rows or high.of_rows) and ends[0] != ends[1]:
         words += " in the rows"
@@ -90,24 +98,28 @@ def tell_path(table: Table) -> list[str]:
 
 def tell_turn(degrees: float) -> str:
     """How far an azimuth turns, in degrees or in turns."""
-    number = degrees / 360 if abs(degrees) > MANY_DEGREES else degrees
-    sign = "+" if number > 0 else "\N{MINUS SIGN}" if number < 0 else ""
-    unit = " turns" if abs(degrees) > MANY_DEGREES else "°"
-    return f"{sign}{abs(number):.4g}{unit}"
+    many = abs(degrees) > MANY_DEGREES
+    sign = "+" if degrees > 0 else ""
+    return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
 
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """The paths of several motions side by side, each under its title."""
-    across = min(len(tables), MOST_ACROSS)
+    across = min(len(tables), by_width(MOST_ACROSS, 2))
     down = -(-len(tables) // across)
-    side = WIDTH / across if len(tables) > 1 else ALONE
+    width = drawn_width()
+    side = width / across if len(tables) > 1 else min(ALONE, width)
     heading = "Path of the axis tip on the unit sphere"
     alone = len(tables) == 1
     height = side if alone else SHAPE * side + TITLE
     figure = new_figure(tables, heading, 0.8 + height * down)
-    if alone:
-        grid = figure.add_gridspec(1, 2, width_ratios=[ALONE, WIDTH - ALONE])
+    if alone and by_width(True, False):
+        grid = figure.add_gridspec(1, 2, width_ratios=[ALONE, width - ALONE])
         panels, key = [figure.add_subplot(grid[0, 0])], figure.add_subplot(grid[0, 1])
+    elif alone:
+        figure.set_figheight(side + BELOW)
+        grid = figure.add_gridspec(2, 1, height_ratios=[side, BELOW - 1])
+        panels, key = [figure.add_subplot(grid[0, 0])], figure.add_subplot(grid[1, 0])
     else:
         grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
         panels = [figure.add_subplot(grid[place]) for place in np.ndindex(down, across)]
@@ -120,15 +132,17 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
     if alone:
         words = [textwrap.fill(line, 44) for line in tell_path(tables[0])]
-        key.text(0, 0.8, "\n".join(words), va="top", linespacing=1.5)
+        key.text(0, by_width(0.8, 1.0), "\n".join(words), va="top", linespacing=1.5)
         for handle in handles:
             handle.set_label(textwrap.fill(handle.get_label(), 20))
-        key.legend(handles=handles, loc="lower left", bbox_to_anchor=(-0.05, 0.1))
+        key.legend(handles=handles, **by_width(BESIDE, UNDER))
         return figure
     for axes, table in zip(panels, tables, strict=False):
         title = textwrap.fill(table.title, int(side * LETTERS)).replace("$", r"\$")
         axes.set_title("\n".join([title, *tell_path(table)]), fontsize=9, pad=2)
-    key.legend(handles=handles, loc="center", ncols=5, columnspacing=1.2, handletextpad=0.4)
+    key.legend(
+        handles=handles, loc="center", ncols=by_width(5, 2), columnspacing=1.2, handletextpad=0.4
+    )
     return figure
 
 

@@ -10,11 +10,9 @@ from matplotlib.patheffects import withStroke
 
 from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
 from spintop_figures.moving.assumptions import LAGRANGE, broken
-from spintop_figures.style.lines import (
-    draw_line,
-    set_degree_ticks,
-)
-from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.lines import draw_line, set_degree_ticks
+from spintop_figures.style.look import FAINT, GREY, LINES, by_width
+from spintop_figures.style.numbers import write_fixed
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
@@ -33,6 +31,9 @@ DENSE = 150
 MOST_DECIMALS = 8
 """Extremes that differ only in further decimals have no numbers."""
 
+MOST_DECIMALS = 8
+"""Extremes that only more tell apart have no numbers."""
+
 MOST_OFTEN = 0.25
 """Sign changes between more of the rows than this part are those of rounding."""
 
@@ -44,9 +45,10 @@ def numbers(table: Table, column: str) -> np.ndarray:
 
 def four_panels(table: Table, what: str) -> tuple[Figure, list[Axes]]:
     """A figure with four panels over the same time."""
-    figure = new_figure(table, what, height=5.4)
-    axes = figure.subplots(2, 2, sharex=True)
-    for panel in axes[1]:
+    figure = new_figure(table, what, height=by_width(5.4, 8.6))
+    across = by_width(2, 1)
+    axes = figure.subplots(4 // across, across, sharex=True, squeeze=False)
+    for panel in axes[-1]:
         panel.set_xlabel(TIME)
     for panel in axes.flat:
         panel.margins(x=0.01)
@@ -107,7 +109,7 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
         if decimals > MOST_DECIMALS:
             continue
         axes.annotate(
-            f"{end.note(which)}{end.value:.{decimals}f}{unit}".replace("-", "\N{MINUS SIGN}"),
+            f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}",
             (0.99, end.value),
             xycoords=axes.get_yaxis_transform(),
             xytext=(0, shift),

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.style.numbers import numbers as plain_numbers
 from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
@@ -22,7 +22,7 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.sweep import MOST_MARKS, marks
 from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import name_of, with_unit
 from spintop_figures.tables.table import Table
 
 PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
@@ -54,7 +54,7 @@ def draw_curves(table: Table) -> Figure:
     failed = ~ended_well(rows).to_numpy()
     height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
     notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
-    figure = new_figure(table, f"Curves over {parameter_words(name)}{notes}", height)
+    figure = new_figure(table, f"The motion over the {parameter_words(name)}{notes}", height)
     panels = add_panels(figure, len(quantities), sharey=False)
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
@@ -64,7 +64,7 @@ def draw_curves(table: Table) -> Figure:
     if has_log_axis(table, 0):
         panels[0].set_xscale("log")
         for axes in panels:
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axes.xaxis.set_major_formatter(plain_numbers())
     return figure
 
 
@@ -86,7 +86,7 @@ def draw_curve(
         codes = {name: float(code) for code, name in enumerate(classes)}
         numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
-        axes.set_yticks(range(len(classes)), labels=classes)
+        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
         axes.set_ylim(-0.5, len(classes) - 0.5)
     else:
         numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
 from spintop_figures.sweeps.statistics import beside, describe, tell_cases
-from spintop_figures.tables.names import PARAMETERS
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -118,10 +119,11 @@ def draw_dots(axes: Axes, name: str, rows: pd.DataFrame) -> None:
     if not np.isfinite(rows["first_order"].to_numpy(float)).any():
         axes.annotate("no indices", (0.5, 0.5), xycoords="axes fraction", ha="center", color=FAULT)
     elif left_out:
-        text = f"{left_out:,} of {left_out + int(rows['groups'].iloc[0]):,} groups left out"
+        groups = write_count(left_out + rows["groups"].iloc[0])
+        text = f"{write_count(left_out)} of {groups} groups left out"
         axes.set_title(text, loc="right", fontsize=8.5, color=FAULT, pad=4)
 
 
 def name_factor(factor: str) -> str:
     """A factor in words, with its symbol where it has one."""
-    return PARAMETERS.get(factor, factor.rpartition(".")[2])
+    return name_of(factor)

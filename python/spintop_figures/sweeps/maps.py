@@ -14,11 +14,12 @@ from matplotlib.colors import (
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks
 from spintop_figures.style.look import FAULT
-from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
+from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.style.numbers import write
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, panel_rows
 from spintop_figures.sweeps.fields import jumps, spots
 from spintop_figures.sweeps.kapitza import KAPITZA, find_kapitza_limit
 from spintop_figures.sweeps.quantities import (
@@ -35,7 +36,7 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import name_of, with_unit
 from spintop_figures.tables.table import Table
 
 LETTER, LINE = 0.085, 0.16
@@ -105,11 +106,11 @@ def draw_maps(table: Table) -> Figure:
     """A map of each quantity that the table has."""
     grid = make_grid(table)
     quantities = quantities_of(table)
-    down = (len(quantities) + 1) // 2
+    down = panel_rows(len(quantities))
     names = " and ".join(map(parameter_words, table.axes()))
     notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
     height = 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT)
-    figure = new_figure(table, f"Maps over {names}{notes}", height)
+    figure = new_figure(table, f"The motion over {names}{notes}", height)
     failed = ~ended_well(table.rows).to_numpy()
     panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
@@ -157,7 +158,7 @@ def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) 
     named = set()
     width, height = room_of(axes)
     for spot in spots(cells):
-        name = classes[spot.code]
+        name = name_of(classes[spot.code])
         if spot.width * width < LETTER * len(name) or spot.height * height < LINE:
             continue
         named.add(name)
@@ -165,9 +166,9 @@ def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) 
         style = {"ha": "center", "va": "center", "fontsize": 9, "color": ink}
         axes.text(spot.x, spot.y, name, transform=axes.transAxes, parse_math=False, **style)
     handles = [
-        Patch(color=shades(code), label=name)
+        Patch(color=shades(code), label=name_of(name))
         for code, name in enumerate(classes)
-        if name not in named
+        if name_of(name) not in named
     ]
     if handles:
         place = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "ncols": 3}
@@ -243,7 +244,7 @@ def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> None:
         axes.contour(grid.x, grid.y, known, levels=[0], colors="0.25", linewidths=1.0)
     if cut.any():
         title = axes.get_title(loc="left")
-        axes.set_title(f"{title},\nwith jumps by about {size:.3g}", loc="left")
+        axes.set_title(f"{title},\nwith jumps by about {write(size, 3)}", loc="left")
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
@@ -258,7 +259,7 @@ def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
 
 def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     """Scales and labels of the parameters; labels at the left and lowest panels only."""
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    plain = plain_numbers()
     x_edges, y_edges = grid.edges()
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     panels[0].set(xscale=scale_name(grid.logs[0]), yscale=scale_name(grid.logs[1]))

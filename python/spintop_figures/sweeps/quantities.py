@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axis import Axis
 
+from spintop_figures.style.numbers import write, write_count
 from spintop_figures.tables.ends import count_failures, ended_well
-from spintop_figures.tables.names import PARAMETERS, SYMBOLS, with_unit
+from spintop_figures.tables.names import axis_of, column_name, name_of
 from spintop_figures.tables.table import Table
 
 WIDE_AXIS = 12
@@ -96,7 +97,7 @@ def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
     unit, factor = unit_shown(name, table.units.get(name, ""))
     values = the_column(name) if factor == 1 else in_degrees(name)
-    label = SYMBOLS.get(name) or table.meanings.get(name) or name
+    label = column_name(name, table.meanings.get(name, ""))
     return Quantity((name,), label, unit, values)
 
 
@@ -112,7 +113,7 @@ def nutation_range(rows: pd.DataFrame) -> pd.Series:
 
 QUANTITIES = (
     Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
-    Quantity(("theta_min", "theta_max"), "range of the nutation angle", "degrees", nutation_range),
+    Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
     Quantity(
         ("precession_per_nutation",),
         "precession per nutation",
@@ -213,7 +214,7 @@ def tell_constants(table: Table) -> str:
 
 def with_unit_after(value: float, unit: str) -> str:
     """A number with its unit, within a text."""
-    return f"{value:.4g} {unit}".strip()
+    return f"{write(value)} {unit}".strip()
 
 
 def is_noise(table: Table, quantity: Quantity) -> bool:
@@ -227,7 +228,7 @@ def tell_noise(table: Table) -> str:
     """Which errors are not drawn because they are rounding."""
     shown = [quantity.columns for quantity in quantities_of(table)]
     words = [
-        f"{quantity.label} at rounding, {quantity.values(succeeded(table)).max():.1e} at most"
+        f"{quantity.label} at rounding, {write(quantity.values(succeeded(table)).max(), 2)} at most"
         for quantity in known_quantities(table)
         if is_noise(table, quantity) and quantity.columns not in shown
     ]
@@ -285,21 +286,23 @@ def element(table: Table, key: str, number: int) -> str:
 def name_parameter(table: Table, place: int) -> str:
     """Parameter number `place` from 0 as it is written, with its unit."""
     name = table.axes()[place]
-    return with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+    return axis_of(name, table.units.get(name, ""))
 
 
 def parameter_words(name: str) -> str:
     """A parameter without its symbol, as a title names it."""
-    return PARAMETERS.get(name, name.partition(".")[2]).partition(" $")[0]
+    return name_of(name)
 
 
 def label_parameter(table: Table, place: int, axis: Axis) -> None:
     """Label the axis of parameter number `place` from 0."""
-    axis.set_label_text(name_parameter(table, place), parse_math=table.axes()[place] in PARAMETERS)
+    axis.set_label_text(name_parameter(table, place))
 
 
 def tell_failed(table: Table) -> str:
     """How many cases have a cross, and why."""
     counts = count_failures(table.rows)
-    reasons = ", ".join(f"{count} {status}" for status, count in counts.items())
+    reasons = ", ".join(
+        f"{write_count(count)} {name_of(status)}" for status, count in counts.items()
+    )
     return f" (crossed: {reasons})" if reasons else ""

@@ -2,18 +2,10 @@
 
 import numpy as np
 
+from spintop_figures.motion.events import describe_event
+from spintop_figures.style.numbers import write, write_count, write_fixed
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
-
-DIGITS = 4
-
-
-def short(value: float) -> str:
-    """A number with a few digits."""
-    text = f"{value:.{DIGITS}g}"
-    mantissa, e, power = text.partition("e")
-    if e:
-        text = f"{mantissa} \N{MULTIPLICATION SIGN} 10^{int(power)}"
-    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def column(table: Table, name: str) -> np.ndarray:
@@ -27,7 +19,7 @@ def column(table: Table, name: str) -> np.ndarray:
 def degrees(angle: float) -> str:
     """An angle in degrees: small ones with digits, others with two decimals."""
     value = float(np.degrees(angle))
-    text = f"{value:.2f}" if abs(value) >= 1 or value == 0 else short(value)
+    text = write_fixed(value, 2) if abs(value) >= 1 else write(value)
     return f"{text}\N{DEGREE SIGN}"
 
 
@@ -35,14 +27,14 @@ def of_trajectory(table: Table) -> dict[str, str]:
     """Span, inclination, the largest force, and the errors that the table has."""
     found = {}
     if (t := column(table, "t")).size:
-        found["span"] = f"{short(t[-1] - t[0])} s"
+        found["span"] = f"{write(t[-1] - t[0])} s"
     if (theta := column(table, "theta")).size:
         found["θ"] = f"{degrees(theta.min())} to {degrees(theta.max())}"
     forces = [column(table, f"force_{axis}") for axis in "xyz"]
     if forces[0].size and len({force.size for force in forces}) == 1:
-        found["largest force"] = f"{short(np.sqrt(sum(force**2 for force in forces)).max())} N"
+        found["largest force"] = f"{write(np.sqrt(sum(force**2 for force in forces)).max())} N"
     if (error := np.abs(column(table, "energy_error"))).size:
-        found["energy error"] = f"{short(error.max())} J"
+        found["energy error"] = f"{write(error.max())} J"
     if (error := column(table, "orientation_error")).size:
         found["orientation error"] = degrees(error.max())
     return found
@@ -53,8 +45,7 @@ def of_sweep(table: Table) -> dict[str, str]:
     found = {}
     for axis in table.axes():
         if (values := column(table, axis)).size:
-            name = axis.partition(".")[2] or axis
-            found[name] = f"{short(values.min())} to {short(values.max())}"
+            found[name_of(axis)] = f"{write(values.min())} to {write(values.max())}"
     least, most = column(table, "theta_min"), column(table, "theta_max")
     if least.size and most.size:
         found["θ"] = f"{degrees(least.min())} to {degrees(most.max())}"
@@ -66,17 +57,17 @@ def of_methods(table: Table) -> dict[str, str]:
     found = {}
     for name, plural in (("problem", "problems"), ("case", "cases"), ("method", "methods")):
         if name in table.rows and not table.numeric(name):
-            found[plural] = str(table.rows[name].nunique())
+            found[plural] = write_count(table.rows[name].nunique())
     errors = column(table, "orientation_error")
     if (errors := errors[errors > 0]).size:
-        found["smallest orientation error"] = f"{short(errors.min())} rad"
+        found["smallest orientation error"] = f"{write(errors.min())} rad"
     return found
 
 
 def of_events(table: Table) -> dict[str, str]:
     """How often each event happened."""
     counts = table.rows["event"].astype(str).value_counts()
-    return {str(name): str(count) for name, count in counts.items()}
+    return {describe_event(name): write_count(count) for name, count in counts.items()}
 
 
 KINDS = {

@@ -23,6 +23,7 @@ from reporting.pictures import Picture, fit
 from reporting.study import Section
 from spintop_figures.moving.data import pack_all
 from spintop_figures.moving.motion import facts_text
+from spintop_figures.style.numbers import write_count
 
 LARGEST, PER_TABLE = 3_000_000, 300_000
 """Bytes of a page, and what each of many tables has at least. Where there would be more, rows
@@ -129,7 +130,7 @@ def facts_of(sections: list[Section], today: str) -> dict[str, str]:
     )
     kinds = Counter(section.kind for section in sections)
     failed = sum(section.failed for section in sections)
-    counts = [f"{count} {plural(kind, count)}" for kind, count in kinds.items()]
+    counts = [f"{write_count(count)} {plural(kind, count)}" for kind, count in kinds.items()]
     return {
         "Date of the report": today,
         "Date of the runs": " to ".join(dict.fromkeys((days[0], days[-1]))) if days else "",
@@ -141,11 +142,11 @@ def facts_of(sections: list[Section], today: str) -> dict[str, str]:
 
 def plural(kind: str, count: int) -> str:
     """The name of a kind for so many."""
-    if count == 1 or kind == "events":
+    if count == 1:
         return kind
-    if kind.endswith("y"):
-        return f"{kind[:-1]}ies"
-    return f"{kind} studies" if kind.endswith("precision") else f"{kind}s"
+    if kind.startswith("table of "):
+        return f"tables{kind[5:]}"
+    return f"{kind[:-1]}ies" if kind.endswith("y") else f"{kind}s"
 
 
 def make_page(
@@ -169,7 +170,11 @@ def make_page(
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters |= {"prose": prose, "sentence": lambda text: text[:1].upper() + text[1:]}
+    environment.filters |= {
+        "prose": prose,
+        "counted": write_count,
+        "sentence": lambda text: text[:1].upper() + text[1:],
+    }
     concerned = anchored(sections, errata)
     today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
     page = environment.get_template("page.html").render(

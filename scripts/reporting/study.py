@@ -13,8 +13,11 @@ from reporting.pictures import Picture, pictures_of
 from reporting.proved import SUFFIX, proved_texts
 from spintop_figures.moving.data import Data, rows_kept
 from spintop_figures.moving.motion import refusal
+from spintop_figures.style.numbers import write_count
+from spintop_figures.style.provenance import describe_end
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import ended_well, is_good_end
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table, TableError, read_table
 
 MOST_CELLS = 4_000
@@ -50,7 +53,7 @@ class Section:
     @property
     def kind(self) -> str:
         """The kind of the study, in words."""
-        return self.table.kind.replace("_", " ")
+        return name_of(self.table.kind)
 
     @property
     def facts(self) -> dict[str, str]:
@@ -71,8 +74,8 @@ class Section:
     def outcome(self) -> str:
         """How it ended, in a few words."""
         if self.table.status is not None:
-            return self.table.status
-        return ", ".join(f"{count} {word}" for word, count in self.outcomes.items())
+            return describe_end(self.table.status)
+        return ", ".join(f"{write_count(n)} {name_of(word)}" for word, n in self.outcomes.items())
 
     @property
     def key_numbers(self) -> dict[str, str]:
@@ -83,7 +86,8 @@ class Section:
     def method(self) -> str:
         """The method that computed it, and the formulation under which it did."""
         model, method = self.table.model_and_method
-        return method if method in ("", "exact") else f"{method}, {model}"
+        words = [method] if method in ("", "exact") else [method, model]
+        return ", ".join(map(name_of, words))
 
     @property
     def failed(self) -> bool:

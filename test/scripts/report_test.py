@@ -556,7 +556,7 @@ class PageTest(ReportCase):
             "GCC version 12.2.0",
             "&study\n    kind = 'trajectory'\n    title = 'It''s a top, = trajectory'\n/",
             "support force: x",
-            "3 ok, 1 step_limit",
+            "3 completed, 1 too many steps",
             "2 accurate",
             "the cheapest is one, 3 times",
             "notes.csv: is no table of spintop",
@@ -582,10 +582,10 @@ class PageTest(ReportCase):
         for text in (
             "2020-02-29",
             "spintop 0.1.0 (0123456789ab-dirty)",
-            "1 trajectory, 1 sweep, 1 stability",
+            "1 trajectory, 1 sweep, 1 stability study",
             "1 of 3 tables",
             "28.65\N{DEGREE SIGN} to 28.65\N{DEGREE SIGN}",
-            "spin_ratio 0.5 to 2",
+            "spin ratio 0.5 to 2",
         ):
             self.assertIn(text, reader.text)
         names = {attributes["id"] for _, attributes in reader.elements if attributes.get("id")}

@@ -214,7 +214,7 @@ GALLERY = (
         one("friction_to_rest"),
         ("account",),
         "A top with dry friction and drag from 200 rad/s to rest: it sleeps, wakes, sinks, and lies"
-        " still. Its energy is that of the start less the works of friction and drag.",
+        " still. Its energy and what friction and drag have taken add up to that of the start.",
         documented=("account",),
     ),
     Exhibit(
@@ -243,7 +243,7 @@ GALLERY = (
         "fit",
         one("fit"),
         ("fit",),
-        "Residuals of a fit of two moments of inertia and the spin to measured angles.",
+        "A fit of two moments of inertia and the spin to measured angles, and its residuals.",
     ),
     Exhibit(
         "camera",

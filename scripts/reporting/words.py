@@ -3,7 +3,7 @@
 import re
 
 from spintop_figures.motion.events import describe_event
-from spintop_figures.tables.names import PARAMETERS, SYMBOLS, UNIT_WORDS
+from spintop_figures.tables.names import UNIT_WORDS, name_of, sign_of
 
 DIGITS = 4
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -17,7 +17,6 @@ GREEK = {
 RELATIONS = {">>": "≫", "<<": "≪", ">=": "≥", "<=": "≤"}
 SYMBOL = re.compile(rf"\b({'|'.join(GREEK)})(\d?)\b")
 MOMENT = re.compile(r"\bI([123])\b")
-INERTIA = re.compile(r"\binertia\(([123])\)")
 ROOT = re.compile(r"\bsqrt\((\w+)\)")
 POWER = re.compile(r"\^(-?\d+)")
 RELATION = re.compile("|".join(RELATIONS))
@@ -93,15 +92,12 @@ def unit_of(unit: str) -> str:
 
 def column_of(name: str) -> str:
     """A column within a line of text."""
-    return SYMBOLS.get(name, name.replace("_", " "))
+    return sign_of(name)
 
 
 def parameter_of(key: str) -> str:
-    """A parameter within a line of text: its name in figures without the symbol, else its key."""
-    if key in PARAMETERS:
-        return PARAMETERS[key].partition(" $")[0]
-    name = key.partition(".")[2] or key
-    return typeset(INERTIA.sub(r"I\1", name.removesuffix("_deg").replace("_", " ")))
+    """A parameter within a line of text."""
+    return name_of(key)
 
 
 def event_of(name: str) -> str:
@@ -124,4 +120,4 @@ def method_of(model: str, method: str) -> str:
         return "several"
     if method in ("", "exact"):
         return "exact solution" if method else ""
-    return f"{method}, {model}".replace("_", " ")
+    return ", ".join(map(name_of, (method, model)))

@@ -14,6 +14,10 @@ PLACES = {
     "python/pyproject.toml": r'^version = "([^"]+)"$',
     "CITATION.cff": r"^version: (\S+)$",
     "CHANGELOG.md": r"^## (\d\S*)",
+    "packaging/conda/recipe/meta.yaml": r'set version = "([^"]+)"',
+    "packaging/spack/package.py": r'^    version\("([^"]+)"',
+    "packaging/homebrew/spintop.rb": r"spintop-(\S+)\.tar\.gz",
+    "packaging/modulefiles/spintop.lua": r"Version: ([^\"]+)",
 }
 
 

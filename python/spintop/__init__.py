@@ -6,8 +6,8 @@
     top = spintop.Top(body, theta_deg=11.25, psi_rate=1.0)
     top.exact([0.0, 1.0, 2.0]).theta
 
-All quantities are in SI units and radians, unless a name ends with `_deg`. Calls release the
-global interpreter lock, and any thread may call anything.
+All quantities are in SI units and radians, unless a name ends with a unit, as `_deg`. Calls
+release the global interpreter lock, and any thread may call anything.
 """
 
 from spintop.animation import Animation, animate

@@ -71,10 +71,12 @@ def animate(table: "Table | str | Path") -> Animation:
     """
     from spintop_figures.moving.data import pack_all
     from spintop_figures.moving.motion import facts_text, refusal
+    from spintop_figures.tables.own_units import in_own_units
     from spintop_figures.tables.table import read_table
 
     if isinstance(table, str | Path):
         table = read_table(Path(table))
+    table = in_own_units(table)
     if reason := refusal(table):
         raise TypeError(f"the motion cannot be shown: the table {reason}")
     (data,) = pack_all([table], LARGEST)

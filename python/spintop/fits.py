@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from spintop.inputs import names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
 from spintop.results import Figures, Result
-from spintop.runs import call_run, figures_of
+from spintop.runs import call_run, figures_of, registry
 
 
 def fit(
@@ -25,16 +25,17 @@ def fit(
 ) -> Result:
     """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
 
-    `data` has the times (s) and columns of trajectories, in their units; a pandas frame will do.
-    `nan` is no reading. `unknown` names the sought numbers, as `top.inertia(3)` or `offset.theta`;
-    their values in `given`, the groups of the input, are where the search begins. `sigma` is the
-    standard deviation of all columns or of each, in their units, in their order or by their names,
-    where an array has one per row; without it one that is common to all is estimated. The tables of
-    the result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws.
-    It is not `ok` if the search does not converge, the data do not determine the parameters, or
-    the motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups
-    `sensor` may stand in `given`. The `warnings` of the result say what is odd about the data and
-    the residuals.
+    `data` has the times (s) and columns of trajectories, in their units, or in those that their
+    names end in, as `{"t_ms": [...], "theta_deg": [...]}`; a pandas frame will do. `nan` is no
+    reading. `unknown` names the sought numbers, as `top.inertia(3)` or `offset.theta`; their values
+    in `given`, the groups of the input, are where the search begins. `sigma` is the standard
+    deviation of all columns or of each, in their units, in their order or by their names, where an
+    array has one per row; without it one that is common to all is estimated. The tables of the
+    result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
+    not `ok` if the search does not converge, the data do not determine the parameters, or the
+    motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups `sensor`
+    may stand in `given`. The `warnings` of the result say what is odd about the data and the
+    residuals.
     """
     columns = measurements(data)
     if isinstance(sigma, Mapping):
@@ -57,21 +58,32 @@ def fit(
 
 def measurements(data: Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
     """The columns of measurements, of one length, with their times."""
-    if "t" not in data:
-        raise InputError("the measurements have no times: give t, in s from the start", code=2)
+    time = time_of(data)
     columns = {name: numbers(values, name) for name, values in data.items()}
     lengths = {name: column.shape for name, column in columns.items()}
     for name, shape in lengths.items():
-        if len(shape) != 1 or shape != lengths["t"]:
-            raise InputError(f"{name} has the shape {shape}, but t {lengths['t']}", code=2)
+        if len(shape) != 1 or shape != lengths[time]:
+            raise InputError(f"{name} has the shape {shape}, but {time} {lengths[time]}", code=2)
     return columns
+
+
+def time_of(data: Mapping[str, ArrayLike]) -> str:
+    """The name of the times: `t`, or `t_ms` and the like."""
+    if "t" in data:
+        return "t"
+    units = registry("columns")["column_units"]
+    for name in (f"t_{unit['suffix']}" for unit in units if unit["of"] == "s"):
+        if name in data:
+            return name
+    raise InputError("the measurements have no times: give t, in s from the start", code=2)
 
 
 def deviations(
     sigma: Mapping[str, ArrayLike], columns: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Standard deviations by the names of columns, as columns with one per row."""
-    measured = [name for name in columns if name != "t"]
+    time = time_of(columns)
+    measured = [name for name in columns if name != time]
     for name in [*sigma, *measured]:
         if name not in measured:
             raise InputError(f"sigma: {name} is not measured", code=2)
@@ -79,10 +91,10 @@ def deviations(
             raise InputError(f"sigma: that of {name} is missing", code=2)
     given = {name: numbers(values, f"sigma of {name}") for name, values in sigma.items()}
     for name, values in given.items():
-        if values.shape not in ((), columns["t"].shape):
+        if values.shape not in ((), columns[time].shape):
             raise InputError(f"sigma: {name} has the shape {values.shape}", code=2)
     return {
-        f"{name}_sigma": np.broadcast_to(values, columns["t"].shape)
+        f"{name}_sigma": np.broadcast_to(values, columns[time].shape)
         for name, values in given.items()
     }
 

@@ -128,20 +128,26 @@ def read(path: str | Path) -> "FileTable":
     return read_table(Path(path))
 
 
-def plot(table: "FileTable | str | Path", *names: str) -> Figures:
+def plot(table: "FileTable | str | Path", *names: str, **options: object) -> Figures:
     """Draw the figures that `scripts/plot` draws of a table, or those named: figures by name.
 
+    The options are those of `spintop_figures.draw`: width, title, dark, style, font_size,
+    decimal_comma; with y there is one figure `columns` of these columns over x, with log and range.
     A notebook shows them; each is a figure of matplotlib, with `savefig`.
     """
-    from spintop_figures.registry import choose_figures
+    from spintop_figures.registry import choose_figures, draw
+    from spintop_figures.style.options import Options
     from spintop_figures.tables.table import TableError
 
     if isinstance(table, str | Path):
         table = read(table)
+    if options.get("y"):
+        return Figures({"columns": draw(table, **options)})
+    asked = Options(**options)
     kinds, problems = choose_figures(table, list(names) or None)
     if problems:
         raise TableError("; ".join(problems))
-    return Figures((kind.name, kind.draw(table)) for kind in kinds)
+    return Figures((kind.name, kind.draw(table, asked)) for kind in kinds)
 
 
 def figures_of(given: tuple[str, str], threads: int, *names: str) -> Figures:

@@ -6,12 +6,13 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from spintop_figures.registry import FigureKind
+from spintop_figures.style.options import DEFAULT, Options
 from spintop_figures.style.saving import save_as
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.table import Table, TableError
@@ -21,8 +22,22 @@ LARGEST = 1e150
 overflowed, as its status says, they are left out."""
 
 
-def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> list[Path]:
-    """Draw a figure to PNG and SVG, or raise a TableError that says why that cannot be."""
+@dataclass(frozen=True)
+class Files:
+    """What a figure is drawn for: what was asked of it, and the endings of its files."""
+
+    options: Options = DEFAULT
+    formats: tuple[str, ...] = ("png", "svg")
+
+
+PICTURES = Files()
+"""Those of a report."""
+
+
+def draw_to(
+    kind: FigureKind, tables: Table | Sequence[Table], stem: Path, files: Files = PICTURES
+) -> list[Path]:
+    """Draw a figure to files, or raise a TableError that says why that cannot be."""
     alone = isinstance(tables, Table)
     known = [without_overflow(table) for table in ([tables] if alone else tables)]
     for table in known:
@@ -31,7 +46,8 @@ def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> li
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            return save_as(kind.draw(known[0] if alone else known), stem)
+            figure = kind.draw(known[0] if alone else known, files.options)
+            return save_as(figure, stem, files.formats)
     except (OSError, TableError):
         raise
     except Exception as error:
@@ -40,27 +56,29 @@ def draw_to(kind: FigureKind, tables: Table | Sequence[Table], stem: Path) -> li
 
 
 def draw_all(
-    kinds: Sequence[FigureKind], table: Table, folder: Path
+    kinds: Sequence[FigureKind], table: Table, folder: Path, files: Files = PICTURES
 ) -> Iterator[list[Path] | TableError]:
     """Draw figures of a table, at once on as many processors as there are; files or errors."""
     stems = [folder / f"{table.path.stem}_{kind.name}" for kind in kinds]
     workers = min(len(kinds), os.cpu_count() or 1)
     if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from (draw_or_tell(*job, table) for job in zip(kinds, stems, strict=True))
+        yield from (draw_or_tell(*job, table, files) for job in zip(kinds, stems, strict=True))
         return
     sys.stdout.flush()  # what a child inherits would be written twice
     context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context, take_jobs, (kinds, stems, table)) as pool:
+    with ProcessPoolExecutor(workers, context, take_jobs, (kinds, stems, table, files)) as pool:
         yield from pool.map(draw_job, range(len(kinds)))
 
 
-jobs: list[tuple[FigureKind, Path, Table]] = []
+jobs: list[tuple[FigureKind, Path, Table, Files]] = []
 """What a child may draw, which it inherits: the rows of a table are not sent to it."""
 
 
-def take_jobs(kinds: Sequence[FigureKind], stems: Sequence[Path], table: Table) -> None:
+def take_jobs(
+    kinds: Sequence[FigureKind], stems: Sequence[Path], table: Table, files: Files
+) -> None:
     """Remember the jobs, in a child."""
-    jobs.extend((kind, stem, table) for kind, stem in zip(kinds, stems, strict=True))
+    jobs.extend((kind, stem, table, files) for kind, stem in zip(kinds, stems, strict=True))
 
 
 def draw_job(number: int) -> list[Path] | TableError:
@@ -68,10 +86,12 @@ def draw_job(number: int) -> list[Path] | TableError:
     return draw_or_tell(*jobs[number])
 
 
-def draw_or_tell(kind: FigureKind, stem: Path, table: Table) -> list[Path] | TableError:
+def draw_or_tell(
+    kind: FigureKind, stem: Path, table: Table, files: Files
+) -> list[Path] | TableError:
     """The files of a figure, or why it cannot be drawn."""
     try:
-        return draw_to(kind, table, stem)
+        return draw_to(kind, table, stem, files)
     except TableError as error:
         return error
 

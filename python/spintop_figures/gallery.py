@@ -159,6 +159,20 @@ GALLERY = (
         " points, and phase portrait of the inclination.",
     ),
     Exhibit(
+        "toy",
+        one("toy_top"),
+        ("angles", "trace"),
+        "A toy top at 1500 revolutions per minute, released at an inclination of 20 degrees.",
+        documented=("angles",),
+    ),
+    Exhibit(
+        "toy_methods",
+        one("toy_top_methods"),
+        ("precision_time",),
+        "The toy top by five methods: error against time.",
+        documented=("precision_time",),
+    ),
+    Exhibit(
         "separatrix",
         one("separatrix"),
         ("portrait", "potential", "support", "cones"),
@@ -200,7 +214,7 @@ GALLERY = (
         one("friction_to_rest"),
         ("account",),
         "A top with dry friction and drag from 200 rad/s to rest: it sleeps, wakes, sinks, and lies"
-        " still. Its energy is that of the start less the works of friction and drag.",
+        " still. Its energy and what friction and drag have taken add up to that of the start.",
         documented=("account",),
     ),
     Exhibit(
@@ -229,7 +243,14 @@ GALLERY = (
         "fit",
         one("fit"),
         ("fit",),
-        "Residuals of a fit of two moments of inertia and the spin to measured angles.",
+        "A fit of two moments of inertia and the spin to measured angles, and its residuals.",
+    ),
+    Exhibit(
+        "camera",
+        one("tip_camera"),
+        ("fit",),
+        "Residuals of a fit of the spin and the camera to pixels of the tip of a top.",
+        documented=("fit",),
     ),
     Exhibit(
         "precision",

@@ -5,6 +5,11 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from spintop_figures.columns import draw_columns, object_to_columns
+from spintop_figures.methods.benchmarks import COLUMNS as BENCHMARKS
+from spintop_figures.methods.benchmarks import WORDS as BENCHMARK_WORDS
+from spintop_figures.methods.benchmarks import draw_benchmarks, object_to_benchmarks
+from spintop_figures.methods.choice import draw_choice, object_to_choice
 from spintop_figures.methods.costs import draw_costs, object_to_costs
 from spintop_figures.methods.orders import draw_orders, object_to_orders
 from spintop_figures.methods.peers import draw_peers, object_to_peers
@@ -37,6 +42,8 @@ from spintop_figures.motion.trace import draw_trace, draw_traces, object_to_trac
 from spintop_figures.motion.trajectory import draw_angles, draw_forces, draw_support
 from spintop_figures.moving.assumptions import CONSERVED, LAGRANGE, Assumption, broken
 from spintop_figures.style.look import the_look
+from spintop_figures.style.options import DEFAULT, Options
+from spintop_figures.style.page import finish
 from spintop_figures.sweeps import table1
 from spintop_figures.sweeps.curves import draw_curves, object_to_curves
 from spintop_figures.sweeps.indices import draw_indices, object_to_indices
@@ -49,6 +56,7 @@ from spintop_figures.sweeps.statistics import (
     object_to_distributions,
 )
 from spintop_figures.sweeps.sweep import draw_sweep, formula_columns, good_rows, sweep_columns
+from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError
 
 TRIALS = ("case", "method", "formulation", "verdict", "status", "reference", "reason")
@@ -61,6 +69,7 @@ class FigureKind(NamedTuple):
     name: str
     what: str
     kind: str
+    """Of the study; empty is any."""
     columns: tuple[str, ...]
     make: Callable[[Table], Figure] | Callable[[Sequence[Table]], Figure]
     """Draws it from the table, or from all tables that are compared."""
@@ -73,14 +82,19 @@ class FigureKind(NamedTuple):
     assumes: tuple[Assumption, ...] = ()
     """What holds for the scenes that it is true for."""
 
-    def draw(self, tables: Table | Sequence[Table]) -> Figure:
+    def draw(self, tables: Table | Sequence[Table], options: Options = DEFAULT) -> Figure:
         """Draw the figure of a table, or of all tables that are compared, in the look of all."""
-        with the_look():
-            return self.make(tables)
+        with the_look(options):
+            alone = isinstance(tables, Table)
+            figure = self.make(in_own_units(tables) if alone else [*map(in_own_units, tables)])
+            try:
+                return finish(figure, options)
+            except TableError as error:
+                raise TableError(f"{error}: no {self.name} figure") from None
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
-        if table.kind != self.kind:
+        if self.kind and table.kind != self.kind:
             return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
             return f"has no column {', '.join(missing)}"
@@ -319,7 +333,7 @@ FIGURES = (
     ),
     FigureKind(
         "costs",
-        "error of the methods against function evaluations, one panel per hard case",
+        "cost and error of the methods, a line per method and a dot per hard case",
         "stability",
         ("orientation_error", "evaluations", "inherent_error"),
         draw_costs,
@@ -363,6 +377,25 @@ FIGURES = (
         words=PRECISION,
     ),
     FigureKind(
+        "choice",
+        "time of the automatic choice of a method over that of the cheapest one",
+        "work_precision",
+        ("orientation_error", "time_s"),
+        draw_choice,
+        object_to_choice,
+        words=(*PRECISION, "auto"),
+    ),
+    FigureKind(
+        "benchmarks",
+        "errors of published numbers and of spintop",
+        "benchmark",
+        BENCHMARKS,
+        draw_benchmarks,
+        object_to_benchmarks,
+        sparse=True,
+        words=BENCHMARK_WORDS,
+    ),
+    FigureKind(
         "peers",
         "error against time of spintop and of other programs (scripts/compare_peers)",
         "work_precision",
@@ -400,6 +433,7 @@ def choose_figures(
     table: Table, names: list[str] | None = None
 ) -> tuple[list[FigureKind], list[str]]:
     """The figures to draw from a table, and what is wrong with those that should be drawn too."""
+    table = in_own_units(table)
     wanted = [
         kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
     ]
@@ -408,12 +442,39 @@ def choose_figures(
     return good, [f"{refusals[kind]}: no {kind.name} figure" for kind in wanted if refusals[kind]]
 
 
-def draw(table: Table, name: str) -> Figure:
-    """Draw the figure of this name, or raise a TableError that says why the table has none."""
-    kind = next((kind for kind in FIGURES if kind.name == name), None)
-    if kind is None:
-        known = ", ".join(kind.name for kind in FIGURES)
-        raise TableError(f"there is no figure {name}; there are {known}")
-    if refusal := kind.refusal(table):
-        raise TableError(f"{refusal}: no {name} figure")
-    return kind.draw(table)
+def columns_kind(options: Options) -> FigureKind:
+    """The figure of the columns that a user chose."""
+    return FigureKind(
+        "columns",
+        "columns of choice, of all tables together",
+        "",
+        (options.x, *options.y),
+        lambda tables: draw_columns(tables, options),
+        lambda table: object_to_columns(table, options),
+    )
+
+
+def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> Figure:
+    """Draw the figure of this name of a table, or one of several tables, such as `traces`.
+
+    Without a name, the columns `y` of the tables over their column `x` (time). The other options
+    are those of `style.options.Options`: width, title, dark, style, font_size, decimal_comma; of
+    chosen columns log and range. Raises a TableError that says why there is no such figure, and a
+    ValueError or a TypeError where an option is wrong.
+    """
+    asked = Options(**options)
+    alone = isinstance(tables, Table)
+    if asked.y and name:
+        raise ValueError("a figure has a name or columns y, not both")
+    if asked.y:
+        kind, tables = columns_kind(asked), [tables] if alone else list(tables)
+    else:
+        kinds = FIGURES if alone else COMPARISONS
+        kind = next((kind for kind in kinds if kind.name == name), None)
+        if kind is None:
+            known = ", ".join(kind.name for kind in kinds)
+            raise TableError(f"there is no figure {name}; there are {known}")
+    for table in [tables] if alone and not asked.y else tables:
+        if refusal := kind.refusal(in_own_units(table)):
+            raise TableError(f"{refusal}: no {kind.name} figure")
+    return kind.draw(tables, asked)

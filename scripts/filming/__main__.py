@@ -1,17 +1,19 @@
 """Film a trajectory for a lecture: MP4, WebM or GIF, drawn without a browser or a window."""
 
 import argparse
+import math
 import multiprocessing
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from filming.encode import check_means, write
-from filming.picture import NAMES, Camera
-from filming.take import FilmError, Take, compute
+from filming.picture import Camera
+from filming.stage import NAMES, View
+from filming.take import FilmError, Part, Take, compute, span_of
 from spintop_figures.files import show_path
 from spintop_figures.tables.characters import printable
 
@@ -21,6 +23,8 @@ RATES = {".gif": 20}
 RATE = 30
 SECONDS = 12.0
 MOST_SECONDS, MOST_PIXELS = 3600.0, 4096
+MOST_TIME = 1e12
+SPEEDS = (1e-9, 1e9)
 cameras: list[Camera] = []
 """What a child draws with; it inherits it."""
 
@@ -47,6 +51,21 @@ def seconds_of(text: str) -> float:
     return seconds
 
 
+def number_of(what: str, least: float, most: float) -> Callable[[str], float]:
+    """What reads a number within these bounds from the command line."""
+
+    def read(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not least <= number <= most:
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} from {least:g} to {most:g}")
+        return number
+
+    return read
+
+
 def parse_arguments() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(
@@ -64,17 +83,35 @@ def parse_arguments() -> argparse.Namespace:
         help="an input (.nml), or a table, whose input is run again",
     )
     add(
+        "second",
+        metavar="SECOND",
+        type=Path,
+        nargs="?",
+        help="a second motion, beside the first at the same times",
+    )
+    add("--ghost", action="store_true", help="draw the second motion as a ghost of the first")
+    add(
         "-o",
         "--output",
         metavar="FILE",
         type=Path,
         help="the film: .mp4, .webm or .gif (default: output/NAME.mp4)",
     )
-    add(
+    time = number_of("time, s,", 0.0, MOST_TIME)
+    add("--from", type=time, default=0.0, dest="start", metavar="T", help="begin at this time, s")
+    add("--to", type=time, dest="end", metavar="T", help="end at this time, s")
+    lengths = parser.add_mutually_exclusive_group()
+    lengths.add_argument(
         "--seconds",
         type=seconds_of,
         default=SECONDS,
-        help=f"how long the film is; it shows the whole span (default: {SECONDS:g})",
+        help=f"how long the film is (default: {SECONDS:g})",
+    )
+    lengths.add_argument(
+        "--speed",
+        type=number_of("speed", *SPEEDS),
+        metavar="X",
+        help="seconds of motion per second of the film, below 1 slow motion; instead of --seconds",
     )
     add(
         "--rate",
@@ -92,8 +129,39 @@ def parse_arguments() -> argparse.Namespace:
         dest="arrows",
         help="draw this vector too (repeatable)",
     )
+    eye, height = View().azimuth, View().elevation
+    add(
+        "--azimuth",
+        type=number_of("angle", -360, 360),
+        default=eye,
+        metavar="DEG",
+        help=f"where the eye is, about the vertical from x towards y (default: {eye:g})",
+    )
+    add(
+        "--elevation",
+        type=number_of("angle", -90, 90),
+        default=height,
+        metavar="DEG",
+        help=f"how high it is over the horizon; 90 is from above (default: {height:g})",
+    )
     add("--dark", action="store_true", help="light on dark, for a projector")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.ghost and not arguments.second:
+        parser.error("--ghost takes a second motion: INPUT SECOND --ghost")
+    return arguments
+
+
+def part_of(arguments: argparse.Namespace, sources: list[Path]) -> list[Part]:
+    """The part of each motion that is filmed: of two, as long as both last."""
+    spans = [span_of(source) for source in sources]
+    end = min(spans) if arguments.end is None else arguments.end
+    for source, span in zip(sources, spans, strict=True):
+        if not arguments.start < end <= span:
+            raise FilmError(
+                f"{source}: the motion lasts from 0 to {span:g} s, which has no part from "
+                f"{arguments.start:g} to {end:g} s: see --from and --to"
+            )
+    return [Part(arguments.start, end, span / (end - arguments.start)) for span in spans]
 
 
 def shoot(picture: int) -> bytes:
@@ -101,11 +169,10 @@ def shoot(picture: int) -> bytes:
     return cameras[0].shoot(picture)
 
 
-def shoot_all(take: Take, size: tuple[int, int], arguments: argparse.Namespace) -> Iterator[bytes]:
+def shoot_all(camera: Camera) -> Iterator[bytes]:
     """All pictures in their order, drawn on as many processors as there are."""
-    camera = Camera(take, size, list(dict.fromkeys(arguments.arrows)), arguments.dark)
     cameras[:] = [camera]
-    total, workers = len(take.rows), os.cpu_count() or 1
+    total, workers = len(camera.takes[0].rows), os.cpu_count() or 1
     if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
         yield from told(map(shoot, range(total)), total)
         return
@@ -127,6 +194,21 @@ def told(pictures: Iterator[bytes], total: int) -> Iterator[bytes]:
         yield picture
 
 
+def make_takes(arguments: argparse.Namespace, rate: int) -> tuple[list[Take], float]:
+    """The motions of a film, and how long it is, s."""
+    sources = list(filter(None, (arguments.input, arguments.second)))
+    parts: list[Part | None] = [None]
+    seconds = arguments.seconds
+    if arguments.start or arguments.end or arguments.speed or arguments.second:
+        parts = part_of(arguments, sources)
+    if arguments.speed:
+        seconds = (parts[0].end - parts[0].start) / arguments.speed
+        if seconds > MOST_SECONDS:
+            raise FilmError(f"a film of {seconds:.4g} s is longer than {MOST_SECONDS:g} s: --speed")
+    pictures = max(2, round(seconds * rate))
+    return [compute(*pair) for pair in zip(sources, [pictures] * 2, parts, strict=False)], seconds
+
+
 def main() -> int:
     """Make the film."""
     arguments = parse_arguments()
@@ -135,10 +217,18 @@ def main() -> int:
     size = arguments.size or SIZES.get(output.suffix, SIZE)
     try:
         check_means(output)
-        if not arguments.input.is_file():
-            raise FilmError(f"{arguments.input}: no such file")
-        take = compute(arguments.input, max(2, round(arguments.seconds * rate)))
-        write(output, shoot_all(take, size, arguments), size, rate)
+        takes, seconds = make_takes(arguments, rate)
+        camera = Camera(
+            takes[0],
+            size,
+            list(dict.fromkeys(arguments.arrows)),
+            arguments.dark,
+            second=takes[1] if arguments.second else None,
+            is_ghost=arguments.ghost,
+            view=View(arguments.azimuth, arguments.elevation),
+            speed=(takes[0].times[-1] - takes[0].times[0]) / seconds,
+        )
+        write(output, shoot_all(camera), size, rate)
     except FilmError as error:
         print(f"scripts/film: {printable(str(error))}", file=sys.stderr)
         return error.code

@@ -1,41 +1,38 @@
-"""The pictures of a film: top, path of its axis, arrows, and the inclination against time."""
+"""The pictures of a film: one motion or two, the time, and the inclination against time."""
 
 import re
+import textwrap
 from pathlib import Path
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from filming.solids import surface
+from filming.stage import Shape, Stage, View
 from filming.take import Take
 
-AZIMUTH, ELEVATION = -1.05, 0.32
-"""Where the eye is, rad."""
-
 DPI = 100
-LIGHT = np.array([0.4, -0.6, 0.9]) / np.linalg.norm([0.4, -0.6, 0.9])
-LONGEST = 0.8
-"""Of the way from the pivot to the tip: the longest arrow of each kind."""
+LETTERS, LARGE = 1 / 36, 1.3
+"""Height of letters, of the height of a picture; titles are larger than the rest."""
 
-JOINED = np.radians(15)
-"""Rows that are farther apart are not joined to a path."""
+LEAST_LETTERS, LARGEST_LETTERS = 12, 1 / 15
+"""Pixels; smaller ones cannot be read. But no more than so large a part of a low picture."""
 
-FADES_IN, FAINTEST = 0.12, 0.2
-"""Part of the film after which most of a path's strength is gone, and what is left of it."""
+WIDE = 0.55
+"""Width of a letter, of its height."""
+
+STRIP, LINES = 0.2, 4.0
+"""The part of a picture below the stages, the inclination against time: or as many lines."""
+
+CURVES = ("ink", "ghost")
+"""The colours of the inclination of the first motion and of the second, and of their titles."""
 
 SHEET = Path(__file__).resolve().parent.parent / "reporting" / "page" / "page.css"
 """The style sheet of the report, whose stage has the colours of a film."""
 
-NAMES = {
-    "momentum": "angular momentum",
-    "omega": "angular velocity",
-    "force": "support force",
-}
-ORDER = {"far": 1, "rod behind": 2, "body": 3, "rod before": 4, "near": 5, "arrows": 6}
+REAL = 0.005
+"""A speed that differs from that of life by less is that of life."""
 
 
 def palette(dark: bool) -> dict[str, str]:
@@ -45,177 +42,121 @@ def palette(dark: bool) -> dict[str, str]:
     return dict(re.findall(r"--(?:body-)?([a-z]+): (#\w+);", sheet))
 
 
-def project(points: np.ndarray) -> np.ndarray:
-    """Points of space as seen from far away: to the right, upward, and towards the eye."""
-    ca, sa, ce, se = np.cos(AZIMUTH), np.sin(AZIMUTH), np.cos(ELEVATION), np.sin(ELEVATION)
-    x, y, z = np.moveaxis(points, -1, 0)
-    towards = ca * x + sa * y
-    return np.stack((ca * y - sa * x, ce * z - se * towards, ce * towards + se * z), axis=-1)
+def describe_speed(speed: float) -> str:
+    """How fast the film shows the motion: its seconds per second."""
+    if abs(speed - 1) < REAL:
+        return "real time"
+    if speed > 1:
+        return f"{speed:.3g} times faster than real time"
+    return f"{1 / speed:.3g} times slower than real time"
 
 
 class Camera:
-    """Draws the pictures of a take, one after the other, on one figure."""
+    """Draws the pictures of a take, or of two, one after the other, on one figure."""
 
-    def __init__(self, take: Take, size: tuple[int, int], arrows: list[str], dark: bool) -> None:
-        """Prepare all that is the same in every picture."""
-        self.take = take
+    def __init__(
+        self,
+        take: Take,
+        size: tuple[int, int],
+        arrows: list[str],
+        dark: bool,
+        *,
+        second: Take | None = None,
+        is_ghost: bool = False,
+        view: View | None = None,
+        speed: float = 0.0,
+    ) -> None:
+        """Prepare all that is the same in every picture.
+
+        A second take is the ghost of the first, or beside it. The speed, seconds of motion per
+        second of the film, is said if it is above zero.
+        """
+        self.takes = [take] if second is None else [take, second]
         self.colours = palette(dark)
         self.scale = size[1] / 720
-        self.polygons, kinds = self.body()
-        self.paints = np.array([to_rgb(self.colours[k]) for k in ("mark", "even", "odd")])[kinds]
-        reach = np.linalg.norm(self.polygons.reshape(-1, 3), axis=1).max(initial=0.0)
-        height = self.polygons.reshape(-1, 3) @ take.body.axis()
-        self.tip = 1.06 * max(height.max(initial=0.0), np.linalg.norm(take.body.centre)) or 1.0
-        self.reach = max(reach, self.tip)
-        self.path = project(self.tip * take.axis)
-        self.is_joined = take.steps() <= JOINED
-        self.arrows = arrows
+        pixels = max(min(LEAST_LETTERS, LARGEST_LETTERS * size[1]), LETTERS * size[1])
+        self.letters = pixels * 72 / DPI
         self.figure = Figure(
             figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["stage"]
         )
         self.canvas = FigureCanvasAgg(self.figure)
-        self.space = self.figure.add_axes((0, 0.14, 1, 0.86))
-        self.add_space()
-        self.add_chart()
-        self.moving = self.add_moving()
+        groups = [self.takes] if is_ghost else [[take] for take in self.takes]
+        width, self.row = 1 / len(groups), 1.35 * pixels / size[1]
+        self.strip = max(STRIP, LINES * self.row)
+        top = self.add_titles(groups, round(width * size[0] / (LARGE * WIDE * pixels)))
+        reach = max(Shape(take).reach for take in self.takes)
+        self.stages = [
+            Stage(
+                self.figure.add_axes((i * width, self.strip, width, top - self.strip)),
+                takes,
+                self.colours,
+                arrows=arrows,
+                view=view or View(),
+                scale=self.scale,
+                letters=self.letters,
+                reach=reach,
+                aspect=width * size[0] / ((top - self.strip) * size[1]),
+            )
+            for i, takes in enumerate(groups)
+        ]
+        self.cursor = self.add_chart()
+        style = {"size": self.letters, "color": self.colours["quiet"]}
+        self.clock = self.figure.text(
+            0.98, self.strip - 0.5 * self.row, "", ha="right", va="center", **style
+        )
+        if speed > 0:
+            place = (0.5, self.strip - 0.5 * self.row)
+            self.figure.text(*place, describe_speed(speed), ha="center", va="center", **style)
 
-    def body(self) -> tuple[np.ndarray, np.ndarray]:
-        """All polygons of the body, in body axes, and the kinds of their colours."""
-        made = [surface(solid) for solid in self.take.solids]
-        if not made:
-            return np.zeros((0, 4, 3)), np.zeros(0, int)
-        polygons, kinds = zip(*made, strict=True)
-        return np.concatenate(polygons), np.concatenate(kinds)
+    def add_titles(self, groups: list[list[Take]], letters: int) -> float:
+        """The title of each motion, in lines of so many letters, in the colour of its curve.
 
-    def add_space(self) -> None:
-        """The sphere of the tip and its circles: the far half fainter; the vertical."""
-        space, colours = self.space, self.colours
-        space.set_axis_off()
-        room = 1.04 * self.reach
-        aspect = self.figure.get_figwidth() / (0.86 * self.figure.get_figheight())
-        space.set_xlim(-room * aspect, room * aspect)
-        space.set_ylim(-room, room)
-        angle = np.linspace(0, 2 * np.pi, 121)
-        c, s, o = np.cos(angle), np.sin(angle), np.zeros_like(angle)
-        for circle in ((c, s, o), (c, o, s), (o, c, s)):
-            points = project(self.tip * np.stack(circle, axis=-1))
-            for side, alpha in ((points[:, 2] >= 0, 1.0), (points[:, 2] <= 0, 0.5)):
-                shown = side | np.roll(side, 1)  # no gaps where it passes the edge
-                x, y = (np.where(shown, points[:, i], np.nan) for i in (0, 1))
-                width = 1.1 * self.scale
-                space.plot(x, y, color=colours["faint"], lw=width, alpha=alpha, zorder=ORDER["far"])
-        quiet = {"color": colours["quiet"], "zorder": ORDER["far"]}
-        small = quiet | {"size": 12 * self.scale, "ha": "center", "va": "center", "style": "italic"}
-        for axis, letter in zip(np.eye(3), "xyz", strict=True):
-            x, y, _ = project(0.34 * self.reach * axis)
-            space.plot([0, x], [0, y], lw=1.2 * self.scale, **quiet)
-            space.text(1.15 * x, 1.15 * y, letter, **small)
-        large = {"color": colours["ink"], "size": 15 * self.scale, "va": "center"}
-        self.figure.text(0.02, 0.955, self.take.title, **large)
-        for i, name in enumerate(self.arrows):
-            style = {"size": 11 * self.scale, "ha": "right", "va": "center"}
-            words = f"{NAMES[name]} \N{EM DASH}"
-            self.figure.text(0.98, 0.955 - 0.04 * i, words, color=colours[name], **style)
+        Returns the height of the lowest line, below which the stages are.
+        """
+        style = {"size": LARGE * self.letters, "va": "top"}
+        lowest, colours = 1.0, iter(CURVES)
+        for i, takes in enumerate(groups):
+            height = 1 - 0.4 * self.row
+            for take in takes:
+                lines = textwrap.wrap(take.title, letters) or [""]
+                words, place = "\n".join(lines), 0.02 + i / len(groups)
+                colour = self.colours[next(colours)]
+                self.figure.text(place, height, words, color=colour, **style)
+                height -= LARGE * self.row * len(lines)
+            lowest = min(lowest, height)
+        return lowest
 
-    def add_chart(self) -> None:
-        """The inclination against time."""
-        take, colours = self.take, self.colours
-        chart = self.figure.add_axes((0.075, 0.062, 0.9, 0.1))
+    def add_chart(self) -> object:
+        """The inclination against time; returns the line of the present."""
+        colours, size = self.colours, self.letters
+        chart = self.figure.add_axes((0.075, 1.35 * self.row, 0.905, self.strip - 2.6 * self.row))
         chart.patch.set_alpha(0)
-        chart.plot(take.times, np.degrees(take.theta), color=colours["quiet"], lw=1.1 * self.scale)
-        chart.set_xlim(take.times[0], take.times[-1])
+        for take, colour in zip(self.takes, CURVES, strict=False):
+            theta = np.degrees(take.theta)
+            chart.plot(take.times, theta, color=colours[colour], lw=1.3 * self.scale)
+        chart.set_xlim(self.takes[0].times[0], self.takes[0].times[-1])
         for side in ("top", "right"):
             chart.spines[side].set_visible(False)
         for spine in chart.spines.values():
             spine.set_color(colours["faint"])
-        chart.tick_params(colors=colours["quiet"], labelsize=9 * self.scale, length=3 * self.scale)
-        chart.yaxis.set_major_locator(MaxNLocator(3))
-        chart.set_ylabel("θ, degrees", color=colours["quiet"], size=9 * self.scale)
-        chart.set_xlabel("time, s", color=colours["quiet"], size=9 * self.scale, labelpad=1)
-        self.chart = chart
-
-    def add_moving(self) -> dict[str, object]:
-        """What differs from picture to picture."""
-        space, colours, scale = self.space, self.colours, self.scale
-        paths = {
-            name: LineCollection([], linewidths=width * scale, capstyle="butt", zorder=ORDER[name])
-            for name, width in (("far", 1.6), ("near", 2.6))
-        }
-        body = PolyCollection([], zorder=ORDER["body"], linewidths=0.4 * scale)
-        for collection in (*paths.values(), body):
-            space.add_collection(collection, autolim=False)
-        (rod,) = space.plot([], [], color=colours["rod"], lw=3 * scale, solid_capstyle="butt")
-        (knob,) = space.plot([], [], "o", color=colours["rod"], ms=6 * scale)
-        arrows = {}
-        for name in self.arrows:
-            (shaft,) = space.plot([], [], color=colours[name], lw=3 * scale, zorder=ORDER["arrows"])
-            (head,) = space.fill([0, 0, 0], [0, 0, 0], color=colours[name], zorder=ORDER["arrows"])
-            arrows[name] = (shaft, head)
-        cursor = self.chart.axvline(self.take.times[0], color=colours["mark"], lw=1.8 * scale)
-        style = {"size": 12 * scale, "va": "center", "family": "DejaVu Sans Mono"}
-        clock = self.figure.text(0.02, 0.91, "", color=colours["quiet"], **style)
-        lines = {"rod": rod, "knob": knob, "arrows": arrows, "cursor": cursor, "clock": clock}
-        return paths | lines | {"body": body}
+        chart.tick_params(colors=colours["quiet"], labelsize=size, length=3 * self.scale)
+        chart.yaxis.set_major_locator(MaxNLocator(2))
+        chart.ticklabel_format(useOffset=False)
+        words = {"size": size, "color": colours["quiet"], "va": "center"}
+        self.figure.text(0.02, self.strip - 0.5 * self.row, "θ (degrees) against time (s)", **words)
+        return chart.axvline(self.takes[0].times[0], color=colours["mark"], lw=1.8 * self.scale)
 
     def shoot(self, picture: int) -> bytes:
         """A picture, three bytes a pixel."""
-        take, row = self.take, self.take.rows[picture]
-        self.show_path(row)
-        self.show_body(take.rotations[row])
-        for name in self.arrows:
-            self.show_arrow(name, take.vectors[name][row])
-        time = take.times[row]
-        self.moving["cursor"].set_xdata([time, time])
-        self.moving["clock"].set_text(f"t = {time:.3f} s   θ = {np.degrees(take.theta[row]):.2f}°")
+        for stage in self.stages:
+            stage.show(picture)
+        rows = [take.rows[picture] for take in self.takes]
+        time = self.takes[0].times[rows[0]]
+        self.cursor.set_xdata([time, time])
+        angles = [
+            f"{np.degrees(take.theta[row]):.2f}°"
+            for take, row in zip(self.takes, rows, strict=True)
+        ]
+        self.clock.set_text(f"t = {time:.3f} s   θ = {', '.join(angles)}")
         self.canvas.draw()
         return np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:, :, :3]).tobytes()
-
-    def show_path(self, row: int) -> None:
-        """The past of the tip: the older, the fainter; its far half is thinner."""
-        take = self.take
-        points, times = self.path[: row + 1], take.times[: row + 1]
-        if row == 0:
-            return
-        age = (times[-1] - times[1:]) / (take.times[-1] - take.times[0])
-        strength = FAINTEST + (1 - FAINTEST) * np.exp(-age / FADES_IN)
-        pieces = np.stack((points[:-1, :2], points[1:, :2]), axis=1)
-        near, joined = points[1:, 2] >= 0, self.is_joined[:row]
-        colours = np.column_stack((np.tile(to_rgb(self.colours["trace"]), (len(age), 1)), strength))
-        for name, chosen, part in (("near", near & joined, 1.0), ("far", ~near & joined, 0.55)):
-            self.moving[name].set_segments(pieces[chosen])
-            self.moving[name].set_color(colours[chosen] * [1, 1, 1, part])
-
-    def show_body(self, rotation: np.ndarray) -> None:
-        """Rod and solids; the polygons from the farthest to the nearest, lit from above."""
-        tip = project(rotation @ (self.tip * self.take.body.axis()))
-        before = ORDER["rod behind" if tip[2] > 0 else "rod before"]
-        for name, points in (("rod", [np.zeros(3), tip]), ("knob", [tip])):
-            self.moving[name].set_data(*np.array(points).T[:2])
-            self.moving[name].set_zorder(before)
-        if not len(self.polygons):
-            return
-        corners = self.polygons @ rotation.T
-        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        seen = project(corners)
-        facing = np.sign(project(normals)[:, 2])[:, None] * normals
-        shade = 0.62 + 0.38 * np.clip(facing @ LIGHT, 0, 1)
-        order = np.argsort(seen[:, :, 2].mean(axis=1))
-        paints = np.column_stack((self.paints * shade[:, None], np.full(len(order), 0.93)))[order]
-        body = self.moving["body"]
-        body.set_verts(seen[order, :, :2])
-        body.set_facecolor(paints)
-        body.set_edgecolor(paints)
-
-    def show_arrow(self, name: str, vector: np.ndarray) -> None:
-        """A vector from the pivot; the longest of its kind has the same length in every film."""
-        largest = np.linalg.norm(self.take.vectors[name], axis=1).max() or 1.0
-        end = project(LONGEST * self.tip * vector / largest)[:2]
-        length = np.hypot(*end)
-        shaft, head = self.moving["arrows"][name]
-        size = min(0.07 * self.tip, length)
-        along = end / length if length > 0 else np.array([0.0, 1.0])
-        across = np.array([-along[1], along[0]])
-        base = end - size * along
-        shaft.set_data([0, base[0]], [0, base[1]])
-        head.set_xy([end, base + 0.4 * size * across, base - 0.4 * size * across])

@@ -1,10 +1,12 @@
 """The motion of a film: computed by the program at the times of the pictures, and between them."""
 
+import contextlib
 import math
 import os
 import re
 import subprocess
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +24,15 @@ FINE = 0.06
 """The axis turns by no more from row to row, rad, unless that takes too many rows."""
 
 MOST_ROWS = 30_000
+"""Of what is filmed, and of the whole motion where a part of it is filmed."""
+
+MOST_READ = 600_000
+SAME = 1e-6
+"""Of a row: rounding."""
+
+FIXED = "rows of a method with a fixed step size are at its steps"
+"""What the program says where it cannot have as many rows as a film asks for."""
+
 KIND = re.compile(r"^[^!\n]*\bkind\s*=\s*(['\"])(\w+)\1", re.MULTILINE | re.IGNORECASE)
 """The kind of study that an input names."""
 
@@ -57,20 +68,55 @@ class Take:
         return 2 * np.arcsin(np.minimum(chords / 2, 1.0))
 
 
-def compute(source: Path, pictures: int) -> Take:
+@dataclass(frozen=True)
+class Part:
+    """A part of a motion, s, and how many times as long the whole of it is."""
+
+    start: float
+    end: float
+    share: float
+
+
+def compute(source: Path, pictures: int, part: Part | None = None) -> Take:
     """The motion of an input, or of a table by the input in its header, for so many pictures."""
+    share = part.share if part else 1.0
+    with prepared(source) as (file, folder):
+        between, most, before = BETWEEN, max(BETWEEN, int(MOST_ROWS / pictures)), 0
+        while True:
+            rows = math.ceil(share * (pictures - 1) * between) + 1
+            if rows > MOST_READ:
+                raise FilmError(
+                    f"{source}: the part is too short beside the whole motion, of which "
+                    f"{rows:,} rows were needed ({MOST_READ:,} at most): film a longer part, with "
+                    "fewer pictures, or shorten the motion (span.t_end)"
+                )
+            take = take_of(run(file, folder, rows), pictures, part)
+            widest = take.steps().max(initial=0.0)
+            most = min(most, int(MOST_READ / (share * pictures)))
+            if widest <= FINE or between >= most or len(take.times) == before:
+                return take
+            before = len(take.times)
+            between = min(between * max(2, math.ceil(widest / FINE)), most)
+
+
+def span_of(source: Path) -> float:
+    """How long the motion of an input or of a table is, s."""
+    with prepared(source) as (file, folder):
+        return float(run(file, folder, 2).rows["t"].iloc[-1])
+
+
+@contextlib.contextmanager
+def prepared(source: Path) -> Iterator[tuple[Path, Path]]:
+    """An input, of a table that in its header, and a folder for tables, which is removed."""
+    if not source.is_file():
+        raise FilmError(f"{source}: no such file")
     with tempfile.TemporaryDirectory(prefix="film ") as name:
         folder = Path(name)
         file = source
         if source.suffix != ".nml":
             file = folder / f"{source.stem}.nml"
             file.write_text(input_of(source), encoding="utf-8")
-        between, most = BETWEEN, max(BETWEEN, MOST_ROWS // pictures)
-        take = take_of(run(file, folder, pictures, between), pictures)
-        while take.steps().max(initial=0.0) > FINE and between < most:
-            between = min(between * max(2, math.ceil(take.steps().max() / FINE)), most)
-            take = take_of(run(file, folder, pictures, between), pictures)
-    return take
+        yield file, folder
 
 
 def input_of(path: Path) -> str:
@@ -84,22 +130,16 @@ def input_of(path: Path) -> str:
     return table.input
 
 
-def run(file: Path, folder: Path, pictures: int, between: int) -> Table:
-    """Run the program on an input, with rows at the times of the pictures and between."""
+def run(file: Path, folder: Path, rows: int) -> Table:
+    """Run the program on an input, with so many rows."""
     kind = KIND.search(file.read_text(encoding="utf-8", errors="replace"))
     if kind and kind[2].lower() != "trajectory":
         raise FilmError(f"{file}: this is no trajectory, which a film is made of")
-    rows = (pictures - 1) * between + 1
-    settings = (f"span.samples={rows}", f"output.columns={','.join(COLUMNS)}")
-    command = [PROGRAM, "--quiet", "-o", str(folder)]
-    for setting in (*settings, "output.format=csv"):
-        command += ["--set", setting]
-    command += ["--", str(file)]
-    try:
-        done = subprocess.run(command, check=False, capture_output=True, text=True)
-    except OSError as error:
-        raise FilmError(f"cannot run {PROGRAM}: {error.strerror}") from error
     table = folder / f"{file.stem}.csv"
+    table.unlink(missing_ok=True)
+    done = call_program(file, folder, (f"span.samples={rows}",))
+    if FIXED in done.stderr:  # rows are at steps: those that the input asks for
+        done = call_program(file, folder, ())
     if not table.exists():
         raise FilmError(
             (done.stderr or done.stdout).strip() or f"{file}: no table was made",
@@ -114,14 +154,32 @@ def run(file: Path, folder: Path, pictures: int, between: int) -> Table:
     return found
 
 
-def take_of(table: Table, pictures: int) -> Take:
-    """What is to be seen of a trajectory."""
+def call_program(
+    file: Path, folder: Path, settings: tuple[str, ...]
+) -> subprocess.CompletedProcess[str]:
+    """Run the program on an input with these settings, and with what a film needs."""
+    command = [PROGRAM, "--quiet", "-o", str(folder)]
+    columns = f"output.columns={','.join(COLUMNS)}"
+    for setting in (*settings, columns, "output.format=csv"):
+        command += ["--set", setting]
+    command += ["--", str(file)]
+    try:
+        return subprocess.run(command, check=False, capture_output=True, text=True)
+    except OSError as error:
+        raise FilmError(f"cannot run {PROGRAM}: {error.strerror}") from error
+
+
+def take_of(table: Table, pictures: int, part: Part | None = None) -> Take:
+    """What is to be seen of a trajectory, or of a part of it."""
     body = read_body(table)
     values = {name: table.rows[name].to_numpy(float) for name in COLUMNS if name in table.rows}
     good = np.all([np.isfinite(values[name]) for name in ("t", *QUATERNION)], axis=0)
     if body is None or good.sum() < 2:
         raise FilmError(f"{table.path.stem}: there is no motion to be filmed")
     values = {name: column[good] for name, column in values.items()}
+    if part:
+        kept = slice(*rows_within(values["t"], pictures, part))
+        values = {name: column[kept] for name, column in values.items()}
     q = np.column_stack([values[name] for name in QUATERNION])
     rotations = matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
     omega = np.column_stack([values[name] for name in OMEGA])
@@ -146,6 +204,19 @@ def take_of(table: Table, pictures: int) -> Take:
         vectors,
         rows,
     )
+
+
+def rows_within(times: np.ndarray, pictures: int, part: Part) -> tuple[int, int]:
+    """The first row of a part, and the one behind its last.
+
+    There is a whole number of rows per picture, unless the rows are at steps of a fixed size.
+    """
+    step, last = times[1] - times[0], len(times) - 1
+    first = min(round(part.start / step), last - 1)
+    rows = (part.end - part.start) / step
+    whole = int(rows / (pictures - 1) + SAME) * (pictures - 1)
+    count = whole if rows - whole < 1 else round(rows)
+    return first, min(first + max(1, count), last) + 1
 
 
 def matrices(q: np.ndarray) -> np.ndarray:

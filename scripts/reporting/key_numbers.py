@@ -2,18 +2,22 @@
 
 import numpy as np
 
+from reporting.words import (
+    column_of,
+    counted,
+    event_of,
+    parameter_of,
+    short,
+    unit_of,
+    with_error,
+)
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import columns_of
 
-DIGITS = 4
+MEAN, LEAST, MOST = "_mean", "_min", "_max"
+"""Ends of the columns of a table of statistics."""
 
-
-def short(value: float) -> str:
-    """A number with a few digits."""
-    text = f"{value:.{DIGITS}g}"
-    mantissa, e, power = text.partition("e")
-    if e:
-        text = f"{mantissa} \N{MULTIPLICATION SIGN} 10^{int(power)}"
-    return text.replace("-", "\N{MINUS SIGN}")
+RESIDUAL = "_residual"
 
 
 def column(table: Table, name: str) -> np.ndarray:
@@ -28,7 +32,19 @@ def degrees(angle: float) -> str:
     """An angle in degrees: small ones with digits, others with two decimals."""
     value = float(np.degrees(angle))
     text = f"{value:.2f}" if abs(value) >= 1 or value == 0 else short(value)
-    return f"{text}\N{DEGREE SIGN}"
+    return f"{text}\N{DEGREE SIGN}".replace("-", "\N{MINUS SIGN}")
+
+
+def quantity(value: float, unit: str, digits: int = 4) -> str:
+    """A number with its unit; an angle in degrees."""
+    if unit == "rad":
+        return degrees(value)
+    return " ".join(filter(None, (short(value, digits), unit_of("" if unit == "1" else unit))))
+
+
+def between(least: float, most: float, unit: str = "") -> str:
+    """A range of numbers with their unit."""
+    return f"{quantity(least, 'rad' if unit == 'rad' else '')} to {quantity(most, unit)}"
 
 
 def of_trajectory(table: Table) -> dict[str, str]:
@@ -53,8 +69,8 @@ def of_sweep(table: Table) -> dict[str, str]:
     found = {}
     for axis in table.axes():
         if (values := column(table, axis)).size:
-            name = axis.partition(".")[2] or axis
-            found[name] = f"{short(values.min())} to {short(values.max())}"
+            unit = table.units.get(axis, "")
+            found[parameter_of(axis)] = between(values.min(), values.max(), unit)
     least, most = column(table, "theta_min"), column(table, "theta_max")
     if least.size and most.size:
         found["θ"] = f"{degrees(least.min())} to {degrees(most.max())}"
@@ -73,10 +89,86 @@ def of_methods(table: Table) -> dict[str, str]:
     return found
 
 
+def swept_column(name: str) -> tuple[str, str]:
+    """What a column of a sweep is called, and its unit."""
+    known = columns_of("sweep").get(name)
+    return (known["description"], known["unit"]) if known else (column_of(name), "")
+
+
 def of_events(table: Table) -> dict[str, str]:
     """How often each event happened."""
     counts = table.rows["event"].astype(str).value_counts()
-    return {str(name): str(count) for name, count in counts.items()}
+    return {event_of(name): counted(count, "time") for name, count in counts.items()}
+
+
+def of_fit(table: Table) -> dict[str, str]:
+    """The values that were found with their standard errors; or the size of the residuals."""
+    rows = table.rows
+    if "parameter" in rows and not table.missing(("estimate", "standard_error")):
+        units = rows["unit"] if "unit" in rows else [""] * len(rows)
+        values = zip(
+            rows["parameter"], rows["estimate"], rows["standard_error"], units, strict=True
+        )
+        return {
+            parameter_of(str(key)): f"{with_error(value, error)} {unit_of(word_of(unit))}".strip()
+            for key, value, error, unit in values
+        }
+    found = {}
+    for name in rows:
+        if name.endswith(RESIDUAL) and (values := column(table, name)).size:
+            size = quantity(np.sqrt(np.mean(values**2)), table.units.get(name, ""))
+            found[f"rms residual of {column_of(name.removesuffix(RESIDUAL))}"] = size
+    return found
+
+
+def word_of(cell: object) -> str:
+    """A cell of words; empty if it has none, or says that there is no unit."""
+    return cell if isinstance(cell, str) and cell != "1" else ""
+
+
+def of_statistics(table: Table) -> dict[str, str]:
+    """How many cases, and of each quantity the mean and the range: in the row of all cases."""
+    everything = table.rows.iloc[0]
+    found = {}
+    if "cases" in table.rows:
+        found["cases"] = counted(int(everything["cases"]))
+    for name in [name for name in table.rows if name.endswith(MEAN)]:
+        words, unit = swept_column(name.removesuffix(MEAN))
+        ends = [everything.get(name.removesuffix(MEAN) + end, np.nan) for end in (LEAST, MOST)]
+        ranged = f" ({between(*ends, unit)})" if np.isfinite(ends).all() else ""
+        found[f"mean {words}"] = quantity(everything[name], unit) + ranged
+    return found
+
+
+def of_histogram(table: Table) -> dict[str, str]:
+    """The fullest interval of each quantity, and how many cases are in it."""
+    found = {}
+    for name, rows in table.rows.groupby("column", sort=False):
+        fullest = rows.loc[rows["cases"].idxmax()]
+        share = 100 * fullest["cases"] / rows["cases"].sum()
+        words, unit = swept_column(str(name))
+        ends = between(fullest["from"], fullest["to"], unit)
+        found[f"most frequent {words}"] = f"{ends} ({short(share, 2)} % of the cases)"
+    return found
+
+
+def of_indices(table: Table) -> dict[str, str]:
+    """The factor that decides most of each quantity."""
+    found = {}
+    for name, rows in table.rows.dropna(subset="total").groupby("column", sort=False):
+        most = rows.loc[rows["total"].idxmax()]
+        share = f"{short(100 * most['total'], 3)} %"
+        found[f"most of {swept_column(str(name))[0]}"] = (
+            f"{parameter_of(str(most['factor']))}, {share}"
+        )
+    return found
+
+
+def of_columns(table: Table) -> dict[str, str]:
+    """What any table has: the range of its first columns of numbers."""
+    numbers = [name for name in table.rows if column(table, name).size][:3]
+    ranges = {name: column(table, name) for name in numbers}
+    return {column_of(name): between(x.min(), x.max()) for name, x in ranges.items()}
 
 
 KINDS = {
@@ -85,9 +177,15 @@ KINDS = {
     "work_precision": of_methods,
     "stability": of_methods,
     "events": of_events,
+    "fit": of_fit,
+    "statistics": of_statistics,
+    "histogram": of_histogram,
+    "indices": of_indices,
 }
 
 
 def key_numbers(table: Table) -> dict[str, str]:
-    """The key numbers of a table by their names; none of a kind that is not known here."""
-    return KINDS.get(table.kind, lambda _: {})(table)
+    """The key numbers of a table by their names; of an unknown kind, the ranges of columns."""
+    if table.rows.empty:
+        return {}
+    return KINDS.get(table.kind, of_columns)(table) or of_columns(table)

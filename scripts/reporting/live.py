@@ -32,8 +32,8 @@ PAGES = {
         "live.html",
         "live_main.js",
         Path("output/live.html"),
-        "Make one HTML page in which a symmetric top answers to sliders at once. The\n"
-        "exact solution is computed in the page; it needs no other file and no network.",
+        "Make one HTML page in which a top answers to sliders at once. Its motion is\n"
+        "computed in the page; it needs no other file and no network.",
     ),
     "--viewer": Alone(
         "viewer.html",

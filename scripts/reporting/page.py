@@ -19,8 +19,9 @@ from reporting.drawing import Glyphs
 from reporting.errata import Erratum
 from reporting.live_link import live_link
 from reporting.packages import PAGE, PackageError
-from reporting.pictures import Picture, fit
+from reporting.pictures import THUMBNAIL, Picture, fit
 from reporting.study import Section
+from reporting.words import of_kind, typeset, unit_of
 from spintop_figures.moving.data import pack_all
 from spintop_figures.moving.motion import facts_text
 
@@ -59,8 +60,8 @@ def policy(style: str, script: str) -> str:
 
 
 def prose(text: str) -> Markup:
-    """A paragraph of Markdown: what stands between backticks is code."""
-    return Markup(CODE.sub(r"<code>\1</code>", str(escape(text))))
+    """A paragraph of Markdown: what stands between backticks is a formula."""
+    return Markup(CODE.sub(r"<code>\1</code>", str(escape(typeset(text)))))
 
 
 def load_script(sections: list[Section]) -> tuple[str, str]:
@@ -93,6 +94,7 @@ def take_in(sections: list[Section], rest: int) -> tuple[Markup, list[Picture]]:
         rest += BYTES_PER_TABLE + BYTES_PER_CELL * min(section.table.rows.size, section.cells)
         for picture in section.pictures:
             picture.take_in(glyphs, f"{section.title}: {picture.what}")
+            rest += picture.size_as(THUMBNAIL)
     limit = max(LARGEST, PER_TABLE * len(sections))
     room = max(0, limit - rest - len(glyphs.definitions()))
     coarse = fit(pictures, round(PICTURES * room))
@@ -127,25 +129,16 @@ def facts_of(sections: list[Section], today: str) -> dict[str, str]:
         " ".join(filter(None, (h.get("program"), h.get("revision") and f"({h['revision']})")))
         for h in headers
     )
-    kinds = Counter(section.kind for section in sections)
+    kinds = Counter(section.table.kind for section in sections)
     failed = sum(section.failed for section in sections)
-    counts = [f"{count} {plural(kind, count)}" for kind, count in kinds.items()]
+    counts = [of_kind(kind, count) for kind, count in kinds.items()]
     return {
         "Date of the report": today,
         "Date of the runs": " to ".join(dict.fromkeys((days[0], days[-1]))) if days else "",
         "Program": "; ".join(filter(None, programs)),
         "Tables": ", ".join(counts),
-        "Failures": f"{failed} of {len(sections)} tables" if failed else "none",
+        "Failures": f"in {failed} of {len(sections)} tables" if failed else "none",
     }
-
-
-def plural(kind: str, count: int) -> str:
-    """The name of a kind for so many."""
-    if count == 1 or kind == "events":
-        return kind
-    if kind.endswith("y"):
-        return f"{kind[:-1]}ies"
-    return f"{kind} studies" if kind.endswith("precision") else f"{kind}s"
 
 
 def make_page(
@@ -169,7 +162,12 @@ def make_page(
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters |= {"prose": prose, "sentence": lambda text: text[:1].upper() + text[1:]}
+    environment.filters |= {
+        "prose": prose,
+        "sentence": lambda text: text[:1].upper() + text[1:],
+        "typeset": typeset,
+        "unit": unit_of,
+    }
     concerned = anchored(sections, errata)
     today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
     page = environment.get_template("page.html").render(

@@ -24,9 +24,12 @@ SMALL = 100_000
 DRAWN = (".svg", ".png")
 """What scripts/plot makes."""
 
-INLINE, FEW_COLOURS, COARSE = "inline", "few colours", "coarse"
+INLINE, FEW_COLOURS, COARSE, THUMBNAIL = "inline", "few colours", "coarse", "thumbnail"
 """Forms in the page: an SVG element; a PNG that looks as the one of scripts/plot and takes a third;
-and the same at half the resolution."""
+the same at half the resolution; and a small WebP for the contents."""
+
+THUMBNAIL_WIDTH, THUMBNAIL_QUALITY = 240, 30
+"""Pixels of a thumbnail, which is shown at half that width, and its quality as a WebP."""
 
 EXTENT_OF_PNG = slice(16, 24)
 """The bytes of a PNG that hold its width and height."""
@@ -60,6 +63,11 @@ class Picture:
     def address(self) -> str:
         """The picture itself, as a data URI."""
         return f"data:image/png;base64,{base64.b64encode(self.forms[self.form]).decode()}"
+
+    @property
+    def thumbnail(self) -> str:
+        """The small one, as a data URI."""
+        return f"data:image/webp;base64,{base64.b64encode(self.forms[THUMBNAIL]).decode()}"
 
     @property
     def element(self) -> Markup:
@@ -112,9 +120,20 @@ def forms_of(paths: Sequence[Path]) -> dict[str, bytes]:
     """The forms of a picture that lies in these files; none if the files are damaged."""
     try:
         forms = {path.suffix: path.read_bytes() for path in paths}
-        return forms | {FEW_COLOURS: with_few_colours(forms[".png"])}
+        png = forms[".png"]
+        return forms | {FEW_COLOURS: with_few_colours(png), THUMBNAIL: thumbnail_of(png)}
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return {}
+
+
+def thumbnail_of(png: bytes) -> bytes:
+    """A WebP as wide as a thumbnail."""
+    small = io.BytesIO()
+    with Image.open(io.BytesIO(png)) as full:
+        height = round(THUMBNAIL_WIDTH * full.height / full.width)
+        shrunk = full.convert("RGB").resize((THUMBNAIL_WIDTH, height), Image.Resampling.LANCZOS)
+    shrunk.save(small, "WEBP", quality=THUMBNAIL_QUALITY)
+    return small.getvalue()
 
 
 def with_few_colours(png: bytes, part: int = 1) -> bytes:

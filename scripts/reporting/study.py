@@ -1,5 +1,6 @@
 """The tables of a study, and what a report says of each."""
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,14 +12,19 @@ from reporting.errata import Erratum, errata_for
 from reporting.key_numbers import key_numbers
 from reporting.pictures import Picture, pictures_of
 from reporting.proved import SUFFIX, proved_texts
-from spintop_figures.moving.data import Data, rows_kept
+from reporting.words import counted, method_of, outcome_of
+from spintop_figures.moving.data import Data, rows_kept, which_rows
 from spintop_figures.moving.motion import refusal
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import ended_well, is_good_end
+from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError, read_table
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""
+
+COLUMNS_ON_PAPER = 8
+"""Wider tables are printed across."""
 
 FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
 """The provenance in the header of a table, in the order of the report."""
@@ -36,6 +42,8 @@ class Section:
     """The rows as they can be saved from the page."""
     cells: int = MOST_CELLS
     """How many cells of the table are shown at most."""
+    mark: str = ""
+    """What tells it from other tables of the same title."""
 
     @property
     def name(self) -> str:
@@ -44,8 +52,9 @@ class Section:
 
     @property
     def title(self) -> str:
-        """The title that the input gives, else the name of the file."""
-        return self.table.title or self.name
+        """The title that the input gives, else the name of the file; and what tells it apart."""
+        title = self.table.title or self.name
+        return f"{title}: {self.mark}" if self.mark else title
 
     @property
     def kind(self) -> str:
@@ -71,8 +80,24 @@ class Section:
     def outcome(self) -> str:
         """How it ended, in a few words."""
         if self.table.status is not None:
-            return self.table.status
-        return ", ".join(f"{count} {word}" for word, count in self.outcomes.items())
+            return outcome_of(self.table.status)
+        counts = [f"{counted(count)} {outcome_of(word)}" for word, count in self.outcomes.items()]
+        return f"all {counts[0]}" if len(counts) == 1 and self.size > 1 else ", ".join(counts)
+
+    @property
+    def size(self) -> int:
+        """How many rows the table has."""
+        return len(self.table.rows)
+
+    @property
+    def rows(self) -> str:
+        """The same in words."""
+        return f"{self.size:,} row{'s' if self.size != 1 else ''}"
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether the table is wider than a page of paper that stands upright."""
+        return len(self.table.rows.columns) > COLUMNS_ON_PAPER
 
     @property
     def key_numbers(self) -> dict[str, str]:
@@ -82,8 +107,7 @@ class Section:
     @property
     def method(self) -> str:
         """The method that computed it, and the formulation under which it did."""
-        model, method = self.table.model_and_method
-        return method if method in ("", "exact") else f"{method}, {model}"
+        return method_of(*self.table.model_and_method)
 
     @property
     def failed(self) -> bool:
@@ -133,9 +157,9 @@ class Section:
         total, most = len(rows), max(1, self.cells // len(rows.columns))
         stride = -(-total // most) if self.table.kind == "trajectory" else 1
         keep = rows_kept(total, stride) if stride > 1 else np.arange(min(total, most))
-        which = f"the first {len(keep)} of {total} rows" if len(keep) < total else ""
+        which = f"the first {len(keep):,} of {total:,} rows" if len(keep) < total else ""
         if stride > 1:
-            which = f"one row in {stride} of {total}, and the last"
+            which = which_rows(stride, total)
         if self.table.stride > 1:
             which = f"{which or 'rows'}, of one case in {self.table.stride}"
         part = rows.iloc[keep]
@@ -183,7 +207,7 @@ def read_study(
     problems: list[str] = []
     for path in find_tables(folder, before):
         try:
-            table = read_table(path)
+            table = in_own_units(read_table(path))
             undrawn: list[str] = []
             pictures = pictures_of(table, undrawn)
         except TableError as error:
@@ -192,4 +216,18 @@ def read_study(
         problems += [f"{printable(path.relative_to(folder))}: {problem}" for problem in undrawn]
         anchor = f"table-{len(sections) + 1}"
         sections.append(Section(table, anchor, pictures, errata_for(table, errata)))
+    tell_apart(sections)
     return sections, problems
+
+
+def tell_apart(sections: list[Section]) -> None:
+    """Give tables of the same title a mark each: what of the study it is, its method, its file."""
+    marks = (
+        lambda section: section.table.path.stem.partition(".")[2],
+        lambda section: section.method,
+        lambda section: section.name,
+    )
+    for mark in marks:
+        titles = Counter(section.title for section in sections)
+        for section in [section for section in sections if titles[section.title] > 1]:
+            section.mark = mark(section)

@@ -12,7 +12,7 @@ module spintop_c_derivatives
     use spintop_plan, only: plan_t
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
     public :: asked_derivatives_t
@@ -37,23 +37,20 @@ module spintop_c_derivatives
 contains
 
     !> Prepares the derivatives of a job.
-    subroutine prepare(self, job, known, error)
+    subroutine prepare(self, job, error)
         class(asked_derivatives_t), target, intent(inout) :: self
         type(job_t), target, intent(in) :: job !! the job
-        type(trajectory_column_t), intent(in) :: known(:) !! all columns of trajectories
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer, allocatable :: places(:)
         integer :: i
 
         associate (wanted => job%sensitivities)
             self%count = wanted%count
             if (self%count == 0) return
-            allocate (places, source=wanted%columns())
             self%key = wanted%list%key
-            self%column = [(findloc(places, wanted%list(i)%column, dim=1), i=1, wanted%count)]
+            self%column = wanted%list%column
             allocate (self%keys(size(wanted%keys)))
             do i = 1, size(wanted%keys)
-                call prepare_key(self%keys(i), job, wanted%keys(i), known(places), error)
+                call prepare_key(self%keys(i), job, wanted%keys(i), trajectory_columns_at(wanted%columns()), error)
                 if (allocated(error)) return
             end do
         end associate

@@ -69,7 +69,7 @@ contains
         self%case = case
         self%plan = plan
         self%columns = size(columns)
-        self%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
+        self%counts_turns = any(columns%quantity() == 'phi' .or. columns%quantity() == 'psi')
         call self%maker%set(columns, self%case)
         if (plan%exact) call prepare_exact_motion(self%case%body, self%case%start, self%exact, self%status)
     end subroutine prepare

@@ -23,7 +23,7 @@ module spintop_c_top
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of
     use spintop_table_column, only: column_t
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
 
@@ -95,11 +95,12 @@ contains
                 return
             end if
             call top%warnings%set(job%warnings)
-            top%chosen = trajectory_columns(job%columns)
+            top%chosen = trajectory_columns_at(job%columns)
             ! The motion itself is also asked for the columns of which there are derivatives.
-            call top%derivatives%prepare(job, trajectory_columns, error)
+            call top%derivatives%prepare(job, error)
             if (allocated(error)) return
-            call top%motion%prepare(job%case, job%plan, [top%chosen, trajectory_columns(job%sensitivities%columns())])
+            call top%motion%prepare(job%case, job%plan, [top%chosen, &
+                                    trajectory_columns_at(job%sensitivities%columns())])
             allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
         end associate
         allocate (top%described(size(shown)), top%columns(size(shown)))

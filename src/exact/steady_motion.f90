@@ -3,12 +3,14 @@
 module spintop_steady_motion
     use spintop_kinds, only: dp, no_number
     use spintop_compare, only: is_finite, is_zero
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_non_finite, status_unsuitable
     use spintop_validity, only: plain_body_status
     implicit none
     private
-    public :: steady_rates, steady_rates_at_spin, critical_omega3
+    public :: steady_rates, steady_rates_at_spin, critical_omega3, starts_upright
 
 contains
 
@@ -59,11 +61,22 @@ contains
     end subroutine check
 
     !> Threshold spin of the sleeping top: the least omega3 at which an upright symmetric top is stable,
-    !> sqrt(4 mgl I1)/I3, rad/s.
+    !> sqrt(4 mgl I1)/I3, rad/s. Upright is the centre of mass, on whichever side of the pivot body z has it.
     pure real(dp) function critical_omega3(body)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        critical_omega3 = 2 * sqrt(body%mgl() * body%inertia(1)) / body%inertia(3)
+        critical_omega3 = 2 * sqrt(abs(body%mgl()) * body%inertia(1)) / body%inertia(3)
     end function critical_omega3
+
+    !> Whether a top starts exactly upright, its centre of mass above the pivot, and spins about the vertical: by the
+    !> equations it stays so at any spin.
+    pure logical function starts_upright(body, start)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: gamma(3)
+        gamma = vertical_from_quaternion(start%quaternion)
+        starts_upright = body%is_symmetric() .and. body%mgl() * gamma(3) > 0 &
+            .and. all(is_zero([gamma(1:2), start%omega(1:2)]))
+    end function starts_upright
 
     !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation. The root that stays finite for a = 0
     !> comes first.

@@ -3,18 +3,21 @@ module spintop_assignment
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_kinds, only: dp
-    use spintop_literals, only: is_real_literal, read_integer, read_logical, read_long, read_real
+    use spintop_literals, only: read_integer, read_logical, read_long, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
         leading_elements, one_per_group, parameter_t, quoted
     use spintop_plain_text, only: is_plain
+    use spintop_quantity_text, only: has_unit, read_quantity
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
     use spintop_suggestions, only: suggest_word
     use spintop_text, only: abbreviate, lower_case, to_text
-    use spintop_units, only: convert_unit
+    use spintop_units, only: is_unit_word
     implicit none
     private
     public :: assignment_t
+
+    character(*), parameter :: quotes_hint = 'a number with its unit is in quotes, as ''20 deg'''
 
     !> The elements that an assignment names, and its state.
     type :: assignment_t
@@ -204,6 +207,7 @@ contains
                 if (token%touches .and. parameter%kind == kind_text) then
                     hint = hint // '; a quote inside a text is written twice'
                 end if
+                if (parameter%kind == kind_real .and. is_unit_word(text)) hint = quotes_hint
                 call self%refuse(parameter, diagnostics, token%place, &
                     'too many values for ' // parameter%key, hint)
                 return
@@ -246,7 +250,7 @@ contains
         character(*), intent(in) :: text
         integer, intent(in) :: column
         type(diagnostics_t), intent(inout) :: diagnostics
-        character(:), allocatable :: problem, hint
+        character(:), allocatable :: problem, hint, unit
         real(dp) :: number
         integer :: whole_number
         integer(int64) :: long_number
@@ -257,8 +261,9 @@ contains
             call self%store_word(parameter, token, text, column, diagnostics)
             return
         end if
-        if (token%kind == token_string .and. parameter%kind == kind_real) then
-            call read_quantity(parameter, trim(adjustl(text)), number, problem, hint)
+        unit = ''
+        if (parameter%kind == kind_real .and. (token%kind == token_string .or. self%quotes_optional .and. has_unit(text))) then
+            call read_quantity(parameter, trim(adjustl(text)), number, unit, problem, hint)
         else if (token%kind == token_string) then
             problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
             hint = 'expected a value without quotes'
@@ -266,6 +271,7 @@ contains
             select case (parameter%kind)
             case (kind_real)
                 call read_real(text, number, problem, hint)
+                if (has_unit(text)) hint = quotes_hint
             case (kind_integer)
                 call read_integer(text, whole_number, problem, hint)
                 number = whole_number
@@ -291,6 +297,7 @@ contains
         select case (parameter%kind)
         case (kind_real)
             parameter%reals(self%row, column) = number
+            call parameter%set_unit(self%row, column, unit)
         case (kind_integer)
             parameter%integers(self%row, column) = whole_number
         case (kind_long)
@@ -299,31 +306,6 @@ contains
             parameter%flag = flag
         end select
     end subroutine store_element
-
-    !> Reads a number with its unit, as '20 deg', in the unit of its key; a number in quotes without one is none.
-    subroutine read_quantity(parameter, text, number, problem, hint)
-        type(parameter_t), intent(in) :: parameter
-        character(*), intent(in) :: text !! without quotes
-        real(dp), intent(out) :: number
-        character(:), allocatable, intent(out) :: problem, hint
-        real(dp) :: factor
-        integer :: last
-
-        do last = len(text), 1, -1
-            if (is_real_literal(text(:last))) exit
-        end do
-        if (last == 0 .or. last == len(text)) then
-            problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
-            hint = 'expected a value without quotes'
-            if (parameter%unit /= '') hint = hint // ', or one with a unit, as ' // quoted('1 ' // trim(parameter%unit))
-            number = 0
-            return
-        end if
-        call read_real(text(:last), number, problem, hint)
-        factor = 1
-        if (problem == '') call convert_unit(text(last + 1:), trim(parameter%unit), factor, problem)
-        number = number * factor
-    end subroutine read_quantity
 
     subroutine store_word(self, parameter, token, text, column, diagnostics)
         class(assignment_t), intent(inout) :: self

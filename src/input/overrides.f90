@@ -2,8 +2,9 @@
 module spintop_overrides
     use spintop_assignment, only: assignment_t
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_parameter, only: kind_text, parameter_t, quoted
+    use spintop_parameter, only: kind_real, kind_text, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
+    use spintop_quantity_text, only: names_a_unit
     use spintop_scanner, only: scanner_t, token_end, token_equals, token_string, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
     use spintop_text, only: abbreviate, lower_case
@@ -17,8 +18,8 @@ module spintop_overrides
 
 contains
 
-    !> Reads one override. Quotes around a word may be omitted, and the values of a list are separated by
-    !> commas. It replaces a value from the file or from an earlier override.
+    !> Reads one override. Quotes around a word, or a number with its unit, may be omitted, and the values of a list are
+    !> separated by commas. It replaces a value from the file or from an earlier override.
     subroutine read_override(text, table, diagnostics)
         character(*), intent(in) :: text !! `group.key=value`
         type(parameter_table_t), intent(inout) :: table !! the parameters of an input
@@ -51,7 +52,8 @@ contains
             end if
             call assignment%begin(parameter, diagnostics)
             rest = scanner%rest()
-            if (parameter%kind == kind_text .and. scan(adjustl(rest), quotes) /= 1) then
+            if (scan(adjustl(rest), quotes) /= 1 .and. (parameter%kind == kind_text .or. &
+                                                        (parameter%kind == kind_real .and. names_a_unit(rest)))) then
                 call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
             else
                 call read_values(scanner, '', table, parameter, assignment, diagnostics)

@@ -39,6 +39,8 @@ module spintop_parameter
         character(:), allocatable :: name    !! `group.key`
         character(:), allocatable :: group, key
         character(:), allocatable :: unit
+        !> The key whose texts name what has the unit of each element, as sweep.parameter; '' for none.
+        character(:), allocatable :: unit_of
         character(:), allocatable :: rule    !! the range as written, see spintop_ranges
         character(:), allocatable :: what    !! one line that says what it is
         character(:), allocatable :: default !! as in a namelist, '' for none
@@ -53,6 +55,8 @@ module spintop_parameter
         type(place_t), allocatable :: places(:, :) !! where each element was given
         type(place_t) :: key_place                 !! where the key was given last
         logical :: faulty = .false.                !! an error was found in what was given
+        !> Units in which elements of such a parameter were given, and are until they are converted.
+        type(string_t), allocatable :: units(:, :)
         !> The variable, which must exist as long as the parameter: that of its kind. A text is a column of letters.
         real(dp), pointer :: reals(:, :) => null()
         integer, pointer :: integers(:, :) => null()
@@ -63,6 +67,9 @@ module spintop_parameter
         procedure :: complete
         procedure :: add_text
         procedure :: text_length
+        procedure :: text_at
+        procedure :: set_own_unit
+        procedure :: set_unit
         procedure :: is_given
         procedure :: is_set => is_element_set
         procedure :: clear_row
@@ -142,6 +149,40 @@ contains
         end do
     end subroutine add_text
 
+    !> A text element.
+    pure function text_at(self, column) result(text)
+        class(parameter_t), intent(in) :: self
+        integer, intent(in) :: column !! column of the element, from 1
+        character(:), allocatable :: text
+        integer :: i
+        text = repeat(' ', self%text_length())
+        do i = 1, len(text)
+            text(i:i) = self%letters(i, column)
+        end do
+    end function text_at
+
+    !> Sets the unit, or whose it is.
+    subroutine set_own_unit(self, unit)
+        class(parameter_t), intent(inout) :: self
+        character(*), intent(in) :: unit !! the unit, or `of sweep.parameter`: element i has that of what element i names there
+        character(*), parameter :: of = 'of '
+        self%unit = unit
+        self%unit_of = ''
+        if (index(unit, of) /= 1) return
+        self%unit = ''
+        self%unit_of = unit(len(of) + 1:)
+    end subroutine set_own_unit
+
+    !> Sets the unit in which an element was given.
+    subroutine set_unit(self, row, column, unit)
+        class(parameter_t), intent(inout) :: self
+        integer, intent(in) :: row, column !! row and column of the element, from 1
+        character(*), intent(in) :: unit !! '' for that which it has to have
+        if (unit == '' .and. .not. allocated(self%units)) return
+        if (.not. allocated(self%units)) allocate (self%units(self%extents(1), self%extents(2)))
+        self%units(row, column)%text = unit
+    end subroutine set_unit
+
     !> Number of characters of a text variable.
     pure integer function text_length(self)
         class(parameter_t), intent(in) :: self
@@ -181,7 +222,11 @@ contains
     subroutine clear_row(self, row)
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: row !! row of the parameter, from 1
+        integer :: column
         self%places(row, :) = place_t()
+        do column = 1, self%extents(2)
+            call self%set_unit(row, column, '')
+        end do
         select case (self%kind)
         case (kind_real)
             self%reals(row, :) = unset
@@ -199,8 +244,6 @@ contains
         class(parameter_t), intent(in) :: self
         integer, intent(in) :: row, column
         character(:), allocatable :: text
-        character(:), allocatable :: letters
-        integer :: i
 
         text = ''
         if (.not. self%is_set(row, column)) return
@@ -212,11 +255,7 @@ contains
         case (kind_long)
             text = to_text(self%long)
         case (kind_text)
-            letters = repeat(' ', self%text_length())
-            do i = 1, len(letters)
-                letters(i:i) = self%letters(i, column)
-            end do
-            text = quoted(trim(letters))
+            text = quoted(trim(self%text_at(column)))
         case (kind_logical)
             text = trim(merge('.true. ', '.false.', self%flag))
         end select

@@ -188,7 +188,7 @@ contains
         parameter%key = name(index(name, '.') + 1:)
         parameter%what = what
         parameter%unit = ''
-        if (present(unit)) parameter%unit = unit
+        if (present(unit)) call parameter%set_own_unit(unit)
         call split('', '|', parameter%choices)
         if (present(choices)) call split(choices, '|', parameter%choices)
         if (.not. allocated(parameter%aliases)) allocate (parameter%aliases(0))

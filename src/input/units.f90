@@ -1,15 +1,16 @@
 !> Units of numbers: what '2000 rpm' or '3 g cm^2' is in the unit of a key, rad/s or kg m^2.
 !>
-!>     call convert_unit('rpm', 'rad/s', factor, problem)   ! 2 pi/60
+!>     call convert_unit('rpm', 'rad/s', factor, problem)           ! 2 pi/60
+!>     call find_unit('deg', 'rad/s', unit, factor, problem)        ! deg/s, pi/180: the unit of phi_rate_deg
 !>
 !> A unit is a product of words with exponents, divided by others: `kg m^2`, `g*cm^2`, `deg/s`, `m/s^2`, `1/s`. A solidus divides
 !> by the next word.
 module spintop_units
     use spintop_kinds, only: dp, pi
-    use spintop_text, only: to_text
+    use spintop_text, only: append, join, string_t, to_text
     implicit none
     private
-    public :: convert_unit, unit_words
+    public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word, unit_words
 
     !> A word: its size in the units of the SI, and the exponents of kg, m, s and rad. An angle is a dimension of its own here, so
     !> that degrees are not taken for numbers.
@@ -35,6 +36,7 @@ module spintop_units
         word_t('rev', 2 * pi, angle), word_t('turn', 2 * pi, angle), word_t('turns', 2 * pi, angle), &
         word_t('rpm', 2 * pi / 60, rate), word_t('rps', 2 * pi, rate), &
         word_t('N', 1.0_dp, force), word_t('mN', 1.0e-3_dp, force), word_t('kN', 1.0e3_dp, force), &
+        word_t('g0', 9.80665_dp, length - 2 * time), &
         word_t('J', 1.0_dp, energy), word_t('mJ', 1.0e-3_dp, energy), word_t('kJ', 1.0e3_dp, energy), &
         word_t('1', 1.0_dp, [0, 0, 0, 0])]
 
@@ -65,6 +67,69 @@ contains
             factor = size_given / size_wanted
         end if
     end subroutine convert_unit
+
+    !> The unit that a suffix of the name of a quantity stands for: a word of its dimension, as `rpm` of rad/s, or a word in the
+    !> place of the first one of its unit, as `deg` of rad/s, which is deg/s.
+    subroutine find_unit(suffix, wanted, unit, factor, problem)
+        character(*), intent(in) :: suffix !! a word
+        character(*), intent(in) :: wanted !! the unit of the quantity
+        character(:), allocatable, intent(out) :: unit !! that of the suffix
+        real(dp), intent(out) :: factor !! the quantity is the number in the unit of the suffix times this; 1 if there is a problem
+        character(:), allocatable, intent(out) :: problem !! why it is no unit of the quantity, or ''
+        character(:), allocatable :: rest, other_problem
+
+        unit = suffix
+        call convert_unit(suffix, wanted, factor, problem)
+        if (problem == '' .or. .not. is_unit_word(suffix)) return
+        rest = trim(wanted(scan(wanted // ' ', ' */^'):))
+        if (rest == '') return
+        call convert_unit(suffix // rest, wanted, factor, other_problem)
+        if (other_problem /= '') return
+        unit = suffix // rest
+        problem = ''
+    end subroutine find_unit
+
+    !> The suffixes that the name of a quantity can have.
+    subroutine suffixes_of(wanted, suffixes)
+        character(*), intent(in) :: wanted !! the unit of the quantity
+        type(string_t), allocatable, intent(out) :: suffixes(:) !! in the order of the table; none of a number without a unit
+        character(:), allocatable :: unit, problem
+        real(dp) :: factor
+        integer :: i
+
+        allocate (suffixes(0))
+        do i = 1, size(words)
+            call find_unit(trim(words(i)%name), wanted, unit, factor, problem)
+            if (problem == '') call append(suffixes, trim(words(i)%name))
+        end do
+    end subroutine suffixes_of
+
+    !> Units of a quantity, for messages.
+    function units_of(wanted) result(text)
+        character(*), intent(in) :: wanted !! the unit of the quantity
+        character(:), allocatable :: text
+        type(string_t), allocatable :: suffixes(:), units(:)
+        character(:), allocatable :: unit, problem
+        real(dp) :: factor
+        integer :: i
+
+        call suffixes_of(wanted, suffixes)
+        allocate (units(0))
+        if (size(suffixes) == 0) call append(units, wanted)
+        do i = 1, size(suffixes)
+            call find_unit(suffixes(i)%text, wanted, unit, factor, problem)
+            call append(units, unit)
+        end do
+        text = 'units are ' // join(units, ', ')
+        if (wanted == '') text = 'write it without a unit'
+    end function units_of
+
+    !> Whether a text is the name of a unit.
+    pure logical function is_unit_word(text)
+        character(*), intent(in) :: text !! any text
+        integer :: i
+        is_unit_word = any([(words(i)%name == text .and. any(words(i)%exponents /= 0), i=1, size(words))])
+    end function is_unit_word
 
     !> Size and dimension of a unit.
     subroutine parse(text, total, exponents, problem)

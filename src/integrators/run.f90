@@ -168,6 +168,7 @@ contains
         call self%segments%settle(self%formulation, self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
         self%account%t = max(self%account%t, self%stepper%t)
+        if (is_ok(status) .and. self%segments%passes_jump) call self%observe_until(self%stepper%t)
         if (is_ok(status) .and. self%segments%occasion /= occasion_none) call self%handle_occasion(ends)
     end subroutine end_step
 

@@ -3,7 +3,8 @@ module spintop_effects_of_scene
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: check_axes
     use spintop_body_turn, only: turn_to_principal_axes
-    use spintop_effects, only: earth_rotation, effects_t
+    use spintop_compare, only: is_zero
+    use spintop_effects, only: earth_rotation, effects_t, harmonic_t
     use spintop_kinds, only: degree, dp
     use spintop_loads, only: friction_jams
     use spintop_parameters, only: given, is_set
@@ -34,6 +35,10 @@ contains
         effects%rotor_torque = given(scene%rotor_torque)
         effects%torque_body = given(scene%torque_body)
         effects%torque_space = given(scene%torque_space)
+        call read_harmonic_torque('torque_body', scene%torque_body_amplitude, scene%torque_body_rate, scene%torque_body_phase, &
+                                  scene%torque_body_phase_deg, effects%harmonic_body, problems)
+        call read_harmonic_torque('torque_space', scene%torque_space_amplitude, scene%torque_space_rate, &
+                                  scene%torque_space_phase, scene%torque_space_phase_deg, effects%harmonic_space, problems)
         call read_torque_table(scene, effects, problems)
         if (problems%any() .or. .not. effects%is_any()) return
         principal = body
@@ -70,6 +75,7 @@ contains
             end if
             if (.not. allocated(effects%table) .or. .not. has_fixed_steps) return
             order = effects%table%interpolation + 1
+            if (any(effects%table%is_jump)) order = 1
             if (count(effects%table%knots > 0 .and. effects%table%knots < t_end) > 0) then
                 call problems%warn('effects.torque_table', 'steps of fixed size do not end at the rows of the table: the order &
                                    &of the method is ' // to_text(order) // ' at most', 'use a method with step control')
@@ -119,28 +125,49 @@ contains
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
+        call read_swing('vibration', 'the vibration', scene%vibration_amplitude, scene%vibration_rate, scene%vibration_phase, &
+                        scene%vibration_phase_deg, effects%vibration_phase, problems)
         effects%vibration_amplitude = given(scene%vibration_amplitude)
-        effects%vibration_phase = given(scene%vibration_phase)
-        if (any(is_set(scene%vibration_phase_deg))) then
-            effects%vibration_phase = given(scene%vibration_phase_deg) * degree
-            if (any(is_set(scene%vibration_phase))) then
-                call problems%add('effects.vibration_phase_deg', 'the phases are given twice', &
+        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
+    end subroutine read_vibration
+
+    !> A harmonic torque, if its amplitude is not zero.
+    subroutine read_harmonic_torque(name, amplitude, rate, phase, phase_deg, harmonic, problems)
+        character(*), intent(in) :: name !! of the keys, up to `_amplitude`
+        real(dp), intent(in) :: amplitude(3), rate, phase(3), phase_deg(3)
+        type(harmonic_t), allocatable, intent(inout) :: harmonic
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: angle(3)
+        call read_swing(name, 'the harmonic torque', amplitude, rate, phase, phase_deg, angle, problems)
+        if (all(is_zero(given(amplitude))) .or. .not. is_set(rate)) return
+        harmonic = harmonic_t(given(amplitude) * cos(angle), given(amplitude) * sin(angle), rate)
+    end subroutine read_harmonic_torque
+
+    !> The phases of what has amplitudes, a rate and phases, which must be given together.
+    subroutine read_swing(name, what, amplitude, rate, phase, phase_deg, angle, problems)
+        character(*), intent(in) :: name, what !! of the keys, up to `_amplitude`; the same in words
+        real(dp), intent(in) :: amplitude(3), rate, phase(3), phase_deg(3)
+        real(dp), intent(out) :: angle(3) !! the phases, rad
+        type(problems_t), intent(inout) :: problems
+        angle = given(phase)
+        if (any(is_set(phase_deg))) then
+            angle = given(phase_deg) * degree
+            if (any(is_set(phase))) then
+                call problems%add('effects.' // name // '_phase_deg', 'the phases are given twice', &
                                   'give them either in radians or in degrees')
             end if
         end if
-        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
-        if (any(is_set(scene%vibration_amplitude)) .and. .not. is_set(scene%vibration_rate)) then
-            call problems%add('effects.vibration_amplitude', 'the vibration has an amplitude without a rate', &
-                              'give vibration_rate too')
-        else if (.not. any(is_set(scene%vibration_amplitude)) .and. is_set(scene%vibration_rate)) then
-            call problems%add('effects.vibration_rate', 'the vibration has a rate without an amplitude', &
-                              'give vibration_amplitude(3) too')
-        else if (.not. any(is_set(scene%vibration_amplitude)) .and. any(is_set( &
-                 [scene%vibration_phase, scene%vibration_phase_deg]))) then
-            call problems%add('effects.vibration_phase', 'the vibration has phases without an amplitude', &
-                              'give vibration_amplitude(3) and vibration_rate too')
+        if (any(is_set(amplitude)) .and. .not. is_set(rate)) then
+            call problems%add('effects.' // name // '_amplitude', what // ' has an amplitude without a rate', &
+                              'give ' // name // '_rate too')
+        else if (.not. any(is_set(amplitude)) .and. is_set(rate)) then
+            call problems%add('effects.' // name // '_rate', what // ' has a rate without an amplitude', &
+                              'give ' // name // '_amplitude(3) too')
+        else if (.not. any(is_set(amplitude)) .and. any(is_set([phase, phase_deg]))) then
+            call problems%add('effects.' // name // '_phase', what // ' has phases without an amplitude', &
+                              'give ' // name // '_amplitude(3) and ' // name // '_rate too')
         end if
-    end subroutine read_vibration
+    end subroutine read_swing
 
     !> The rotation of the Earth.
     subroutine read_earth_rotation(scene, effects, problems)

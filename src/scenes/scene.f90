@@ -270,7 +270,8 @@ contains
         type(parameter_table_t), intent(inout) :: table
 
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
-        call table%add('output.columns', scene%columns, what='columns of the table, or all; also derivatives COLUMN__KEY')
+        call table%add('output.columns', scene%columns, what='columns of the table, or all; also in a unit, as theta_deg, &
+                       &and derivatives COLUMN__KEY')
         call table%add('output.format', scene%format, 'csv|netcdf', &
                        'format of the table; netcdf: sweeps and trajectories, in builds with NetCDF')
         call table%add('output.compression', scene%compression, '', '[0, 9]', &
@@ -287,21 +288,23 @@ contains
     subroutine describe_sweep(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
+        character(*), parameter :: of_parameter = 'of sweep.parameter'
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
-        call table%add('sweep.values', scene%values, '', '', 'values of one of the first axes, one by one')
-        call table%add('sweep.from', scene%from, '', '', 'first value of an axis', elements=any_elements)
-        call table%add('sweep.to', scene%to, '', '', 'last value of an axis', elements=any_elements)
+        call table%add('sweep.values', scene%values, of_parameter, '', 'values of one of the first axes, one by one')
+        call table%add('sweep.from', scene%from, of_parameter, '', 'first value of an axis', elements=any_elements)
+        call table%add('sweep.to', scene%to, of_parameter, '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &
                        elements=any_elements)
         call table%add('sweep.spacing', scene%spacing, 'linear|log', &
                        'spacing of the values, or of the range of random values (linear)', elements=any_elements)
         call table%add('sweep.distribution', scene%distribution, join(law_names, '|'), &
                        'distribution of random values; sphere: a random attitude or direction (uniform)', elements=any_elements)
-        call table%add('sweep.mean', scene%mean, '', '', 'mean of a normal value, or of the logarithm of a log-normal ' // &
+        call table%add('sweep.mean', scene%mean, of_parameter, '', &
+                       'mean of a normal value, or of the logarithm of a log-normal ' // &
                        'one; magnitude of a vector of random direction', elements=any_elements)
-        call table%add('sweep.deviation', scene%deviation, '', '> 0', 'standard deviation of the same', &
+        call table%add('sweep.deviation', scene%deviation, of_parameter, '> 0', 'standard deviation of the same', &
                        elements=any_elements)
         call table%add('sweep.covariance', scene%covariance, '', '', 'covariance of the normal values of two axes', &
                        elements=any_elements)
@@ -319,6 +322,7 @@ contains
     subroutine describe_statistics(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
+        character(*), parameter :: of_over = 'of statistics.over'
 
         call table%add('statistics.columns', scene%statistics_columns, &
                        what='columns of the sweep of which statistics are computed')
@@ -326,9 +330,9 @@ contains
                        what='one or two swept parameters or columns over which the cases are binned', elements=leading_elements)
         call table%add('statistics.bins', scene%bins, '', '>= 1', &
                        'number of bins (the values of a grid axis, else 50)', elements=any_elements)
-        call table%add('statistics.from', scene%bins_from, '', '', &
+        call table%add('statistics.from', scene%bins_from, of_over, '', &
                        'lower end of the first bin (of a parameter: that of its axis)', elements=any_elements)
-        call table%add('statistics.to', scene%bins_to, '', '', &
+        call table%add('statistics.to', scene%bins_to, of_over, '', &
                        'upper end of the last bin (of a parameter: that of its axis)', elements=any_elements)
         call table%add('statistics.spacing', scene%bins_spacing, 'linear|log', &
                        'spacing of the ends of the bins (that of the axis, else linear)', elements=any_elements)

@@ -31,6 +31,14 @@ module spintop_scene_effects
         real(dp) :: rotor_torque(3) = unset
         real(dp) :: torque_body(3) = unset
         real(dp) :: torque_space(3) = unset
+        real(dp) :: torque_body_amplitude(3) = unset
+        real(dp) :: torque_body_rate = unset
+        real(dp) :: torque_body_phase(3) = unset
+        real(dp) :: torque_body_phase_deg(3) = unset
+        real(dp) :: torque_space_amplitude(3) = unset
+        real(dp) :: torque_space_rate = unset
+        real(dp) :: torque_space_phase(3) = unset
+        real(dp) :: torque_space_phase_deg(3) = unset
         character(256) :: torque_table = ''
         character(32) :: torque_axes = ''
         character(32) :: torque_interpolation = ''
@@ -78,6 +86,22 @@ contains
                        'rate of the momentum of the rotor, in body axes (0)')
         call table%add('effects.torque_body', effects%torque_body, 'N m', '', 'constant torque in body axes (0)')
         call table%add('effects.torque_space', effects%torque_space, 'N m', '', 'constant torque in space axes (0)')
+        call table%add('effects.torque_body_amplitude', effects%torque_body_amplitude, 'N m', '', &
+                       'amplitudes of a harmonic torque in body axes (0)')
+        call table%add('effects.torque_body_rate', effects%torque_body_rate, 'rad/s', '> 0', &
+                       'angular frequency of the harmonic torque in body axes')
+        call table%add('effects.torque_body_phase', effects%torque_body_phase, 'rad', '', &
+                       'phases of the harmonic torque in body axes (0)')
+        call table%add('effects.torque_body_phase_deg', effects%torque_body_phase_deg, 'deg', '', &
+                       'phases of the harmonic torque in body axes (0)')
+        call table%add('effects.torque_space_amplitude', effects%torque_space_amplitude, 'N m', '', &
+                       'amplitudes of a harmonic torque in space axes (0)')
+        call table%add('effects.torque_space_rate', effects%torque_space_rate, 'rad/s', '> 0', &
+                       'angular frequency of the harmonic torque in space axes')
+        call table%add('effects.torque_space_phase', effects%torque_space_phase, 'rad', '', &
+                       'phases of the harmonic torque in space axes (0)')
+        call table%add('effects.torque_space_phase_deg', effects%torque_space_phase_deg, 'deg', '', &
+                       'phases of the harmonic torque in space axes (0)')
         call table%add('effects.torque_table', effects%torque_table, &
                        what='CSV file of a torque over time: t,m1,m2,m3 (path from the input)')
         call table%add('effects.torque_axes', effects%torque_axes, join(axes_names, '|'), &

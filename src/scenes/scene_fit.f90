@@ -49,12 +49,12 @@ contains
 
         call table%add('fit.data', scene%data, what='CSV table of measurements: t, and columns of trajectories')
         call table%add('fit.unknown', scene%unknown, what='sought parameters; their values are where the search begins')
-        call table%add('fit.from', scene%from, '', '', &
+        call table%add('fit.from', scene%from, 'of fit.unknown', '', &
                        'lower ends of the ranges in which the parameters are sought, in their ' // &
                        'units (near their values)', elements=any_elements)
-        call table%add('fit.to', scene%to, '', '', 'upper ends of these ranges', elements=any_elements)
+        call table%add('fit.to', scene%to, 'of fit.unknown', '', 'upper ends of these ranges', elements=any_elements)
         call table%add('fit.columns', scene%columns, what='measured columns (all but t)')
-        call table%add('fit.sigma', scene%sigma, '', '> 0', &
+        call table%add('fit.sigma', scene%sigma, 'of fit.columns', '> 0', &
                        'standard deviations of the measured columns, in their units (one ' // &
                        'that is common to all columns, from the residuals)', elements=leading_elements)
         call table%add('fit.wrapped', scene%wrapped, what='measured angles that are known but for whole turns')
@@ -70,9 +70,9 @@ contains
         associate (sensors => scene%sensors)
             call table%add('sensor.column', sensors%column, what='measured column; one group for each sensor', &
                            elements=one_per_group)
-            call table%add('sensor.sigma', sensors%sigma, '', '> 0', 'standard deviation of its readings, in their unit', &
-                           elements=one_per_group)
-            call table%add('sensor.offset', sensors%offset, '', '', 'reading where the quantity is 0 (0)', &
+            call table%add('sensor.sigma', sensors%sigma, 'of sensor.column', '> 0', &
+                           'standard deviation of its readings, in their unit', elements=one_per_group)
+            call table%add('sensor.offset', sensors%offset, 'of sensor.column', '', 'reading where the quantity is 0 (0)', &
                            elements=one_per_group)
             call table%add('sensor.scale', sensors%scale, '', '', 'change of the reading with the quantity (1)', &
                            elements=one_per_group)

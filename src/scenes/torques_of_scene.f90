@@ -1,6 +1,6 @@
 !> Reads the table of torques that the effects of a scene name.
 module spintop_torques_of_scene
-    use spintop_compare, only: is_finite
+    use spintop_compare, only: is_equal, is_finite
     use spintop_errors, only: error_t
     use spintop_files, only: path_from
     use spintop_kinds, only: dp
@@ -8,7 +8,7 @@ module spintop_torques_of_scene
     use spintop_problems, only: problems_t
     use spintop_scene_effects, only: effects_scene_t, interpolation_of
     use spintop_text, only: to_text
-    use spintop_torque_table, only: fewest_rows
+    use spintop_torque_table, only: fewest_rows, last_of_piece
     implicit none
     private
     public :: read_torques
@@ -50,12 +50,13 @@ contains
         call move_alloc(torque, scene%table_torques)
     end subroutine read_torques
 
-    !> Checks that the rows are finite, in increasing order of time from the start or before, and enough.
+    !> Checks that the rows are finite, in increasing order of time from the start or before, and enough; two of one time are a
+    !> jump, with enough rows on each side.
     subroutine check_rows(scene, t, torque, problems)
         type(effects_scene_t), intent(in) :: scene
         real(dp), intent(in) :: t(:), torque(:, :)
         type(problems_t), intent(inout) :: problems
-        integer :: i, fewest
+        integer :: i, last, fewest
 
         fewest = fewest_rows(interpolation_of(scene))
         if (size(t) < fewest) then
@@ -70,10 +71,21 @@ contains
             end if
         end do
         do i = 2, size(t)
-            if (t(i) > t(i - 1)) cycle
+            if (t(i) > t(i - 1) .or. (is_equal(t(i), t(i - 1)) .and. .not. is_equal(t(i), t(max(1, i - 2))))) cycle
             call problems%add(key, 'the times of the table do not increase: t = ' // to_text(t(i)) // ' in row ' // to_text(i), &
-                              'sort the rows by t, each time once')
+                              'sort the rows by t, each time once, or twice where the torque jumps')
             return
+        end do
+        i = 1
+        do while (i <= size(t))
+            last = last_of_piece(t, i)
+            if (last - i + 1 < fewest) then
+                call problems%add(key, 'the piece of the table from t = ' // to_text(t(i)) // ' to ' // to_text(t(last)) // &
+                                  ', up to a jump, has ' // to_text(last - i + 1) // ' rows, too few for this interpolation', &
+                                  'it needs ' // to_text(fewest) // ' at least')
+                return
+            end if
+            i = last + 1
         end do
         if (t(1) > 0) call problems%add(key, 'the table begins at t = ' // to_text(t(1)) // ', after the start', &
                                         'its first row is at t = 0 or before')

@@ -3,25 +3,20 @@ module spintop_column_choice
     use spintop_case, only: case_t
     use spintop_certificate, only: balls_hint, balls_missing, has_balls
     use spintop_job, only: job_t
-    use spintop_kinds, only: degree
     use spintop_problems, only: problems_t
     use spintop_sensitivity, only: is_sensitivity, split_name
     use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t, place_of, proof_group
-    use spintop_text, only: append, did_you_mean, join, string_t, to_text
+    use spintop_study_column, only: chosen_column_t, chosen_columns, find_column, listed_column_t, proof_group
+    use spintop_text, only: append, join, string_t, to_text
     use spintop_uncertainties, only: check_uncertainties
     implicit none
     private
     public :: choose_columns
 
-    !> Suffix of the name of a column in degrees.
-    character(*), parameter :: degrees = '_deg'
-
 contains
 
-    !> Selects the columns of a job: the named ones, all, or the default set, as indices in the list of all
-    !> columns of the study; problems are reported.
+    !> Selects the columns of a job: the named ones, all, or the default set; problems are reported.
     subroutine choose_columns(study, job, is_whole, problems)
         class(study_t), intent(in) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! with a plan
@@ -29,6 +24,7 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(study_info_t) :: info
         type(listed_column_t), allocatable :: known(:)
+        type(chosen_column_t), allocatable :: chosen(:)
         integer, allocatable :: columns(:)
         integer :: i
 
@@ -57,17 +53,19 @@ contains
                 columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. can_have(known, job%case))
             else
                 columns = [integer ::]
+                allocate (chosen(0))
                 do i = 1, size(named)
                     if (is_sensitivity(named(i))) then
                         call add_sensitivity(study, job, known, i, is_whole, problems)
                     else if (named(i) /= '') then
-                        call add_column(study, job, known, i, columns, is_whole, problems)
+                        call add_column(study, job, known, i, chosen, is_whole, problems)
                     end if
                 end do
             end if
         end associate
-        call check_uncertainties(job%scene, any(known(columns)%group == proof_group), problems)
-        call move_alloc(columns, job%columns)
+        if (.not. allocated(chosen)) chosen = chosen_columns(known, columns)
+        call check_uncertainties(job%scene, any(known(chosen%place)%group == proof_group), problems)
+        call move_alloc(chosen, job%columns)
     end subroutine choose_columns
 
     !> Reports what prevents certified numbers.
@@ -87,24 +85,23 @@ contains
         type(job_t), intent(in) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
-        integer, allocatable, intent(inout) :: columns(:)
+        type(chosen_column_t), allocatable, intent(inout) :: columns(:)
         logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
+        type(chosen_column_t) :: found
         character(:), allocatable :: name, key
-        integer :: place
 
         name = trim(job%scene%columns(i))
         key = 'output.columns(' // to_text(i) // ')'
-        place = place_of(known, name)
-        if (place == 0) then
-            call refuse_unknown(study, known, key, name, problems)
-        else if (any(columns == place)) then
+        call find_named(study, job, known, key, name, found, problems)
+        if (found%place == 0) return
+        if (any(columns%name == found%name)) then
             call problems%add(key, "column '" // name // "' is named twice", 'name it once')
-        else if (known(place)%group == proof_group .and. .not. has_balls()) then
+        else if (known(found%place)%group == proof_group .and. .not. has_balls()) then
             call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
-            if (is_whole) call check_column(job, key, known(place), 'omit it', problems)
-            columns = [columns, place]
+            if (is_whole) call check_column(job, key, known(found%place), 'omit it', problems)
+            columns = [columns, found]
         end if
     end subroutine add_column
 
@@ -116,25 +113,26 @@ contains
         integer, intent(in) :: i
         logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
+        type(chosen_column_t) :: found
         character(:), allocatable :: column, name_of_key, key, problem, hint
-        integer :: place, place_of_key
+        integer :: place_of_key
         logical :: is_new
 
         key = 'output.columns(' // to_text(i) // ')'
         call split_name(trim(job%scene%columns(i)), column, name_of_key)
-        place = place_of(known, column)
-        if (place == 0) then
-            call refuse_unknown(study, known, key, column, problems)
-        else if (known(place)%words .or. known(place)%group == proof_group) then
-            call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
-            place = 0
-        else if (is_whole) then
-            call check_column(job, key, known(place), 'omit its derivative', problems)
+        call find_named(study, job, known, key, column, found, problems)
+        if (found%place > 0) then
+            if (known(found%place)%words .or. known(found%place)%group == proof_group) then
+                call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
+                found%place = 0
+            else if (is_whole) then
+                call check_column(job, key, known(found%place), 'omit its derivative', problems)
+            end if
         end if
         call job%sensitivities%find_key(name_of_key, job%table, job%axes, place_of_key, problem, hint)
         if (problem /= '') call problems%add(key, problem, hint)
-        if (place == 0 .or. place_of_key == 0) return
-        call job%sensitivities%add(place, known(place), place_of_key, is_new)
+        if (found%place == 0 .or. place_of_key == 0) return
+        call job%sensitivities%add(found, place_of_key, is_new)
         if (.not. is_new) call problems%add(key, "column '" // trim(job%scene%columns(i)) // "' is named twice", 'name it once')
     end subroutine add_sensitivity
 
@@ -160,16 +158,27 @@ contains
                    (allocated(case%given_body%effects) .or. .not. column%needs_effects)
     end function can_have
 
-    !> Reports an unknown column: the study that has it, its unit, or a similar name.
-    subroutine refuse_unknown(study, known, key, name, problems)
+    !> The column of a name; a problem if there is none: the study that has it, its unit, or a similar name. Numbers that are
+    !> proved are so in their own unit only.
+    subroutine find_named(study, job, known, key, name, found, problems)
         class(study_t), intent(in) :: study
+        type(job_t), intent(in) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         character(*), intent(in) :: key, name
+        type(chosen_column_t), intent(out) :: found !! its place is 0 if there is a problem
         type(problems_t), intent(inout) :: problems
         type(study_info_t) :: info
-        character(:), allocatable :: owners, hint
-        integer :: place, base
+        character(:), allocatable :: owners, problem, hint
 
+        call find_column(known, name, found, problem, hint)
+        if (found%place > 0) then
+            if (.not. found%is_converted()) return
+            if (.not. job%scene%certified .and. known(found%place)%group /= proof_group) return
+            call problems%add(key, "column '" // name // "': a number is proved in the unit of the column only", &
+                              "use '" // trim(known(found%place)%name) // "', which is in " // trim(known(found%place)%unit))
+            found = chosen_column_t()
+            return
+        end if
         info = study%info()
         owners = owners_of(name)
         if (owners /= '') then
@@ -177,20 +186,9 @@ contains
                               "omit it, or set another study.kind; `spintop list columns` shows each study's")
             return
         end if
-        base = len(name) - len(degrees)
-        hint = ''
-        if (base > 0) then
-            place = 0
-            if (name(base + 1:) == degrees) place = place_of(known, name(:base))
-            if (place > 0) then
-                if (index(known(place)%unit, 'rad') == 1) hint = "'" // name(:base) // "' is in " &
-                    // trim(known(place)%unit) // ': 1 rad = ' // to_text(1 / degree) // ' deg'
-            end if
-        end if
-        if (hint == '') hint = did_you_mean(name, known%name)
         if (hint == '') hint = '`spintop list columns` shows them all'
-        call problems%add(key, "there is no column '" // name // "'", hint)
-    end subroutine refuse_unknown
+        call problems%add(key, problem, hint)
+    end subroutine find_named
 
     !> The kinds of study that have a column of that name, as text; '' if there is none.
     function owners_of(name) result(owners)
@@ -198,14 +196,17 @@ contains
         character(:), allocatable :: owners
         class(study_t), allocatable :: study
         type(study_info_t) :: info
+        type(chosen_column_t) :: found
         type(string_t), allocatable :: plurals(:)
+        character(:), allocatable :: problem, hint
         integer :: i, n
 
         allocate (plurals(0))
         do i = 1, size(listed_studies)
             call create_study(listed_studies(i), study)
             info = study%info()
-            if (place_of(study%columns(), name) > 0) call append(plurals, info%plural)
+            call find_column(study%columns(), name, found, problem, hint)
+            if (found%place > 0) call append(plurals, info%plural)
         end do
         n = size(plurals)
         owners = join(plurals(:n - 1), ', ')

@@ -18,6 +18,7 @@ module spintop_job
     use spintop_scene, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
+    use spintop_study_column, only: chosen_column_t
     use spintop_sweep_axes, only: axes_t, swept_scene_t
     use spintop_table_column, only: column_t
     use spintop_text, only: string_t, to_text
@@ -50,8 +51,8 @@ module spintop_job
         !> Values of parameters, side by side, that a caller of the library gives in place of axes of the input; not
         !> allocated where it gives none.
         type(given_axis_t), allocatable :: given(:)
-        !> Indices of the selected columns in the list of all columns of the study.
-        integer, allocatable :: columns(:)
+        !> The selected columns, of the list of all columns of the study.
+        type(chosen_column_t), allocatable :: columns(:)
         !> Derivatives of columns, which follow those columns in the table.
         type(sensitivities_t) :: sensitivities
         !> Events to search for.

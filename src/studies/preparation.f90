@@ -6,6 +6,7 @@ module spintop_preparation
     use spintop_event_choice, only: choose_events
     use spintop_job, only: job_t
     use spintop_job_files, only: name_job, name_outputs, refuse_overwriting
+    use spintop_named_units, only: convert_named_units
     use spintop_namelist, only: read_namelist
     use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
@@ -83,6 +84,7 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
+        call convert_named_units(job%scene, job%table, diagnostics)
         call read_torques(input, job%scene%effects, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()

@@ -11,6 +11,7 @@ module spintop_sensitivity
     use spintop_plan, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene, only: describe_scene, scene_t
+    use spintop_study_column, only: chosen_column_t
     use spintop_sweep_axes, only: axes_t
     use spintop_table_column, only: column_t
     implicit none
@@ -37,7 +38,7 @@ module spintop_sensitivity
 
     !> The derivative of a column.
     type :: sensitivity_t
-        !> Index of the column in the list of all columns of the study, and of the key among those of the job.
+        !> Index of the column among those of which there are derivatives, and of the key among those of the job.
         integer :: column = 0, key = 0
         !> The columns of the derivative and of its error.
         type(column_t) :: derivative, error
@@ -48,6 +49,7 @@ module spintop_sensitivity
         integer :: count = 0
         type(sensitivity_t), allocatable :: list(:)
         type(sensitive_key_t), allocatable :: keys(:)
+        type(chosen_column_t), allocatable, private :: sources(:)
     contains
         procedure :: find_key
         procedure :: add
@@ -119,19 +121,22 @@ contains
     end subroutine find_key
 
     !> Adds the derivative of a column; `is_new` tells whether it was not there yet.
-    subroutine add(self, place, column, key, is_new)
+    subroutine add(self, column, key, is_new)
         class(sensitivities_t), intent(inout) :: self
-        integer, intent(in) :: place !! index of the column in the list of all columns of the study
-        class(column_t), intent(in) :: column !! the column
+        type(chosen_column_t), intent(in) :: column !! the column
         integer, intent(in) :: key !! index of the key
         logical, intent(out) :: is_new !! whether it was added
         type(sensitivity_t) :: one
 
-        if (.not. allocated(self%list)) allocate (self%list(0))
-        is_new = .not. any(self%list%column == place .and. self%list%key == key)
-        if (.not. is_new) return
-        one%column = place
+        if (.not. allocated(self%list)) allocate (self%list(0), self%sources(0))
+        one%column = findloc(self%sources%name, column%name, dim=1)
+        if (one%column == 0) then
+            self%sources = [self%sources, column]
+            one%column = size(self%sources)
+        end if
         one%key = key
+        is_new = .not. any(self%list%column == one%column .and. self%list%key == key)
+        if (.not. is_new) return
         associate (to => self%keys(key))
             one%derivative%name = trim(column%name) // mark // to%name
             one%derivative%unit = unit_per(trim(column%unit), to%unit)
@@ -144,15 +149,15 @@ contains
         self%count = size(self%list)
     end subroutine add
 
-    !> The distinct columns of which there are derivatives: indices in the list of all columns of the study.
-    pure function columns(self) result(places)
+    !> The distinct columns of which there are derivatives.
+    pure function columns(self)
         class(sensitivities_t), intent(in) :: self
-        integer, allocatable :: places(:)
-        integer :: i
-        allocate (places(0))
-        do i = 1, self%count
-            if (all(places /= self%list(i)%column)) places = [places, self%list(i)%column]
-        end do
+        type(chosen_column_t), allocatable :: columns(:)
+        if (allocated(self%sources)) then
+            columns = self%sources
+        else
+            allocate (columns(0))
+        end if
     end function columns
 
     !> The columns of a table: each derivative, followed by its error.

@@ -112,16 +112,17 @@ contains
             call self%add('motion', class_name(nutation%class) // ', theta from ' &
                 // decimal(nutation%theta_min / degree) // ' to ' // decimal(nutation%theta_max / degree) &
                 // ' deg, largest phi_rate ' // decimal(nutation%phi_rate_max) // ' rad/s')
-            if (.not. is_finite(nutation%period)) then
+            if (is_finite(nutation%period)) then
+                call self%add('nutation', 'period ' // decimal(nutation%period) // ' s, precession ' &
+                    // decimal(nutation%precession / degree) // ' deg and spin ' &
+                    // decimal(nutation%spin / degree) // ' deg per nutation')
+            else
                 call self%add('nutation', 'none: ' // class_meaning(nutation%class))
-                return
             end if
-            call self%add('nutation', 'period ' // decimal(nutation%period) // ' s, precession ' &
-                // decimal(nutation%precession / degree) // ' deg and spin ' &
-                // decimal(nutation%spin / degree) // ' deg per nutation')
             if (.not. body%mgl() > 0) return
             call self%add('upright', 'a sleeping top is stable from omega3 = ' &
                 // decimal(critical_omega3(body)) // ' rad/s; here omega3 = ' // decimal(start%omega(3)))
+            if (.not. is_finite(nutation%period)) return
             fast = fast_top(body, start%angle(2), start%omega(3))
             call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // decimal(fast%ratio) &
                 // ' (much greater than 1 for a fast top; the paper takes I3 omega3^2/(4 m g l) = ' &

@@ -164,6 +164,10 @@ contains
             effects%rotor_momentum = in_principal_axes(p, effects%rotor_momentum)
             effects%rotor_torque = in_principal_axes(p, effects%rotor_torque)
             effects%torque_body = in_principal_axes(p, effects%torque_body)
+            if (allocated(effects%harmonic_body)) then
+                effects%harmonic_body%even = in_principal_axes(p, effects%harmonic_body%even)
+                effects%harmonic_body%odd = in_principal_axes(p, effects%harmonic_body%odd)
+            end if
             if (.not. allocated(effects%table) .or. effects%table_in_space) return
             do i = 1, size(effects%table%coefficient, 3)
                 do k = lbound(effects%table%coefficient, 1), ubound(effects%table%coefficient, 1)

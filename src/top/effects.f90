@@ -6,7 +6,17 @@ module spintop_effects
     use spintop_torque_table, only: torque_table_t
     implicit none
     private
-    public :: effects_t, earth_rotation
+    public :: effects_t, harmonic_t, earth_rotation
+
+    !> A vector over time, even cos(rate t) - odd sin(rate t): with a_i cos(f_i) and a_i sin(f_i) as components of `even` and
+    !> `odd` its components are a_i cos(rate t + f_i).
+    type :: harmonic_t
+        real(dp) :: even(3) = 0, odd(3) = 0
+        !> Angular frequency, rad/s.
+        real(dp) :: rate = 1
+    contains
+        procedure :: at => harmonic_at
+    end type harmonic_t
 
     !> The effects on a body. Body axes are the principal ones; an effect with zeros is none.
     type :: effects_t
@@ -28,6 +38,8 @@ module spintop_effects
         real(dp) :: rotor_momentum(3) = 0, rotor_torque(3) = 0
         !> Constant torques in body and in space axes, N m.
         real(dp) :: torque_body(3) = 0, torque_space(3) = 0
+        !> Harmonic torques in body and in space axes, N m; not allocated without amplitude.
+        type(harmonic_t), allocatable :: harmonic_body, harmonic_space
         !> A torque over time, in body or in space axes.
         type(torque_table_t), allocatable :: table
         logical :: table_in_space = .false.
@@ -35,9 +47,10 @@ module spintop_effects
         procedure :: is_any
         procedure :: is_valid
         procedure :: is_dry
+        procedure :: is_harmonic
         procedure :: has_cusps
         procedure :: has_friction
-        procedure :: are_analytic
+        procedure :: have_kernels
         procedure :: do_work
         procedure :: depends_on_time
         procedure :: shifts_angles
@@ -58,7 +71,8 @@ contains
         class(effects_t), intent(in) :: self
         real(dp) :: amounts(7)
         amounts = [self%friction_torque, self%friction_arm, self%friction_smoothing, self%drag_moment, self%drag_force]
-        is_valid = all(amounts >= 0 .and. is_finite(amounts)) .and. self%drag_exponent >= 1 .and. self%drag_exponent <= 3 &
+        is_valid = is_finite_harmonic(self%harmonic_body) .and. is_finite_harmonic(self%harmonic_space) &
+            .and. all(amounts >= 0 .and. is_finite(amounts)) .and. self%drag_exponent >= 1 .and. self%drag_exponent <= 3 &
             .and. all(is_finite([self%vibration_amplitude, self%vibration_rate, self%vibration_phase, self%frame_rate, &
                                  self%rotor_momentum, self%rotor_torque, self%torque_body, self%torque_space]))
     end function is_valid
@@ -69,11 +83,17 @@ contains
         has_friction = self%friction_torque > 0 .or. self%friction_arm > 0
     end function has_friction
 
-    !> Whether all effects have power series, but where a speed is zero: all but dry friction and tables of torques.
-    pure logical function are_analytic(self)
+    !> Whether the vector kernels have all effects: all but dry friction, harmonic torques and tables of torques.
+    pure logical function have_kernels(self)
         class(effects_t), intent(in) :: self
-        are_analytic = .not. (self%has_friction() .or. allocated(self%table))
-    end function are_analytic
+        have_kernels = .not. (self%has_friction() .or. allocated(self%table) .or. self%is_harmonic())
+    end function have_kernels
+
+    !> Whether there is a harmonic torque.
+    pure logical function is_harmonic(self)
+        class(effects_t), intent(in) :: self
+        is_harmonic = allocated(self%harmonic_body) .or. allocated(self%harmonic_space)
+    end function is_harmonic
 
     !> Whether there is dry friction by the exact law, under which the body may stick.
     pure logical function is_dry(self)
@@ -100,7 +120,7 @@ contains
     !> Whether an effect depends on the time.
     pure logical function depends_on_time(self)
         class(effects_t), intent(in) :: self
-        depends_on_time = allocated(self%table) &
+        depends_on_time = allocated(self%table) .or. self%is_harmonic() &
             .or. .not. all(is_zero([self%vibration_amplitude, self%rotor_torque]))
     end function depends_on_time
 
@@ -112,6 +132,21 @@ contains
             .and. all(is_zero([self%drag_moment, self%torque_body, self%torque_space, self%frame_rate(1:2), &
                                self%rotor_momentum(1:2)]))
     end function shifts_angles
+
+    !> The vector at a time.
+    pure function harmonic_at(self, t) result(vector)
+        class(harmonic_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: vector(3)
+        vector = self%even * cos(self%rate * t) - self%odd * sin(self%rate * t)
+    end function harmonic_at
+
+    !> Whether a vector over time, if there is one, has finite numbers.
+    pure logical function is_finite_harmonic(harmonic)
+        type(harmonic_t), allocatable, intent(in) :: harmonic
+        is_finite_harmonic = .true.
+        if (allocated(harmonic)) is_finite_harmonic = all(is_finite([harmonic%even, harmonic%odd, harmonic%rate]))
+    end function is_finite_harmonic
 
     !> Angular velocity of the Earth in axes that point east, north and up, rad/s. At a pole it is vertical.
     pure function earth_rotation(rate, latitude) result(rotation)

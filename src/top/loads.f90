@@ -138,6 +138,10 @@ contains
             loads%moment(:, work_vibration) = body%mass * cross(loads%pivot, r)
             given = effects%torque_space
             loads%moment(:, work_torque) = effects%torque_body
+            if (allocated(effects%harmonic_space)) given = given + effects%harmonic_space%at(t)
+            if (allocated(effects%harmonic_body)) then
+                loads%moment(:, work_torque) = loads%moment(:, work_torque) + effects%harmonic_body%at(t)
+            end if
             if (allocated(effects%table)) then
                 table = effects%table%at(t)
                 if (effects%table_in_space) then

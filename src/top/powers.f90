@@ -23,7 +23,7 @@ contains
         type(loads_t) :: loads
         integer :: i, m
 
-        if (.not. effects%are_analytic()) then
+        if (.not. effects%have_kernels()) then
             do i = 1, instants
                 call find_loads(body, effects, t(i), q(i, :), momentum(i, :), loads)
                 power(i, :) = loads%power()

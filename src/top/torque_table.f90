@@ -1,12 +1,14 @@
 !> A torque that a table gives over time: broken lines, or cubics through its rows.
 !>
 !> Between two rows (knots) the torque is a polynomial of the time since the first of them. Before the first row
-!> and after the last one the outermost polynomials continue; inputs are checked to need neither.
+!> and after the last one the outermost polynomials continue; inputs are checked to need neither. Two rows of one time are a
+!> jump, between two pieces that are interpolated each by itself; at its time the torque is that of the second row.
 module spintop_torque_table
+    use spintop_compare, only: is_equal
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: torque_table_t, make_torque_table, interpolation_names, fewest_rows
+    public :: torque_table_t, make_torque_table, interpolation_names, fewest_rows, last_of_piece
     public :: by_lines, by_monotone, by_spline, max_degree
 
     !> Interpolations: broken lines; cubics that are monotone where the rows are; the cubic spline.
@@ -19,8 +21,9 @@ module spintop_torque_table
 
     !> The torque over time.
     type :: torque_table_t
-        !> Times of the rows, s.
+        !> Times of the rows, s, each once, and whether the torque jumps there.
         real(dp), allocatable :: knots(:)
+        logical, allocatable :: is_jump(:)
         !> Coefficients by power of the time since the knot, component, and interval.
         real(dp), allocatable :: coefficient(:, :, :)
         !> One of the interpolations.
@@ -29,39 +32,76 @@ module spintop_torque_table
         procedure :: at
         procedure :: expansion
         procedure :: next_knot
+        procedure :: smooth_until
+        procedure :: after_jump
         procedure :: pace
     end type torque_table_t
 
+    !> A step towards a jump ends so many spacings of its time before it, so that all of its stages are there, with rounding;
+    !> the next one begins at the jump. A time within `beside` is at it.
+    integer, parameter :: before = 8, beside = 16
+
 contains
 
-    !> The table of rows in increasing order of time, as many as the interpolation needs.
+    !> The table of rows in increasing order of time, two at a jump, as many in each piece as the interpolation needs.
     pure subroutine make_torque_table(t, torque, interpolation, table)
         real(dp), intent(in) :: t(:), torque(:, :) !! times, s; components and rows, N m
         integer, intent(in) :: interpolation !! one of the interpolations
         type(torque_table_t), intent(out) :: table !! the torque over time
+        logical :: repeats(size(t))
+        integer :: first, last, interval
+
+        repeats = [.false., is_equal(t(2:), t(:size(t) - 1))]
+        table%knots = pack(t, .not. repeats)
+        table%is_jump = pack(eoshift(repeats, 1), .not. repeats)
+        table%interpolation = interpolation
+        allocate (table%coefficient(0:max_degree, 3, size(table%knots) - 1), source=0.0_dp)
+        first = 1
+        interval = 1
+        do while (first < size(t))
+            last = last_of_piece(t, first)
+            call set_piece(t(first:last), torque(:, first:last), interpolation, &
+                           table%coefficient(:, :, interval:interval + last - first - 1))
+            interval = interval + last - first
+            first = last + 1
+        end do
+    end subroutine make_torque_table
+
+    !> The last row before the jump that follows a row, or the last of all.
+    pure integer function last_of_piece(t, first) result(last)
+        real(dp), intent(in) :: t(:) !! times of the rows, s
+        integer, intent(in) :: first !! the row
+        do last = first, size(t) - 1
+            if (is_equal(t(last), t(last + 1))) return
+        end do
+        last = size(t)
+    end function last_of_piece
+
+    !> The polynomials between rows without a jump.
+    pure subroutine set_piece(t, torque, interpolation, coefficient)
+        real(dp), intent(in) :: t(:), torque(:, :)
+        integer, intent(in) :: interpolation
+        real(dp), intent(inout) :: coefficient(0:, :, :)
         real(dp) :: slope(size(t)), chord(size(t) - 1), h(size(t) - 1)
         integer :: axis, n
 
         n = size(t)
-        table%knots = t
-        table%interpolation = interpolation
-        allocate (table%coefficient(0:max_degree, 3, n - 1), source=0.0_dp)
         h = t(2:) - t(:n - 1)
         do axis = 1, 3
             chord = (torque(axis, 2:) - torque(axis, :n - 1)) / h
-            table%coefficient(0, axis, :) = torque(axis, :n - 1)
-            table%coefficient(1, axis, :) = chord
+            coefficient(0, axis, :) = torque(axis, :n - 1)
+            coefficient(1, axis, :) = chord
             if (interpolation == by_lines) cycle
             if (interpolation == by_monotone) then
                 slope = monotone_slopes(h, chord)
             else
                 slope = spline_slopes(h, chord)
             end if
-            table%coefficient(1, axis, :) = slope(:n - 1)
-            table%coefficient(2, axis, :) = (3 * chord - 2 * slope(:n - 1) - slope(2:)) / h
-            table%coefficient(3, axis, :) = (slope(:n - 1) + slope(2:) - 2 * chord) / h**2
+            coefficient(1, axis, :) = slope(:n - 1)
+            coefficient(2, axis, :) = (3 * chord - 2 * slope(:n - 1) - slope(2:)) / h
+            coefficient(3, axis, :) = (slope(:n - 1) + slope(2:) - 2 * chord) / h**2
         end do
-    end subroutine make_torque_table
+    end subroutine set_piece
 
     !> Slopes of Fritsch and Butland (A method for constructing local monotone piecewise cubic interpolants, SIAM J.
     !> Sci. Stat. Comput. 5, 1984): weighted harmonic means of the neighbouring chords; at the ends a three-point
@@ -151,15 +191,37 @@ contains
     pure real(dp) function next_knot(self, t)
         class(torque_table_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
-        integer :: i
+        integer :: next
+        next = place_after(self%knots, t)
         next_knot = huge(t)
-        i = interval_at(self%knots, t)
-        if (self%knots(i) > t) then
-            next_knot = self%knots(i)
-        else if (self%knots(i + 1) > t) then
-            next_knot = self%knots(i + 1)
-        end if
+        if (next <= size(self%knots)) next_knot = self%knots(next)
     end function next_knot
+
+    !> The time up to which a step from `t` may reach, s: to the next knot, just before it if the torque jumps there; `huge` if
+    !> there is none. From just before a jump it is the knot after that.
+    pure real(dp) function smooth_until(self, t)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        integer :: next
+        next = place_after(self%knots, max(t, self%after_jump(t)))
+        smooth_until = huge(t)
+        if (next > size(self%knots)) return
+        smooth_until = self%knots(next)
+        if (self%is_jump(next)) smooth_until = smooth_until - before * spacing(smooth_until)
+    end function smooth_until
+
+    !> The time of a jump just after `t`, where a step to it ends, s; otherwise `t`.
+    pure real(dp) function after_jump(self, t)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        integer :: next
+        after_jump = t
+        next = place_after(self%knots, t)
+        if (next > size(self%knots)) return
+        associate (knot => self%knots(next))
+            if (self%is_jump(next) .and. knot - t <= beside * spacing(knot)) after_jump = knot
+        end associate
+    end function after_jump
 
     !> A time in which the torque between two knots changes little, s; of broken lines the ends are enough.
     pure real(dp) function pace(self, t)
@@ -172,6 +234,14 @@ contains
         i = interval_at(self%knots, t)
         pace = (self%knots(i + 1) - self%knots(i)) / parts
     end function pace
+
+    !> The place of the first knot after a time, one beyond the last if there is none.
+    pure integer function place_after(knots, t) result(next)
+        real(dp), intent(in) :: knots(:), t
+        next = interval_at(knots, t)
+        if (.not. knots(next) > t) next = next + 1
+        if (.not. knots(next) > t) next = next + 1
+    end function place_after
 
     !> The interval that a time is in, or begins, by bisection.
     pure integer function interval_at(knots, t) result(first)

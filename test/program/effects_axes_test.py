@@ -121,7 +121,8 @@ def move(folder: Path, p: np.ndarray | None, effects: str) -> dict[str, np.ndarr
     "effects",
     [
         "rotor_momentum  rotor_torque  torque_body  torque_space = 0.1, 0.2, 0.1",
-        "torque_table = 'torque.csv'  torque_interpolation = 'linear'",
+        "torque_table = 'torque.csv'  torque_interpolation = 'linear'"
+        "  torque_space_amplitude = 0.1, 0.2, 0.3  torque_space_rate = 4",
         "torque_table = 'torque.csv'  earth_rate = 0.3  latitude_deg = 40",
         "friction_torque = 0.1  friction_coefficient = 0.2  friction_radius = 0.02"
         "  drag_force = 0.05  drag_moment = 0.01, 0.01, 0.01  drag_exponent = 1.5"

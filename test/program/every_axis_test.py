@@ -18,6 +18,7 @@ PARTS = (
 )
 EFFECTS = (
     "&effects vibration_amplitude = 0.01, 0, 0.02 vibration_rate = 20 torque_body = 0.1, 0.1, 0.1"
+    " torque_body_amplitude = 0.1, 0.2, 0.1 torque_body_rate = 3"
     " rotor_momentum = 0, 0, 0.5 earth_rate = 0.01 latitude = 1 /\n"
 )
 REST = (

@@ -183,6 +183,15 @@ class SyntheticTest(FitCase):
         along = sum(a * b for a, b in zip(readings, vertical, strict=True))
         self.assertAlmostEqual(along, found[2], delta=1e-6)
 
+    def test_law_of_a_spin_down(self) -> None:
+        """The example: dry friction, damping, drag and the start, within 3 standard errors."""
+        table = self.compute(ROOT / "input/spin_down.nml")
+        known = (2e-4, 4e-5, 4e-6, 10)
+        found = zip(known, table.column("estimate"), table.column("standard_error"), strict=True)
+        for true, value, error in found:
+            self.assertLess(abs(value - true), 3 * error)
+            self.assertLess(error, 0.1 * value)
+
     def test_what_is_not_identifiable(self) -> None:
         """Angles tell ratios of mass and inertia only."""
         self.measure()

@@ -1,6 +1,7 @@
 """The registries that `spintop list` prints: as text, and as JSON for scripts."""
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -53,15 +54,17 @@ class ListingTest(unittest.TestCase):
         whole = self.listed()
         self.assertEqual(whole["format"], 1)
         self.assertRegex(program("--version").stdout, rf"^spintop {re.escape(whole['version'])} ")
-        self.assertEqual(set(whole), {"format", "version", "event_grammar", "other_words", *TOPICS})
+        beside = {"events": {"event_grammar"}, "columns": {"other_words", "column_units"}}
+        others = set().union(*beside.values())
+        self.assertEqual(set(whole), {"format", "version", *others, *TOPICS})
         shown = re.search(r"(?s)^topics: (.*?)\n\n", program("--help").stdout, re.MULTILINE)
         self.assertEqual(re.split(r",\s+", shown[1]), list(TOPICS))
         for topic, members in TOPICS.items():
             with self.subTest(topic):
                 part = self.listed(topic)
                 self.assertEqual(part[topic], whole[topic])
-                beside = {"events": {"event_grammar"}, "columns": {"other_words"}}.get(topic, set())
-                self.assertEqual(set(part), {"format", "version", topic} | beside)
+                own = {"format", "version", topic} | beside.get(topic, set())
+                self.assertEqual(set(part), own)
                 self.assertGreater(len(part[topic]), 3)
                 for entry in part[topic]:
                     self.assertEqual(" ".join(entry), members)
@@ -84,6 +87,20 @@ class ListingTest(unittest.TestCase):
                 for entry in whole[topic]:
                     if entry["description"] != "given by its mass properties":
                         self.assertIn(entry["description"], text)
+
+    def test_units_of_columns(self) -> None:
+        """Each unit of a column that can have another one, with the sizes of those."""
+        units = self.listed("columns")["column_units"]
+        sizes = {(unit["of"], unit["suffix"]): (unit["unit"], unit["size"]) for unit in units}
+        self.assertEqual(sizes["rad", "deg"], ("deg", math.pi / 180))
+        self.assertEqual(sizes["rad/s", "deg"], ("deg/s", math.pi / 180))
+        self.assertEqual(sizes["rad/s", "rpm"], ("rpm", 2 * math.pi / 60))
+        self.assertEqual(sizes["J s", "mJ"], ("mJ s", 0.001))
+        self.assertEqual(sizes["s", "s"], ("s", 1))
+        self.assertNotIn(("rad", "rpm"), sizes)
+        text = program("list", "columns").stdout
+        self.assertIn("\n    N: N, mN, kN\n", text)
+        self.assertLess(len(units), 100)
 
     def test_copies(self) -> None:
         """The copies that the figures have for use without the program are what it prints."""

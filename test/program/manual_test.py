@@ -1,5 +1,6 @@
 """The manual agrees with the program: its commands, inputs, programs, tables and links."""
 
+import csv
 import os
 import re
 import shutil
@@ -33,9 +34,9 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 SHELL = ("sh", "console")
 LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "c", "text")
-WAYS = ("long", "timed", "part", "wrong", "messages", "output", "mpi", "netcdf", "flint", "library")
-WAYS += ("setup", "slurm", "xarray")
-"""Words behind the language: how a block is tested, besides exit=N and the base of a part."""
+WAYS = ("long", "timed", "part", "file", "wrong", "messages", "output", "mpi", "netcdf", "flint")
+WAYS += ("library", "setup", "slurm", "xarray")
+"""Words behind the language: how a block is tested, besides exit=N and the path of an input."""
 
 NOT_RUN = WAYS[-3:]
 """Ways of blocks that are not run: they install, build, or need what few machines have."""
@@ -45,7 +46,34 @@ SKIPPED = {
         "scripts/install $HOME/.local",
         "cc example.c $(pkg-config --cflags --libs spintop) -Wl,-rpath,$HOME/.local/lib -o example",
     ],
-    "README.md": ["scripts/run input/spinning_wheel_sweep.nml", "scripts/test"],
+    "README.md": [
+        "scripts/setup",
+        "scripts/run input/toy_top.nml",
+        "pip install build/wheels/spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
+        "docker build -f packaging/container/Dockerfile -t spintop .",
+        'docker run --rm -v "$PWD:/work" spintop input/toy_top.nml',
+    ],
+    "cluster.md": [
+        "python3 -m venv $HOME/spintop",
+        "source $HOME/spintop/bin/activate",
+        "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
+        "apptainer build spintop.sif packaging/container/spintop.def",
+        "apptainer run spintop.sif input/map_spin_tilt.nml",
+        "module load gcc/13 openblas sundials python/3.11",
+        "export SPINTOP_SUNDIALS_INCLUDE=$SUNDIALS_DIR/fortran"
+        " SPINTOP_SUNDIALS_LIB=$SUNDIALS_DIR/lib",
+        "scripts/setup",
+        "scripts/run input/map_spin_tilt.nml",
+        "scripts/install $HOME/.local",
+        "cmake -S sundials-7.1.1 -B build_sundials -D CMAKE_INSTALL_PREFIX=$HOME/.local"
+        " -D BUILD_FORTRAN_MODULE_INTERFACE=ON -D EXAMPLES_INSTALL=OFF",
+        "cmake --build build_sundials --target install --parallel 4",
+        "gfortran -O2 -fPIC -shared -o $HOME/.local/lib/libminpack.so minpack/*.f",
+        "export LIBRARY_PATH=$HOME/.local/lib LD_LIBRARY_PATH=$HOME/.local/lib",
+        "export SPINTOP_SUNDIALS_INCLUDE=$HOME/.local/fortran"
+        " SPINTOP_SUNDIALS_LIB=$HOME/.local/lib",
+        "scripts/setup",
+    ],
     "developing.md": [
         "scripts/test",
         "scripts/test manual_test program_test",
@@ -62,8 +90,10 @@ SKIPPED = {
         "scripts/film input/tip_loop.nml",
         "scripts/film --dark --arrow momentum --seconds 20 -o top.webm input/slow_top.nml",
         "scripts/film -o top.gif input/damped_top.nml",
-        ".venv/bin/python test/measure_live_page.py",
+        "scripts/film --from 1 --to 3 --speed 0.25 --elevation 60 input/slow_top.nml",
+        "scripts/film --ghost input/slow_top.nml input/slow_top_scenario2_rk4.nml",
     ],
+    "measurements.md": [".venv/bin/python test/measure_live_page.py"],
     "packaging.md": [
         "scripts/wheel",
         "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
@@ -72,6 +102,9 @@ SKIPPED = {
         "apptainer build spintop.sif packaging/container/spintop.def",
         "mpirun -np 4 apptainer exec spintop.sif spintop-mpi input/spinning_wheel_sweep.nml",
         "packaging/make_deb",
+        "packaging/from_sources sundials-7.1.1 minpack-2.0.0-rc.1 /opt/spintop",
+        "packaging/fill_recipes https://github.com/OWNER/spintop MAINTAINER spintop.tar.gz "
+        "sundials.tar.gz minpack.tar.gz recipes",
     ],
     "python.md": [
         "pip install ./python",
@@ -85,18 +118,29 @@ SKIPPED = {
         "scripts/report results input/slow_top.nml input/slow_top_scenario2_rk4.nml"
         " --title 'The slow top'"
     ],
-    "sweep.md": [
+    "sweep_clusters.md": [
         "scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00",
         "scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16"
         " --time=04:00:00",
         "scripts/setup --mpi",
+    ],
+    "sweep_netcdf.md": [
         "SPINTOP_NETCDF=1 scripts/run --set output.format=netcdf input/random_tops.nml",
         "import xarray",
+    ],
+    "tutorial_cluster.md": [
+        "scripts/slurm_sweep.sh input/map_spin_tilt.nml 8 --cpus-per-task=16 --time=00:10:00",
+    ],
+    "tutorial_lecture.md": [
+        "scripts/film input/tip_loop.nml",
+        "scripts/film --seconds 20 --arrow momentum -o sleeping.mp4 input/sleeping_top.nml",
+        "scripts/report --live -o lecture.html",
     ],
 }
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
 SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop", "docker", "apptainer")
+SYSTEM_COMMANDS += ("python3", "source", "module", "export", "cmake", "gfortran")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 
@@ -264,7 +308,7 @@ class PagesTest(unittest.TestCase):
                 words = [word for word in block.tags[1:] if not re.match(r"exit=\d$", word)]
                 known = [word for word in words if word in WAYS]
                 base = [word for word in words if word not in WAYS]
-                self.assertEqual(bool(base), "part" in known)
+                self.assertEqual(bool(base), "part" in known or "file" in known)
                 self.assertTrue(all((ROOT / path).is_file() for path in base))
         for page in PAGES:
             lines = ["", *prose_of(page)]
@@ -287,7 +331,7 @@ class PagesTest(unittest.TestCase):
         lists = {
             f"{topic} {entry[parts[topic]]}" if topic in parts else topic
             for topic, entries in known.items()
-            if isinstance(entries, list)
+            if isinstance(entries, list) and topic != "column_units"  # of the topic columns
             for entry in entries
             if isinstance(entry, dict)  # other_words are words
         }
@@ -378,6 +422,8 @@ class CommandsTest(ManualCase):
                 continue
             text = block.text
             with self.subTest(str(block)):
+                if "file" in block.tags:
+                    self.assertEqual(text, (ROOT / block.tags[-1]).read_text(encoding="utf-8"))
                 if "part" in block.tags:
                     text = with_groups((ROOT / block.tags[-1]).read_text(encoding="utf-8"), text)
                 result = self.check(text)
@@ -387,6 +433,24 @@ class CommandsTest(ManualCase):
                     self.assertEqual(result.stderr.strip(), BLOCKS[i + 1].text.strip())
                 else:
                     self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_table_of_the_paper(self) -> None:
+        """Table 1 has the numbers of its two inputs."""
+        stems = ("spinning_wheel_paper", "spinning_wheel_sweep")
+        columns = "azimuth_after_period_deg,delta_u,delta_u_fast_top,nutations_in_period"
+        rows: list[list[str]] = [[] for _ in range(20)]
+        for stem in stems:
+            run = self.shell(f"spintop --set output.columns={columns} input/{stem}.nml")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with (self.folder / "output" / f"{stem}.csv").open(encoding="utf-8") as table:
+                found = csv.DictReader(line for line in table if not line.startswith("#"))
+                for row, cells in zip(rows, found, strict=True):
+                    azimuth, *ranges, nutations = (float(cells[key]) for key in columns.split(","))
+                    row += [f"{azimuth:.3f}", *(f"{value:.4g}" for value in ranges)]
+                    row += [f"{nutations:.2f}"]
+        page = (ROOT / "doc/paper_results.md").read_text(encoding="utf-8")
+        for row in rows:
+            self.assertIn(f" | {' | '.join(row)} |\n", page)
 
     def test_limits(self) -> None:
         """Settings on the page of known limits are refused, for the reason given there."""

@@ -81,8 +81,45 @@ class HintTest(ProgramCase):
         self.assertIn("'omega3' is in rad/s", said)
         said = self.hint(SWEEP + "&sweep parameter(1) = 'initial.theta', values(1,:) = 1, 20 /\n")
         self.assertIn("theta_deg takes degrees", said)
-        said = self.hint(GOOD, "output.columns=t,theta_deg")
-        self.assertIn("'theta' is in rad: 1 rad = 57.29577951308232 deg", said)
+        said = self.hint(GOOD, "output.columns=t,theta_rpm")
+        self.assertIn("column 'theta_rpm': rpm is no unit of a quantity in rad", said)
+        self.assertIn("theta is in rad, and can have a suffix: _rad, _mrad, _deg, _rev", said)
+        said = self.hint(GOOD, "output.columns=t,theta_degr")
+        self.assertIn("there is no column 'theta_degr'", said)
+        said = self.hint(GOOD, "output.columns=t,q0_deg")
+        self.assertIn("a number without a unit is wanted", said)
+        said = self.hint(GOOD, "output.columns=t,theta_deg,theta_deg")
+        self.assertIn("column 'theta_deg' is named twice", said)
+        for setting, problem in (
+            ("initial.theta=20 rpm", "rpm is no unit of a quantity in rad"),
+            ("initial.theta=20 dge", "'dge' is not a unit"),
+            ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad"),
+        ):
+            said = self.hint(GOOD, setting)
+            self.assertIn(problem, said)
+            self.assertIn("units are rad, mrad, deg", said)
+
+        for number in ("2 rpm", "2rpm"):
+            said = self.hint(GOOD.replace("psi_rate = 1.0", f"psi_rate = {number}"))
+            self.assertIn("a number with its unit is in quotes, as '20 deg'", said)
+
+    def test_units_of_axes(self) -> None:
+        """The unit of an axis is that of its parameter."""
+        for setting, problem in (
+            ("sweep.from(1)='3 deg'", "initial.omega3: deg is no unit of a quantity in rad/s"),
+            ("sweep.from(1)=3 m", "initial.omega3: m is no unit of a quantity in rad/s"),
+            ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit"),
+        ):
+            axis = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
+            said = self.hint(SWEEP.replace("psi_rate", "phi_rate") + axis, setting)
+            self.assertIn(problem, said)
+            self.assertIn("units are rad/s, mrad/s, deg/s", said)
+        said = self.hint(SWEEP + "&sweep from(1) = '1 rpm', to(1) = 2, count(1) = 2 /")
+        self.assertIn("from(1) has a unit, but sweep.parameter(1) is not given", said)
+        laws = "combine = 'random' cases = 9 distribution(1) = 'lognormal' deviation(1) = 0.1"
+        axis = f"&sweep parameter(1) = 'initial.phi_rate' {laws} mean(1) = '1 rpm' /"
+        said = self.hint(SWEEP + axis)
+        self.assertIn("the logarithm of initial.phi_rate: a number without a unit", said)
 
     def test_names_that_others_use(self) -> None:
         """Names of the methods in SciPy, MATLAB and textbooks."""

@@ -204,7 +204,7 @@ class TableChecks(ProgramCase):
         tables = [path.name for path in (self.folder / folder).glob("*.csv")]
         endings = (".events.csv", ".histogram.csv", ".indices.csv", ".residuals.csv")
         beside = [name for name in tables if name.endswith(endings)]
-        fits = ("fit", "inclinometer", "mounted_sensor", "tip_camera")
+        fits = ("fit", "inclinometer", "mounted_sensor", "spin_down", "tip_camera")
         expected = [f"{fit}.residuals.csv" for fit in fits]
         expected += ["nutation_indices.histogram.csv", "nutation_indices.indices.csv"]
         expected += ["slow_top_events.events.csv", "spin_tilt_statistics.histogram.csv"]

@@ -46,20 +46,23 @@ class AccountTest(TableCase):
         self.assertAlmostEqual(-rows["work"].iloc[-1] / spent, 1, 10)
 
     def test_lines(self) -> None:
-        """The panels show the columns; works that are zero throughout are left out."""
+        """The panels show the columns; energy and what was taken add up to that of the start."""
         table = self.compute("span.samples=601", "output.columns=all", "effects.drag_force=0")
         figure = draw_account(table)
         theta, spin, energy, error = figure.axes
+        words = [text.get_text() for text in energy.get_legend().get_texts()]
+        for name in ("taken by friction", "taken by drag"):
+            self.assertIn(name, words)
+        self.assertNotIn("taken by vibration", words)
+        top = max(area.get_paths()[0].vertices[:, 1].max() for area in energy.collections)
+        self.assertAlmostEqual(top, table.rows["energy"].iloc[0], 9)
+        lowest = energy.collections[-1].get_paths()[0].vertices[:, 1].min()
+        self.assertGreater(lowest, table.rows["energy"].iloc[-1])
         np.testing.assert_allclose(theta.lines[0].get_ydata(), np.degrees(table.rows["theta"]))
         np.testing.assert_array_equal(spin.lines[-1].get_ydata(), table.rows["omega3"])
         shown = {line.get_label(): line.get_ydata() for line in energy.lines}
-        for label, column in (
-            ("energy", "energy"),
-            ("work of friction", "work_friction"),
-            ("work of drag", "work_drag"),
-        ):
-            np.testing.assert_array_equal(shown[label], table.rows[column])
-        self.assertNotIn("work of vibration", shown)
+        np.testing.assert_array_equal(shown["energy"], table.rows["energy"])
+        np.testing.assert_array_equal(shown["potential energy"], table.rows["potential"])
         largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
         self.assertEqual(largest, table.rows["energy_error"].abs().max())
 

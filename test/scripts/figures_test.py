@@ -12,6 +12,7 @@ from unittest import mock
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.colors import to_rgb
 from PIL import Image
 
@@ -51,6 +52,7 @@ from spintop_figures.style.saving import (  # noqa: E402
     save_small,
     write_png,
 )
+from spintop_figures.sweeps.curves import sleeping_threshold  # noqa: E402
 from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
 from spintop_figures.sweeps.maps import draw_maps  # noqa: E402
 from spintop_figures.sweeps.scales import SIGNED  # noqa: E402
@@ -139,16 +141,16 @@ class PackageTest(FigureCase):
         table = replace(self.read(a_trajectory()), status="pole at t = 1.25000000001")
         figure = spintop_figures.draw(table, "angles")
         caption = figure.get_supxlabel()
-        self.assertEqual(caption, "A top, trajectory: $5; ended with status pole at t = 1.25 s")
+        self.assertEqual(caption, "A top, trajectory: $5; ended early: at a pole at t = 1.25 s")
         png, svg = save_as(figure, self.folder / "b")
         save_small(figure, small := self.folder / "c.png")
         for path in (png, small):
             with Image.open(path) as picture:
                 known = picture.text
             self.assertEqual(known["Software"], "spintop 0.1.0, revision 0123456789ab-dirty")
-            self.assertIn("Formulation lagrange, method rk4, 992 steps", known["Description"])
+            self.assertIn("Lagrange, RK4, 992 steps", known["Description"])
             self.assertEqual(known["Source"], "a.csv")
-        self.assertIn("method rk4, 992 steps", svg.read_text(encoding="utf-8"))
+        self.assertIn("RK4, 992 steps", svg.read_text(encoding="utf-8"))
         long = replace(table, header=table.header | {"title": "word " * 99})
         caption = spintop_figures.draw(long, "angles").get_supxlabel()
         self.assertLess(len(caption), 109)
@@ -328,7 +330,9 @@ class ExtremesTest(FigureCase):
         """Extremes of a body without turning points, or that a run does not reach, say it."""
         body = self.compute("rigid_body_chaotic", "output.columns=all")
         self.assertTrue(all(end.of_rows for end in inclination_extremes(body)))
-        self.assertTrue(any("of the rows" in text for text in texts_of(draw_angles(body).axes[1])))
+        self.assertTrue(
+            any("largest row: " in text for text in texts_of(draw_angles(body).axes[1]))
+        )
         rising = self.compute("separatrix")
         least, largest = inclination_extremes(rising)
         self.assertEqual((least.of_rows, largest.of_rows), (True, False))
@@ -349,7 +353,7 @@ class ExtremesTest(FigureCase):
             self.assertGreaterEqual(len(whole), 4)
             for line in whole:
                 self.assertEqual(line.get_linestyle() == "None", is_sparse)
-            told = [path.get_suptitle(), *texts_of(trace.axes[0])]
+            told = [path.get_suptitle(), *texts_of(trace.axes[1])]
             self.assertEqual(sum(words in text for text in told if words), 2 * is_sparse)
 
 
@@ -378,15 +382,14 @@ class SphereTest(FigureCase):
         """Seen from above, the path below the pivot is paler than that above it."""
         table = self.compute("slow_top")
         axes = draw_path(table).axes[1]
-        parts = {line.get_label(): line for line in axes.lines}
-        for label, sign in (("below the pivot", -1), ("above the pivot", 1)):
-            shown = np.isfinite(parts[label].get_xdata())
+        parts = [line for line in axes.lines if len(line.get_xdata()) == len(table.rows)]
+        below, above = sorted(parts, key=lambda line: line.get_zorder())
+        for line, sign in ((below, -1), (above, 1)):
+            shown = np.isfinite(line.get_xdata())
             z = sign * table.rows["com_z"].to_numpy()
             self.assertTrue(shown[z > 0].all())
             self.assertLess(shown[z < 0].sum(), 10)
-        self.assertNotEqual(
-            parts["below the pivot"].get_color(), parts["above the pivot"].get_color()
-        )
+        self.assertGreater(sum(to_rgb(below.get_color())), sum(to_rgb(above.get_color())))
 
 
 class SweepTest(FigureCase):
@@ -448,6 +451,9 @@ class EventsTest(FigureCase):
         names = {
             "theta_deg=90 rising": "θ = 90°, rising",
             "psi=0 every turn rising": "ψ = 0, every turn, rising",
+            "omega3_rpm=-60 falling": "ω₃ = \N{MINUS SIGN}60 rpm, falling",
+            "t_ms=250": "t = 250 ms",
+            "force_z_max=2": "force_z_max = 2",
             "lower_turning_point": "lower turning point",
             "force_z=-1.5": "vertical force = \N{MINUS SIGN}1.5",
         }
@@ -495,7 +501,7 @@ class StudyTest(FigureCase):
     """Stability studies."""
 
     def test_order_of_cases(self) -> None:
-        """Costs have the cases in the order of the verdicts, which is that of references."""
+        """Verdicts have the cases in the order of references."""
         lines = a_stability().split("\n")
         first = next(i for i, line in enumerate(lines) if line.startswith("fall,"))
         lines.insert(first + 1, lines[first].replace("fall", "flip").replace("exact", "other"))
@@ -503,8 +509,30 @@ class StudyTest(FigureCase):
         rows = trials(table)
         order = [case for cases in cases_by_reference(rows).values() for case in cases]
         self.assertEqual(list(lay_out_verdicts(rows).x), order)
-        titles = [axes.get_title(loc="left") for axes in draw_costs(table).axes]
-        self.assertEqual([title for title in titles if title], order)
+
+    def test_costs(self) -> None:
+        """A line a method; costs are over that of the cheapest accurate method of the case."""
+        table = self.read(a_stability())
+        cost, error = draw_costs(table).axes[:2]
+        names = [label.get_text() for label in cost.get_yticklabels()]
+        self.assertEqual(names, ["RK4", "new"])
+        dots = [line for axes in (cost, error) for line in axes.lines if line.get_marker() in "sD"]
+        found = sorted(x for line in dots[: len(dots) // 2] for x in line.get_xdata())
+        np.testing.assert_allclose(found, [90 / 400, 1, 1, 8])
+
+
+class ThresholdTest(unittest.TestCase):
+    """The line at the threshold of the sleeping top, in curves over spins."""
+
+    def test_threshold(self) -> None:
+        """It is where the ratio is one; a rotor, which adds to the spins, leaves none."""
+        rows = pd.DataFrame({"initial.omega3": [0.0, 10, -40], "sleeping_ratio": [0, 0.5, 2]})
+        self.assertAlmostEqual(sleeping_threshold("initial.omega3", rows), 20)
+        self.assertIsNone(sleeping_threshold("initial.theta", rows))
+        self.assertIsNone(
+            sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5]))
+        )
+        self.assertIsNone(sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")))
 
 
 class MarksTest(FigureCase):

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 
 sys.dont_write_bytecode = True
@@ -21,9 +22,10 @@ sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
 from filming import __main__ as command  # noqa: E402
 from filming.encode import check_means, write  # noqa: E402
-from filming.picture import Camera, project  # noqa: E402
+from filming.picture import Camera, describe_speed  # noqa: E402
 from filming.solids import surface  # noqa: E402
-from filming.take import FINE, FilmError, compute  # noqa: E402
+from filming.stage import View, project  # noqa: E402
+from filming.take import FINE, FilmError, Part, compute, span_of  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 INPUT = ROOT / "input" / "tip_loop.nml"
@@ -103,6 +105,32 @@ class FilmTest(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("this is no trajectory", done.stderr)
 
+    def test_two_motions_in_part(self) -> None:
+        """Two motions at the same times, slowly, from another side; what cannot be is refused."""
+        path = self.folder / "film.gif"
+        second = ROOT / "input" / "slow_top_scenario2_rk4.nml"
+        first = ROOT / "input" / "slow_top.nml"
+        part = ("--from", "1", "--to", "1.25", "--speed", "0.5", "--rate", "10", "--azimuth", "20")
+        done = film(first, second, "--ghost", "-o", path, "--size", "320x180", *part)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with Image.open(path) as image:
+            self.assertEqual(image.n_frames, 5)
+        for arguments, words in (
+            ((first, "--from", "9"), "the motion lasts from 0 to 7.1577 s"),
+            ((first, "--from", "2", "--to", "1"), "no part from 2 to 1 s"),
+            ((first, "--to", "1e-7"), "the part is too short"),
+            ((first, "--speed", "1e-6"), "is longer than 3600 s"),
+            ((first, "--speed", "fast"), "is no speed"),
+            ((first, "--speed", "2", "--seconds", "3"), "not allowed with"),
+            ((first, "--elevation", "91"), "is no angle from -90 to 90"),
+            ((first, "--ghost"), "--ghost takes a second motion"),
+            ((first, self.folder / "none.nml"), "none.nml: no such file"),
+        ):
+            with self.subTest(words):
+                done = film(*arguments, "-o", path, "--size", "320x180")
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(words, done.stderr)
+
     def test_messages(self) -> None:
         """What is missing or wrong is said in a line or two, and no film is left."""
         path = self.folder / "film.mp4"
@@ -181,6 +209,41 @@ class PictureTest(unittest.TestCase):
                 np.diff(take.times[take.rows]), take.times[-1] / 7, rtol=1e-9
             )
 
+    def test_part(self) -> None:
+        """A part begins and ends where it was asked for, with equal times between pictures."""
+        for name in ("tip_loop", "slow_top_lagrange_rk4"):
+            source = ROOT / "input" / f"{name}.nml"
+            share = span_of(source) / 0.5
+            take = compute(source, 6, Part(0.3, 0.8, share))
+            shown = take.times[take.rows]
+            np.testing.assert_allclose((shown[0], shown[-1]), (0.3, 0.8), atol=0.01)
+            np.testing.assert_allclose(np.diff(shown), 0.1, atol=0.008)
+            self.assertEqual((take.rows[0], take.rows[-1]), (0, len(take.times) - 1))
+
+    def test_letters_and_translucence(self) -> None:
+        """No letters are smaller than 12 pixels; texts are apart; the body hides no arrow."""
+        take = compute(INPUT, 3)
+        for size in ((640, 360), (1280, 720)):
+            camera = Camera(take, size, ["momentum"], dark=False, second=take, speed=2.0)
+            bare = Camera(take, size, [], dark=False, second=take, speed=2.0)
+            pictures = [
+                np.frombuffer(one.shoot(2), np.uint8).reshape(size[1], size[0], 3).astype(int)
+                for one in (camera, bare)
+            ]
+            arrow = np.array([0x75, 0x50, 0xA3])
+            seen = [(np.abs(picture - arrow).max(axis=2) < 12).sum() for picture in pictures]
+            self.assertGreater(seen[0], seen[1] + 20)
+            texts = [text for text in camera.figure.findobj(Text) if text.get_text().strip()]
+            self.assertGreaterEqual(min(text.get_size() for text in texts) * 100 / 72, 11.99)
+            boxes = [text.get_window_extent() for text in camera.figure.texts]
+            for i, box in enumerate(boxes):
+                self.assertGreaterEqual(box.x0, 0)
+                self.assertLessEqual(box.x1, size[0])
+                self.assertFalse(box.count_overlaps(boxes[:i]))
+        self.assertEqual(describe_speed(1.001), "real time")
+        self.assertEqual(describe_speed(33.3), "33.3 times faster than real time")
+        self.assertEqual(describe_speed(0.25), "4 times slower than real time")
+
     def test_projection(self) -> None:
         """It is a rotation: lengths are kept, and the vertical stays upright."""
         points = np.array([[0.3, -0.2, 0.9], [0, 0, 1.0]])
@@ -188,6 +251,8 @@ class PictureTest(unittest.TestCase):
         np.testing.assert_allclose(lengths, np.linalg.norm(points, axis=1), rtol=1e-15)
         self.assertAlmostEqual(project(points)[1, 0], 0, places=15)
         self.assertGreater(project(points)[1, 1], 0.9)
+        above = project(np.eye(3), View(azimuth=-90, elevation=90))
+        np.testing.assert_allclose(above, np.eye(3), atol=1e-15)  # x to the right, y upward
 
     def test_solids(self) -> None:
         """The polygons of every kind of solid have its extent and its place."""

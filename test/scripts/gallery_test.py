@@ -149,7 +149,7 @@ class DrawTest(TableCase):
             shown = exhibit.name in ("figure8", "figure9", "tips", "events")
             self.assertEqual(exhibit.caption in index, shown)
         self.assertIn("slow_top_events.events.csv. spintop ", index)
-        self.assertIn("method ode45, default tolerances", index)
+        self.assertIn("ODE45, default tolerances", index)
         for stem in stems:
             self.assertIn(f"]({stem}.png)", index)
             self.assertGreater((folder / f"{stem}.svg").stat().st_size, 10_000)

@@ -13,6 +13,7 @@ from typing import ClassVar
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
+from manual import man_page  # noqa: E402
 from manual.pages import blocks_of  # noqa: E402
 
 HEADER = ROOT / "include/spintop.h"
@@ -89,8 +90,21 @@ class InstallTest(unittest.TestCase):
             check=True,
         )
         self.assertEqual(done.stderr, "")
-        for heading in ("NAME", "SYNOPSIS", "OPTIONS", "EXIT STATUS"):
+        for heading in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES"):
             self.assertIn(heading, done.stdout)
+        for heading in ("FILES", "ENVIRONMENT", "SEE ALSO"):
+            self.assertIn(heading, done.stdout)
+
+    def test_example_of_the_manual_page(self) -> None:
+        """The program takes the input, and its options are those of the page."""
+        scene = self.folder / "top.nml"
+        scene.write_text(man_page.INPUT, encoding="utf-8")
+        program = self.prefix / "bin/spintop"
+        self.assertIn("method    exact", self.call(program, "--check", scene))
+        help_text = self.call(program, "--help")
+        for command in man_page.EXAMPLES:
+            for option in re.findall(r" (--[a-z]+)", command):
+                self.assertIn(option, help_text)
 
     def test_destination(self) -> None:
         """Below DESTDIR everything stands as below the prefix, and only that is named."""

@@ -7,19 +7,37 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
-from spintop_figures.motion.cones import in_space  # noqa: E402
+from spintop_figures.motion.cones import (  # noqa: E402
+    body_at_start,
+    directions,
+    draw_cones,
+    in_body,
+    in_space,
+)
 from spintop_figures.motion.drift import CONSTANTS, method_of, running_maximum  # noqa: E402
-from spintop_figures.motion.fits import draw_fit  # noqa: E402
+from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
 from spintop_figures.motion.potential import draw_portrait, draw_potential  # noqa: E402
 from spintop_figures.motion.reduced import find_reduced  # noqa: E402
-from spintop_figures.motion.trace import draw_trace, on_sphere, project  # noqa: E402
-from spintop_figures.registry import COMPARISONS, FIGURES  # noqa: E402
+from spintop_figures.motion.sphere import (  # noqa: E402
+    WHOLE,
+    find_cap,
+    on_sphere,
+    project,
+    view_of,
+)
+from spintop_figures.motion.trace import draw_trace, tell_turn  # noqa: E402
+from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes  # noqa: E402
+from spintop_figures.moving.motion import refusal as motion_refusal  # noqa: E402
+from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw  # noqa: E402
+from spintop_figures.tables.own_units import in_own_units  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
@@ -117,7 +135,67 @@ class DrawnTest(MotionCase):
         np.testing.assert_allclose(rate[inside], moving[inside], atol=2e-3)
         axes = draw_potential(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
-        np.testing.assert_allclose(lines["turning points"].get_xdata(), (0, 120), atol=1e-4)
+        ends = {
+            line.get_xdata()[0]: line
+            for line in axes.lines
+            if line.get_marker() == "o" and len(line.get_xdata())
+        }
+        np.testing.assert_allclose(sorted(ends), (0, 120), atol=1e-4)
+        self.assertEqual(ends[0.0].get_markerfacecolor(), "white")  # it approaches this one
+        words = [text.get_text() for text in axes.texts]
+        self.assertEqual(sorted(words), ["0°, never reached", "120.00°"])
+
+    def test_barrier(self) -> None:
+        """The barrier at a pole that a motion cannot reach leaves the panel at the top."""
+        axes = draw_potential(self.compute("slow_top")).axes[0]
+        (curve,) = (line for line in axes.lines if line.get_label() == "effective potential")
+        heights = curve.get_ydata()
+        self.assertGreater(heights[np.isfinite(heights)][:9].max(), axes.get_ylim()[1])
+
+    def test_windows(self) -> None:
+        """A path that keeps to a cap is seen from above it, all of it, and large."""
+        for name, theta in (("kapitza", 0.0), ("composed_top", 0.0), ("spinning_wheel", 22.3)):
+            table = self.compute(name)
+            tip = on_sphere(*(table.rows[angle].to_numpy() for angle in ("theta", "phi")))
+            view = view_of(tip)
+            self.assertAlmostEqual(np.degrees(np.arccos(view.towards[2])), theta, 0)
+            basis = np.array([view.right, view.up, view.towards])
+            np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
+            seen = np.hypot(*project(*tip, view)[:2]).max() / view.window
+            self.assertTrue(0.85 < seen < 1, (name, seen))
+        self.assertIs(view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))), WHOLE)
+
+    def test_cap(self) -> None:
+        """The least cap about a circle off the pole is the circle's own."""
+        around = np.linspace(0, 2 * np.pi, 90)
+        x, y, z = on_sphere(np.full_like(around, 0.2), around)
+        turned = x, y * np.cos(1) - z * np.sin(1), y * np.sin(1) + z * np.cos(1)
+        middle, radius = find_cap(turned)
+        np.testing.assert_allclose(middle, (0, -np.sin(1), np.cos(1)), atol=2e-3)
+        self.assertAlmostEqual(radius, 0.2, 2)
+
+    def test_turns(self) -> None:
+        """Azimuths are in degrees, many of them in turns."""
+        told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
+        self.assertEqual(told, ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"])
+
+    def test_poles(self) -> None:
+        """Where the axis passes a pole, azimuth and spin jump: no line joins them."""
+        panels = draw_angles(self.compute("kapitza")).axes
+        for axes in (panels[0], panels[2]):
+            degrees = axes.lines[0].get_ydata()
+            self.assertGreater(np.nanmax(degrees) - np.nanmin(degrees), 170)
+            self.assertLess(np.nanmax(np.abs(np.diff(degrees))), 45)
+        turning = draw_angles(self.compute("slow_top")).axes[0].lines[0].get_ydata()
+        self.assertTrue(np.isfinite(turning).all())
+
+    def test_sign_changes(self) -> None:
+        """Zeros at all inclinations of a chain are no zeros at some of them."""
+        axes = Figure().subplots()
+        t = np.arange(400.0)
+        chain = np.radians(5 * np.abs(np.sin(t / 60)))
+        mark_sign_changes(axes, t, np.where(t % 8 < 4, 1.0, -1.0), chain)
+        self.assertEqual(len(axes.lines), 0)
 
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
@@ -146,6 +224,17 @@ class DrawnTest(MotionCase):
         np.testing.assert_allclose(
             np.arctan2(x, -y), np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"])), atol=1e-9
         )
+
+    def test_rolling(self) -> None:
+        """The cones touch at the start, and roll: their curves have one speed there."""
+        table = self.compute("separatrix")
+        np.testing.assert_allclose(body_at_start(table)[:, 0], in_space(table)[:, 0], atol=1e-12)
+        lengths = [
+            np.linalg.norm(np.diff(directions(omega)[:, :20], axis=1), axis=0).sum()
+            for omega in (in_body(table), in_space(table))
+        ]
+        self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
+        self.assertEqual(len(draw_cones(table).axes), 4)
 
 
 class TogetherTest(MotionCase):
@@ -193,23 +282,81 @@ class TogetherTest(MotionCase):
         self.assertEqual(len(names), len(set(names)))
 
 
+class UnitsTest(MotionCase):
+    """Tables in other units than those of the columns."""
+
+    def test_own_units(self) -> None:
+        """They have the figures of others, which are the same."""
+        own = ("t", "phi", "theta", "psi", "com_z")
+        other = ("t_ms", "phi_deg", "theta_turns", "psi_mrad", "com_z_mm")
+        tables = [
+            self.compute("slow_top", f"output.columns={','.join(names)}") for names in (own, other)
+        ]
+        self.assertEqual(list(tables[1].rows), list(other))
+        self.assertEqual(tables[1].units["theta_turns"], "turns")
+        drawn = []
+        for table in tables:
+            kinds, problems = choose_figures(table)
+            self.assertEqual(problems, [])
+            self.assertIn("angles", [kind.name for kind in kinds])
+            lines = draw(table, "angles").axes[0].lines
+            drawn.append(np.concatenate([line.get_xydata() for line in lines]))
+        np.testing.assert_allclose(drawn[1], drawn[0], rtol=1e-12, atol=1e-12)
+        shown = in_own_units(tables[1])
+        self.assertEqual(shown.units["theta"], "rad")
+        self.assertIs(in_own_units(tables[0]), tables[0])
+        self.assertIs(in_own_units(shown), shown)
+        self.assertEqual(motion_refusal(shown), "")
+
+
 class FitTest(MotionCase):
-    """The residuals of a fit."""
+    """The measurements with the fitted motion, the residuals, and the values found."""
 
     def test_degrees(self) -> None:
-        """Residuals of angles are drawn in degrees, with symbols; the band is twice their size."""
+        """Angles are in degrees; the band is twice the size; values have their intervals."""
         self.compute("fit")
         table = read_table(self.folder / "fit.residuals.csv")
-        panels = draw_fit(table).axes
-        labels = [axes.get_ylabel() for axes in panels]
-        self.assertEqual(labels, [f"{symbol} (degrees)" for symbol in "φθψ"])
-        for axes, name in zip(panels, ("phi", "theta", "psi"), strict=True):
+        *panels, side = draw_fit(table).axes
+        for (above, below), name in zip(
+            zip(panels[::2], panels[1::2], strict=True), ("phi", "theta", "psi"), strict=True
+        ):
+            self.assertIn("(degrees)", above.get_title("left"))
+            self.assertEqual(below.get_ylabel(), "residual")
+            fitted, measured = (line.get_ydata() for line in above.lines)
+            np.testing.assert_array_equal(fitted, np.degrees(table.rows[f"{name}_fit"]))
+            np.testing.assert_array_equal(measured, np.degrees(table.rows[name]))
             residuals = np.degrees(table.rows[f"{name}_residual"])
-            np.testing.assert_allclose(axes.lines[-1].get_ydata(), residuals, rtol=1e-14)
+            np.testing.assert_allclose(below.lines[-1].get_ydata(), residuals, rtol=1e-14)
             size = np.sqrt(np.mean(residuals**2))
-            band = axes.patches[0].get_extents().transformed(axes.transData.inverted())
+            band = below.patches[0].get_extents().transformed(below.transData.inverted())
             np.testing.assert_allclose(band.y1, 2 * size, rtol=1e-9)
-            self.assertIn(f"root mean square {size:.2g}", axes.get_title("right"))
+            self.assertIn(f"root mean square {size:.2g}", below.get_title("right"))
+        words = [text.get_text() for text in side.texts]
+        values = read_table(self.folder / "fit.csv").rows.set_index("parameter")
+        row = values.loc["initial.psi_rate"]
+        self.assertIn(f"{row.estimate:.4f} rad/s", words)
+        self.assertIn(f"95 %: {row.lower:.4f} to {row.upper:.4f}", words)
+
+    def test_alone(self) -> None:
+        """Without the table of the parameters there are no values, and the rest is drawn."""
+        self.compute("fit")
+        table = read_table((self.folder / "fit.residuals.csv").rename(self.folder / "other.csv"))
+        self.assertEqual(list(draw_fit(table).axes[-1].texts), [])
+
+    def test_outliers(self) -> None:
+        """Few wrong readings are marked at the edge, and do not set the scale."""
+        self.compute("inclinometer")
+        below = draw_fit(read_table(self.folder / "inclinometer.residuals.csv")).axes[1]
+        self.assertIn("without 3 outliers", below.get_title("right"))
+        self.assertLess(below.get_ylim()[1], 3)
+        values = pd.DataFrame(
+            {"parameter": ["top.damping(3)"], "unit": ["N m s"], "estimate": [3.002e-6],
+             "lower": [2.99e-6], "upper": [3.014e-6]}
+        )  # fmt: skip
+        words = [line for line, _ in tell_values(values)]
+        self.assertEqual(
+            words[1:3], ["3.002\N{MULTIPLICATION SIGN}10⁻⁶ N m s", "95 %: 2.990 to 3.014"]
+        )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,10 @@
 """Tests of scripts/plot: the figures of stability studies, of sweeps over grids, of events."""
 
+import dataclasses
 import itertools
 import math
+import os
+import subprocess
 import sys
 import unittest
 import warnings
@@ -15,13 +18,16 @@ sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from plot_case import TableCase, a_map, a_stability, some_events  # noqa: E402
+from plot_case import TableCase, a_map, a_stability, a_table, some_events  # noqa: E402
 from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, trials  # noqa: E402
 from spintop_figures.methods.verdicts import digits_of, letters_of  # noqa: E402
-from spintop_figures.sweeps.maps import make_grid  # noqa: E402
-from spintop_figures.sweeps.quantities import QUANTITIES  # noqa: E402
+from spintop_figures.sweeps.curves import draw_curves  # noqa: E402
+from spintop_figures.sweeps.kapitza import KAPITZA, find_kapitza_limit  # noqa: E402
+from spintop_figures.sweeps.maps import draw_maps, make_grid  # noqa: E402
+from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of  # noqa: E402
 from spintop_figures.sweeps.scales import COLOURS  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+from spintop_figures.sweeps.statistics import is_even  # noqa: E402
+from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
 
 
 def lightness(colour: object) -> float:
@@ -78,12 +84,12 @@ class StabilityTest(TableCase):
     def test_entries(self) -> None:
         """A method has an entry; its other formulations have entries of their own."""
         rows = trials(read_table(self.put("a.csv", a_stability())))
-        expected = ["rk4", "rk4, lagrange", "new"]
+        expected = ["RK4", "RK4, Lagrange", "new"]
         self.assertEqual(list(rows["entry"]), 2 * expected)
         families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
         self.assertEqual(list(rows["family"]), 2 * families)
         alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
-        expected = ["rk4, space_frame", "rk4, lagrange", "new"]
+        expected = ["RK4, space frame", "RK4, Lagrange", "new"]
         self.assertEqual(list(trials(alone)["entry"]), expected)
 
     def test_digits(self) -> None:
@@ -134,6 +140,76 @@ class MapTest(TableCase):
         growth = np.array([2.0, 1e-2, -1e-15, 1e-9, math.nan])
         none = known["growth_rate"].is_none(growth).tolist()
         self.assertEqual(none, [False, False, True, True, False])
+
+
+class PanelsTest(TableCase):
+    """Which panels there are, and what their curves join."""
+
+    def sweep(self, columns: dict[str, object], count: int = 80) -> Table:
+        """A sweep over one parameter; columns are functions of the number of the case."""
+        names = list(columns)
+        rows = [[i + 1, 1.0 + i, "ok", *(columns[name](i) for name in names)] for i in range(count)]
+        table = a_table("sweep", ["case", "initial.omega3", "status", *names], rows)
+        return read_table(self.put("sweep.csv", table))
+
+    def test_constants(self) -> None:
+        """What is constant has no panel but its value in the title; costs come last."""
+        columns = {
+            "evaluations": lambda i: 100 + i,
+            "lyapunov_exponent": lambda i: 0.25,
+            "growth_rate": lambda i: 1.0 + i,
+        }
+        table = self.sweep(columns)
+        shown = [quantity.columns[0] for quantity in quantities_of(table)]
+        self.assertEqual(shown, ["growth_rate", "evaluations"])
+        title = draw_curves(table).get_suptitle().replace("\n", " ")
+        self.assertIn("in all cases Lyapunov exponent: 0.25 1/s", title)
+        free = self.sweep({"evaluations": lambda i: 0, "growth_rate": lambda i: 1.0 + i})
+        self.assertEqual(len(draw_curves(free).axes), 1)
+        self.assertNotIn("evaluations", draw_curves(free).get_suptitle())
+        alone = self.sweep({"growth_rate": lambda i: 2.0})
+        self.assertEqual(len(quantities_of(alone)), 1)
+
+    def test_equal_panels(self) -> None:
+        """Panels have one size; the lowest of each column, and no other, names the parameter."""
+        names = ("growth_rate", "lyapunov_exponent", "evaluations")
+        axes = draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
+        self.assertEqual([bool(panel.get_xlabel()) for panel in axes], [False, True, True])
+        self.assertEqual({len(panel.get_subplotspec().colspan) for panel in axes}, {1})
+
+    def test_chaos(self) -> None:
+        """Of many cases those that are far apart are dots, not joined by lines."""
+        table = self.sweep({"growth_rate": lambda i: 1.0 + (i if i < 40 else 60 * (i % 2))})
+        line, dots = draw_curves(table).axes[0].lines[-2:]
+        self.assertEqual(dots.get_linestyle(), "None")
+        self.assertGreaterEqual(len(dots.get_xdata()), 38)
+        joined = np.isfinite(line.get_ydata()[:40])
+        self.assertTrue(joined.all())
+
+    def test_even(self) -> None:
+        """Numbers of random cases in bins are noise; those of a trend are not."""
+        random = np.random.default_rng(1)
+        self.assertTrue(is_even(random.poisson(20, 500)))
+        self.assertFalse(is_even(np.arange(40.0)))
+
+    def test_kapitza(self) -> None:
+        """The limit is where the multipliers of the program begin to be 1, for fast vibrations."""
+        settings = ["sweep.count=2,40", "sweep.from=200,0.012", "sweep.to=400,0.05"]
+        words = [word for setting in settings for word in ("--set", setting)]
+        name = TESTS.parent / "input" / "kapitza_map.nml"
+        command = [os.environ["SPINTOP_EXE"], "--quiet", "-o", self.folder, *words, name]
+        subprocess.run(command, check=True, capture_output=True)
+        table = read_table(self.folder / "kapitza_map.csv")
+        limit = find_kapitza_limit(table)
+        for rate, part in table.rows.groupby("effects.vibration_rate"):
+            amplitudes = part["effects.vibration_amplitude(3)"].to_numpy()
+            stable = np.abs(part["upright_multiplier"].to_numpy() - 1) < 1e-6
+            self.assertAlmostEqual(amplitudes[stable].min() / limit(rate), 1, delta=0.04)
+            self.assertFalse(stable[amplitudes < 0.99 * limit(rate)].any())
+        labels = [line.get_label() for axes in draw_maps(table).axes for line in axes.lines]
+        self.assertIn(KAPITZA, labels)
+        spun = dataclasses.replace(table, settings=table.settings | {"initial.omega3": ["2"]})
+        self.assertIsNone(find_kapitza_limit(spun))
 
 
 class DrawTest(TableCase):

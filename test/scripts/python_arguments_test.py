@@ -92,6 +92,8 @@ class CopiesTest(unittest.TestCase):
         """A body that no mass distribution has is one with a warning, as of the program."""
         with self.assertWarnsRegex(spintop.InputWarning, "no mass distribution has this inertia"):
             spintop.Top(spintop.Body(mass=1, inertia=(0.5, 0.5, 0.26), length=0.9), theta=1)
+        with self.assertWarnsRegex(spintop.InputWarning, "stays upright only because"):
+            spintop.Top(BODY, theta=0, omega3=0.1)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             self.assertEqual(

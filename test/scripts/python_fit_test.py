@@ -110,6 +110,26 @@ class FitTest(unittest.TestCase):
         self.assertEqual(list(figures), ["fit"])
         self.assertEqual(len(figures["fit"].axes), 3)
 
+    def test_measurements_in_other_units(self) -> None:
+        """The same estimates; residuals in the units of the measurements, drawn against time."""
+        data = measure("phi", "theta", "psi")
+        sigma = {"phi_deg": "", "theta_deg": "", "psi_turn": ""}
+        sizes = dict(zip(sigma, (np.degrees(1), np.degrees(1), 0.5 / np.pi), strict=True))
+        other = {"t_ms": data["t"] * 1e3}
+        for name, size in sizes.items():
+            other[name] = data[name.partition("_")[0]] * size
+        deviations = {name: NOISE * size for name, size in sizes.items()}
+        result = spintop.fit(other, list(TRUTH), GIVEN, sigma=deviations)
+        known = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE)
+        for name in ("estimate", "standard_error"):
+            np.testing.assert_allclose(result.rows[name], known.rows[name], rtol=1e-6)
+        rest = result["residuals"]
+        self.assertEqual(rest.units["theta_deg_residual"], "deg")
+        np.testing.assert_array_equal(rest["t_ms"], other["t_ms"])
+        (figure,) = result.plot().values()
+        self.assertEqual(figure.axes[2].get_ylabel(), "ψ (turn)")
+        np.testing.assert_allclose(figure.axes[0].lines[-1].get_xdata(), data["t"], rtol=1e-14)
+
     def test_measurements_without_times(self) -> None:
         """They are refused with a reason."""
         with self.assertRaisesRegex(spintop.InputError, "no times"):

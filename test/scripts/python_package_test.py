@@ -55,6 +55,7 @@ class MotionTest(unittest.TestCase):
     def test_exact(self) -> None:
         """The bits of the program, for times of any shape, and a number for a number."""
         columns = ["t", "phi", "theta", "psi", "phi_rate", "energy", "force_z", "q0"]
+        columns += ["t_ms", "theta_deg", "omega3_rpm"]
         span, output = {"t_end": 30.0, "samples": 301}, {"columns": columns}
         table = by_program(TOP.input(span=span, output=output))
         t = np.array([float(cell) for cell in table["t"]])
@@ -68,6 +69,10 @@ class MotionTest(unittest.TestCase):
         self.assertEqual(TOP.exact(t[7]).theta.shape, ())
         self.assertEqual(TOP.exact([]).theta.shape, (0,))
         self.assertEqual(TOP.exact(0).units["phi_rate"], "rad/s")
+        units = {"t_ms": "ms", "theta_deg": "deg", "phi_rate_deg": "deg/s"}
+        self.assertEqual(TOP.exact(0, list(units)).units, units)
+        result = spintop.run(TOP.input(span=span, output={"columns": list(units)}))
+        self.assertEqual(result.rows.units, units)
         with self.assertRaises(AttributeError):
             TOP.exact(0).eta  # noqa: B018
 

@@ -27,7 +27,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 
 from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory  # noqa: E402
 from reporting import __main__ as command  # noqa: E402
-from reporting import packages  # noqa: E402
+from reporting import packages, words  # noqa: E402
 from reporting import page as page_module  # noqa: E402
 from reporting import pictures as pictures_module  # noqa: E402
 from reporting import study as study_module  # noqa: E402
@@ -36,7 +36,15 @@ from reporting.errata import errata_for, numbers_named, read_errata, topics_of  
 from reporting.packages import PAGE, PackageError  # noqa: E402
 from reporting.page import make_page  # noqa: E402
 from reporting.paper import SLOW_TOP_END, caption_of, runs_of  # noqa: E402
-from reporting.pictures import COARSE, FEW_COLOURS, INLINE, Picture, fit, pictures_of  # noqa: E402
+from reporting.pictures import (  # noqa: E402
+    COARSE,
+    FEW_COLOURS,
+    INLINE,
+    THUMBNAIL,
+    Picture,
+    fit,
+    pictures_of,
+)
 from reporting.study import find_tables, read_study  # noqa: E402
 from spintop_figures.moving.body import (  # noqa: E402
     NO_SUCH_BODY,
@@ -46,7 +54,7 @@ from spintop_figures.moving.body import (  # noqa: E402
     draw_body,
     read_body,
 )
-from spintop_figures.moving.data import pack  # noqa: E402
+from spintop_figures.moving.data import pack, which_rows  # noqa: E402
 from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
@@ -82,7 +90,11 @@ class ReportCase(TableCase):
         self.stand_in(
             study_module,
             "pictures_of",
-            [Picture("p", "a picture", {".png": PNG, ".svg": b"", FEW_COLOURS: PNG})],
+            [
+                Picture(
+                    "p", "a picture", {".png": PNG, ".svg": b"", FEW_COLOURS: PNG, THUMBNAIL: PNG}
+                )
+            ],
         )
 
     def stand_in(self, module: object, name: str, result: object) -> unittest.mock.Mock:
@@ -281,7 +293,11 @@ class MotionTest(ReportCase):
         columns = [*ANGLES, "force_x", "force_y", "force_z", "kinetic", "potential", "energy"]
         self.assertEqual(facts["columns"], columns)
         self.assertEqual((facts["total"], facts["stride"], facts["data"]), (40, 4, "here"))
-        self.assertIn("One row in 4 of 40 is shown, and the last.", facts["notes"])
+        self.assertIn(
+            "The page has every 4th of 40 rows, and the last; ranges and longest arrows are of all "
+            "rows.",
+            facts["notes"],
+        )
 
     def test_columns_of_the_script(self) -> None:
         """The script reads the same columns."""
@@ -512,6 +528,56 @@ class Reader(html.parser.HTMLParser):
             self.text += data
 
 
+class WordsTest(ReportCase):
+    """Numbers, units, counts and keys in words."""
+
+    def test_numbers(self) -> None:
+        """Powers of ten, errors, counts, units and formulas as in print."""
+        self.assertEqual(
+            words.short(-1.1824e-16), "\N{MINUS SIGN}1.182 \N{MULTIPLICATION SIGN} 10⁻¹⁶"
+        )
+        self.assertEqual(words.with_error(0.87499822, 4.3585e-5), "0.874998 ± 0.000044")
+        self.assertEqual(words.with_error(2.0, 0.0), "2")
+        self.assertEqual(
+            words.with_error(1.5e12, 3.21e3),
+            "1.5 \N{MULTIPLICATION SIGN} 10¹² ± 3.2 \N{MULTIPLICATION SIGN} 10³",
+        )
+        self.assertEqual(words.of_kind("fit", 2), "two tables of fits")
+        self.assertEqual(words.of_kind("work_precision", 1), "one work-precision study")
+        self.assertEqual(words.of_kind("own", 12), "12 tables: own")
+        self.assertEqual([words.unit_of(unit) for unit in ("kg m^2", "us")], ["kg m²", "µs"])
+        self.assertEqual(words.typeset("(I3 omega3)^2 >> sqrt(3)/2"), "(I₃ ω₃)² ≫ √3/2")
+        self.assertEqual(words.outcome_of("at_rest at t = 116.59158323"), "at rest at t = 116.6 s")
+        self.assertEqual(words.parameter_of("initial.psi_rate"), "initial spin rate")
+        self.assertEqual(words.parameter_of("top.inertia(1)"), "I₁")
+        strides = [which_rows(stride, 1985).split(" of ")[0] for stride in (2, 3, 5, 11, 21, 112)]
+        ends = [f"every {number}" for number in ("2nd", "3rd", "5th", "11th", "21st", "112th")]
+        self.assertEqual(strides, ends)
+
+    def test_key_numbers(self) -> None:
+        """A fit has its values, statistics those of all cases; tables of one title differ."""
+        study = a_trajectory().partition("t,")[0].replace("'trajectory'", "'fit'")
+        fitted = "parameter,unit,estimate,standard_error\ntop.inertia(3),kg m^2,0.25005,0.000056\n"
+        residuals = "t,theta,theta_residual\n0,1,0.01\n1,1,-0.01\n"
+        self.put("a.csv", study + fitted)
+        self.put("a.residuals.csv", study.replace("theta [", "theta_residual [") + residuals)
+        swept = a_sweep().partition("case,")[0]
+        self.put("b.csv", swept + "bin,cases,theta_max_mean,theta_max_min\n0,1200,1.5,0.2\n")
+        self.put(
+            "b.histogram.csv", swept + "column,from,to,cases\ntheta_max,0,1,3\ntheta_max,1,2,9\n"
+        )
+        sections, problems = read_study(self.folder, [])
+        self.assertEqual(problems, [])
+        found = {section.name: section.key_numbers for section in sections}
+        self.assertEqual(found["a.csv"], {"I₃": "0.250050 ± 0.000056 kg m²"})
+        self.assertEqual(list(found["a.residuals.csv"]), ["rms residual of θ"])
+        self.assertEqual(found["b.csv"]["cases"], "1,200")
+        self.assertIn("75 % of the cases", str(found["b.histogram.csv"]))
+        titles = [section.title for section in sections]
+        self.assertEqual(len(set(titles)), 4)
+        self.assertTrue(titles[1].endswith(": residuals"), titles)
+
+
 class PageTest(ReportCase):
     """The page as a text."""
 
@@ -556,7 +622,7 @@ class PageTest(ReportCase):
             "GCC version 12.2.0",
             "&study\n    kind = 'trajectory'\n    title = 'It''s a top, = trajectory'\n/",
             "support force: x",
-            "3 ok, 1 step_limit",
+            "3 completed, 1 step limit",
             "2 accurate",
             "the cheapest is one, 3 times",
             "notes.csv: is no table of spintop",
@@ -582,10 +648,10 @@ class PageTest(ReportCase):
         for text in (
             "2020-02-29",
             "spintop 0.1.0 (0123456789ab-dirty)",
-            "1 trajectory, 1 sweep, 1 stability",
+            "one trajectory, one sweep, one stability study",
             "1 of 3 tables",
             "28.65\N{DEGREE SIGN} to 28.65\N{DEGREE SIGN}",
-            "spin_ratio 0.5 to 2",
+            "spin ratio 0.5 to 2",
         ):
             self.assertIn(text, reader.text)
         names = {attributes["id"] for _, attributes in reader.elements if attributes.get("id")}
@@ -612,7 +678,7 @@ class PageTest(ReportCase):
         self.put("a.csv", a_trajectory(count=2000))
         self.put("b.csv", a_sweep(cases=800))
         page = self.page()
-        self.assertIn("one row in 10 of 2000, and the last", page)
+        self.assertIn("every 10th of 2,000 rows, and the last", page)
         self.assertIn("the first 266 of 800 rows", page)
         self.assertIn('<tr><th scope="row">266</th>', page)
         self.assertNotIn('<tr><th scope="row">267</th>', page)
@@ -718,7 +784,9 @@ class CommandTest(ReportCase):
         with unittest.mock.patch.multiple(page_module, LARGEST=150_000, PER_TABLE=0):
             code, message = self.report(self.folder)
         self.assertEqual(code, 0)
-        told = re.search(r"a\.csv: the page has (one row in \d+ of 2000, and the last)", message)
+        told = re.search(
+            r"a\.csv: the page has (every \d+(?:st|nd|rd|th) of 2,000 rows, and the last)", message
+        )
         page = (self.folder / "report.html").read_text(encoding="utf-8")
         self.assertIn(f"<li>{told[0]}</li>", page)
         self.assertIn(f"({told[1]}, all digits)", page)

@@ -137,7 +137,7 @@ class PointTest(ScatterCase):
         entries = [text.get_text() for text in key.get_legend().get_texts()]
         counts = succeeded(table)["motion_class"].value_counts()
         expected = [f"{name} ({counts[name]})" for name in ("loop", "wave")]
-        self.assertEqual(entries, [*expected, f"failed: pole ({len(failed)})"])
+        self.assertEqual(entries, [*expected, f"failed: at a pole ({len(failed)})"])
 
     def test_plane(self) -> None:
         """Two parameters span a plane: coloured by the quantity, failed cases crossed."""
@@ -206,7 +206,7 @@ class ManyTest(ScatterCase):
     def test_few(self) -> None:
         """All are drawn, and the title has nothing to say."""
         table = self.read(a_cloud())
-        expected = "Cases over spin ratio, initial inclination, damping(3)"
+        expected = "Cases over spin ratio, initial inclination, damping 3"
         self.assertEqual(draw_scatter(table).get_suptitle(), expected)
 
 

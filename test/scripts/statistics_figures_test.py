@@ -75,7 +75,7 @@ class StatisticsTest(TableCase):
     def test_distribution(self) -> None:
         """Bars, mean, quantiles and label are in degrees; the area of the bars is 1."""
         (axes,) = self.figure("distributions").axes
-        self.assertEqual(axes.get_xlabel(), "maximum nutation angle (degrees)")
+        self.assertEqual(axes.get_xlabel(), "maximum inclination (degrees)")
         self.assertEqual(axes.get_ylabel(), "density (per degree)")
         bars = [(bar.get_x(), bar.get_width(), bar.get_height()) for bar in axes.patches]
         self.assertAlmostEqual(bars[0][0], 45)
@@ -99,7 +99,7 @@ class StatisticsTest(TableCase):
         figure = self.figure("means")
         self.assertEqual(figure.get_suptitle(), "Means over initial inclination: 40 cases")
         panel = figure.axes[0]
-        self.assertEqual(panel.get_title(loc="left"), "maximum nutation angle (degrees)")
+        self.assertEqual(panel.get_title(loc="left"), "maximum inclination (degrees)")
         (line,) = panel.lines
         np.testing.assert_allclose(line.get_ydata(), np.degrees(MEAN))
         self.assertIn("(degrees)", figure.axes[-1].get_xlabel())
@@ -136,7 +136,7 @@ class UnitTest(TableCase):
         self.assertEqual(unit_shown("precession_rate", "rad/s"), ("rad/s", 1))
 
     def test_words(self) -> None:
-        """A parameter is named in words, without a symbol; an unknown one by its key."""
+        """A parameter is named in words, without a formula; an element of an array by its sign."""
         self.assertEqual(parameter_words("initial.theta_deg"), "initial inclination")
-        self.assertEqual(parameter_words("initial.omega3"), "initial angular velocity")
-        self.assertEqual(parameter_words("top.inertia(2)"), "inertia(2)")
+        self.assertEqual(parameter_words("initial.omega3"), "initial spin")
+        self.assertEqual(parameter_words("top.inertia(2)"), "moment of inertia I\u2082")

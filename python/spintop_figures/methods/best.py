@@ -1,20 +1,29 @@
-"""The best method of each family, drawn strongly and named beside its curve."""
+"""The best method of each family, and the names of curves beside a panel or above it."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 
 from spintop_figures.methods.curves import TARGET, Curve, time_to
-from spintop_figures.methods.known import family_of, known_methods
+from spintop_figures.methods.known import family_of
 from spintop_figures.methods.styles import ink_of
-from spintop_figures.style.look import GREY
 
-APART, APART_ALONE = 0.115, 0.06
-"""Distance of the names, over the height of the panel: with a line below each, and without."""
+APART = 0.06
+"""Distance of names at a side, over the height of the panel."""
 
 SIDE = 1.045
 """Where the names stand, over the width of the panel."""
+
+TOP, SLOPE = 1.015, 32
+"""Where names stand above a panel, over its height, and how they rise, in degrees."""
+
+APART_ON_TOP = 0.05
+"""Distance of such names, over the width of the panel."""
+
+REACH = 0.3
+"""A curve that begins further below, over the height of the panel, has its name at its end."""
 
 
 def best_of_families(curves: Sequence[Curve], cost: str) -> list[Curve]:
@@ -36,20 +45,18 @@ def best_of_families(curves: Sequence[Curve], cost: str) -> list[Curve]:
 def name_at_the_side(
     axes: Axes,
     named: Sequence[tuple[Curve, tuple[float, float]]],
-    words: Callable[[Curve], str] | None = None,
+    words: Callable[[Curve], str],
 ) -> None:
-    """The names of curves at the right of a panel, each joined to a point of its curve.
+    """The words for curves at the right of a panel, each joined to a point of its curve.
 
-    The points are in data, on log axes that have their limits. Below a name is the kind of the
-    method, or there are `words` in place of both.
+    The points are in data, on log axes that have their limits.
     """
     low, high = np.log10(axes.get_ylim())
     heights = [(np.log10(point[1]) - low) / (high - low) for _, point in named]
-    spots = spread(np.sort(heights), APART_ALONE if words else APART)
+    spots = spread(np.sort(heights), APART)
     for place, height in zip(np.argsort(heights), spots, strict=True):
         curve, point = named[place]
         colour = ink_of(family_of(curve.method))
-        method = known_methods().get(curve.method)
         axes.annotate(
             "",
             (SIDE - 0.01, height),
@@ -60,15 +67,40 @@ def name_at_the_side(
             annotation_clip=False,
         )
         style = {"transform": axes.transAxes, "ha": "left", "clip_on": False}
-        if words:
-            look = {"color": colour, "fontsize": 9, "va": "center_baseline"}
-            axes.text(SIDE, height, words(curve), **style, **look)
+        look = {"color": colour, "fontsize": 9, "va": "center_baseline"}
+        axes.text(SIDE, height, words(curve), **style, **look)
+
+
+def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, tuple[float, float]]]) -> None:
+    """The names of curves above a panel, over their upper ends; at those that are far below it.
+
+    The points are in data, on log axes that have their limits.
+    """
+    to_panel = axes.transData + axes.transAxes.inverted()
+    ends = [to_panel.transform(point) for _, point in named]
+    high = [i for i, end in enumerate(ends) if 1 - end[1] < REACH]
+    high.sort(key=lambda i: ends[i][0])
+    spots = dict(zip(high, spread(np.array([ends[i][0] for i in high]), APART_ON_TOP), strict=True))
+    for i, (curve, point) in enumerate(named):
+        colour = ink_of(family_of(curve.method))
+        style = {"fontweight": "bold", "color": colour, "fontsize": 9, "zorder": 6}
+        if i not in spots:
+            outline = [withStroke(linewidth=2.5, foreground="white")]
+            place = {"textcoords": "offset points", "ha": "center", "path_effects": outline}
+            axes.annotate(curve.label, point, (0, 7), **place, **style)
             continue
-        look = {"fontweight": "bold", "color": colour, "fontsize": 9, "va": "bottom"}
-        axes.text(SIDE, height, curve.label, **style, **look)
-        if method:
-            small = {"fontsize": 7.5, "color": GREY}
-            axes.text(SIDE, height, method.group, va="top", **style, **small)
+        line = {"arrowstyle": "-", "color": colour, "lw": 0.6, "ls": ":", "shrinkA": 0}
+        axes.annotate(
+            "",
+            (spots[i], 1.0),
+            point,
+            xycoords="axes fraction",
+            textcoords="data",
+            arrowprops=line | {"shrinkB": 0},
+            annotation_clip=False,
+        )
+        style |= {"rotation": SLOPE, "rotation_mode": "anchor", "clip_on": False}
+        axes.text(spots[i], TOP, curve.label, transform=axes.transAxes, **style)
 
 
 def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:

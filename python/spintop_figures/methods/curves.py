@@ -10,6 +10,7 @@ import pandas as pd
 from spintop_figures.methods.known import rank_of
 from spintop_figures.methods.styles import style_of
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 EXACT = "exact"
@@ -28,8 +29,8 @@ class Curve(NamedTuple):
     rows: pd.DataFrame
 
     def style(self) -> dict[str, object]:
-        """How it is drawn, in every figure alike."""
-        return style_of(self.method, self.formulation)
+        """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
+        return style_of(self.method, self.formulation if self.label != self.method else "")
 
 
 def fineness(setting: str) -> float:
@@ -55,7 +56,7 @@ def curves_of(rows: pd.DataFrame, columns: Iterable[str]) -> list[Curve]:
     several = rows.groupby("method")["formulation"].nunique() > 1
     curves = []
     for (method, formulation), part in rows[sound].groupby(["method", "formulation"], sort=False):
-        label = f"{method}, {formulation}" if several[method] else method
+        label = f"{name_of(method)}, {name_of(formulation)}" if several[method] else name_of(method)
         order = part["setting"].map(fineness).sort_values(kind="stable").index
         curves.append(Curve(method, formulation, label, part.loc[order]))
     return sorted(curves, key=lambda curve: (*rank_of(curve.method), curve.label))

@@ -84,7 +84,10 @@ def draw_orders(table: Table) -> Figure:
         axes.set_ylabel(ERROR_LABEL)
         named = [(curve, coarse_end(curve)) for curve in curves_of(part, (STEP, "error_max"))]
         name_at_the_side(axes, named, with_order)
-    axes.set_xlabel("step size over the time span")
+    words = "step size over the time span"
+    if DASH in "".join(text.get_text() for axes in panels.values() for text in axes.texts):
+        words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
+    axes.set_xlabel(words)
     return figure
 
 

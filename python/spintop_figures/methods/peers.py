@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.methods.styles import style_of
-from spintop_figures.style.look import FAINT
-from spintop_figures.style.page import add_panels, new_figure
+from spintop_figures.style.look import FAINT, by_width
+from spintop_figures.style.page import add_panels, is_lowest, new_figure, panel_rows
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
@@ -45,23 +46,28 @@ def draw_peers(table: Table) -> Figure:
     """The cheapest way to each error: a line a method of spintop, a grey one each other program."""
     problems = list(table.rows["problem"].unique())
     panel = ALONE if len(problems) == 1 else PANEL_HEIGHT
-    title = f"Error against time: {problems[0]}" if len(problems) == 1 else "Error against time"
-    figure = new_figure(table, title, 1.9 + panel * ((len(problems) + 1) // 2))
+    title = (
+        f"Error against time: {name_of(problems[0])}"
+        if len(problems) == 1
+        else "Error against time"
+    )
+    figure = new_figure(table, title, 1.9 + panel * panel_rows(len(problems)))
     panels = add_panels(figure, len(problems))
     handles: dict[str, object] = {}
     for name, axes in zip(problems, panels, strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
         if len(problems) > 1:
-            axes.set_title(name, loc="left", fontsize=9.5, pad=4)
+            axes.set_title(name_of(name), loc="left", fontsize=9.5, pad=4)
         place = axes.get_subplotspec()
         if place.is_first_col():
             axes.set_ylabel("error of the attitude at the end (rad)")
-        if place.is_last_row():
+        if is_lowest(axes):
             axes.set_xlabel("time (s)")
     order = [*OWN_METHODS, "exact", *PEER_MARKERS, "floor"]
     known = [handles[name] for name in order if name in handles]
-    figure.legend(handles=known, loc="outside right center", handlelength=2.6)
+    place, columns = by_width("right center", "lower center"), by_width(1, 2)
+    figure.legend(handles=known, loc=f"outside {place}", ncols=columns, handlelength=2.6)
     return figure
 
 
@@ -102,7 +108,7 @@ def draw_front(
     chosen = np.append(True, best[1:] < best[:-1])[: errors.size] & (errors <= LARGEST_ERROR)
     if not chosen.any():
         return
-    label = name if name in PEER_MARKERS else f"{OWN}, {name}"
+    label = name if name in PEER_MARKERS else f"{OWN}, {name_of(name)}"
     (handles[name],) = axes.plot(
         rows["time_s"].to_numpy(float)[chosen],
         np.maximum(errors[chosen], LEAST_ERROR * 2),

@@ -7,13 +7,15 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.methods.best import best_of_families, name_at_the_side
-from spintop_figures.methods.curves import EXACT, curves_of, problems_of
+from spintop_figures.methods.best import best_of_families, name_at_the_top
+from spintop_figures.methods.curves import EXACT, curves_of, problems_of, time_to
 from spintop_figures.methods.known import family_of, order_of
 from spintop_figures.methods.styles import look_of, style_of
-from spintop_figures.style.look import FAINT, GREY
+from spintop_figures.style.look import FAINT, GREY, by_width
+from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 WORDS = ("problem", "method", "formulation", "setting", "status")
@@ -25,8 +27,8 @@ LEAST_ERROR, MOST_ERROR = 1e-16, 4.0
 MOST_PROBLEMS = 6
 """Panels that fit a page."""
 
-PANEL_HEIGHT = 3.4
-"""In inches."""
+PANEL_HEIGHT, NAMES_HEIGHT = 3.4, 0.8
+"""Of a panel, and of the names above it, in inches."""
 
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
@@ -34,7 +36,13 @@ FAN = 0.2, 0.3
 OTHERS = {"color": "0.78", "linewidth": 0.9, "zorder": 1}
 """Curves that are not the best of their family."""
 
-BEST = "The best method of each family at 10\u207b\u2079 rad is named"
+NOTE = "named: the best of each family at 10\u207b\u2079 rad; grey: the others"
+
+GOAL = "10\u207b\u2079 rad"
+"""The error at which methods are compared, as it is written."""
+
+LEAST_LEAD = 1.05
+"""A method that is ahead by less, as a ratio, is not said to be."""
 
 ERROR_LABEL = "largest error of the attitude (rad)"
 
@@ -62,8 +70,10 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     there = cost > 0
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
     for place in zip(cost[there][:1], error[there][:1], strict=True):
-        style = {"ha": "left", "va": "top", "fontsize": 9}
-        axes.annotate("exact solution", place, (6, -1), textcoords="offset points", **style)
+        style = {"ha": "left", "va": by_width("top", "bottom"), "fontsize": 9}
+        axes.annotate(
+            "exact solution", place, (6, by_width(-1, 1)), textcoords="offset points", **style
+        )
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
@@ -108,27 +118,28 @@ def stepping(rows: pd.DataFrame) -> pd.Series:
     return ended_well(rows) & (rows["method"] != EXACT)
 
 
-def problem_panels(table: Table, title: str, rows: pd.DataFrame) -> tuple[Figure, dict[str, Axes]]:
-    """A figure with a panel a problem, one below the other."""
+def problem_panels(
+    table: Table, title: str, rows: pd.DataFrame, above: float = 0.0
+) -> tuple[Figure, dict[str, Axes]]:
+    """A figure with a panel a problem, one below the other, with so many inches above each."""
     problems = list(dict.fromkeys(rows["problem"]))
-    figure = new_figure(table, title, 1.0 + PANEL_HEIGHT * len(problems))
+    figure = new_figure(table, title, 1.0 + (PANEL_HEIGHT + above) * len(problems))
     panels = figure.subplots(len(problems), 1, squeeze=False)[:, 0]
     by_problem = dict(zip(problems, panels, strict=True))
     if len(problems) > 1:
         for problem, axes in by_problem.items():
-            axes.set_title(problem, loc="left", pad=4)
+            axes.set_title(name_of(problem), loc="left", pad=4)
     return figure, by_problem
 
 
 def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tuple[Figure, list]:
     """Error against a cost, one panel per problem: the best of each family, the others grey."""
     rows = table.rows
-    figure, panels = problem_panels(table, title, rows)
-    figure.get_layout_engine().set(rect=(0, 0, 0.985, 1))  # names move with the panels
+    figure, panels = problem_panels(table, title, rows, NAMES_HEIGHT)
     for problem, axes in panels.items():
         draw_best_curves(axes, rows[rows["problem"] == problem], cost)
         axes.set_ylabel(ERROR_LABEL)
-    axes.set_xlabel(label)
+    axes.set_xlabel(f"{label}\n{NOTE}")
     return figure, list(panels.values())
 
 
@@ -147,24 +158,47 @@ def draw_best_curves(axes: Axes, rows: pd.DataFrame, cost: str) -> None:
             style = curve.style() | {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
             style["color"] = look_of(family_of(curve.method)).colour
             axes.plot(x, y, **style, label=curve.label)
-            named.append((curve, (x[-1], y[-1])))
+            named.append((curve, upper_end(x, y)))
         else:
             axes.plot(x, y, **OTHERS, label=curve.label)
     draw_floor(axes, rows)
     set_limits(axes, rows, cost, "error_max")
-    name_at_the_side(axes, named)
+    name_at_the_top(axes, named)
+
+
+def upper_end(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """The first point of a curve that no turn is beyond; the highest of one that is not there."""
+    place = int(np.argmax(y <= MOST_ERROR))
+    return float(x[place]), min(float(y[place]), MOST_ERROR)
+
+
+def tell_lead(table: Table, cost: str, less: str) -> str:
+    """Which family needs the least for the goal on a single problem, and how much less it is."""
+    if len(problems_of(table)) > 1:
+        return ""
+    curves = [c for c in curves_of(table.rows, (cost, "error_max")) if c.method != EXACT]
+    costs = [(time_to(curve, cost=cost), curve) for curve in best_of_families(curves, cost)]
+    reached = sorted(((x, c.label) for x, c in costs if np.isfinite(x)), key=lambda pair: pair[0])
+    if len(reached) < 2 or reached[1][0] < LEAST_LEAD * reached[0][0]:
+        return ""
+    (least, first), (more, second) = reached[:2]
+    ratio = more / least
+    told = write(ratio, 2) if ratio < 100 else write_count(ratio)
+    return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
 def draw_precision_time(table: Table) -> Figure:
     """Error against time, the fastest of the repeats."""
-    title = f"Work-precision diagram: error against time. {BEST}"
+    lead = tell_lead(table, "time_s", "is {ratio} times as fast as {other}")
+    title = f"Error against computing time{lead}"
     figure, _ = draw_precision_over(table, "time_s", title, "computing time (s)")
     return figure
 
 
 def draw_precision_work(table: Table) -> Figure:
     """Error against evaluations, with lines whose slopes are orders."""
-    title = f"Work-precision diagram: error against function evaluations. {BEST}"
+    lead = tell_lead(table, "evaluations", "takes {ratio} times fewer than {other}")
+    title = f"Error against function evaluations{lead}"
     label = "function evaluations (a Taylor series of order p counts as p)"
     figure, panels = draw_precision_over(table, "evaluations", title, label)
     for (_, rows), axes in zip(table.rows.groupby("problem", sort=False), panels, strict=True):

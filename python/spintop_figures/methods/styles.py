@@ -20,14 +20,14 @@ LOOKS = (
     Look("s", "#d1641b"),
     Look("v", "#8a6fae"),
     Look("^", "#7a2048"),
-    Look("P", "#5aa9a3"),
-    Look("X", "#b08b00"),
+    Look("P", "#2da4a1"),
+    Look("X", "#c78803"),
     Look("o", "#12355b"),
     Look("*", "#2f7d32"),
-    Look("h", "#c2185b"),
-    Look("<", "#4f6d7a"),
-    Look(">", "#8d6e63"),
-    Look("d", "#6a7f10"),
+    Look("h", "#a61e65"),
+    Look("<", "#5c8292"),
+    Look(">", "#765237"),
+    Look("d", "#8a9050"),
 )
 """Of the families in the order of the registry."""
 

@@ -1,64 +1,48 @@
 """Which method is the cheapest that reaches an error, and at what cost: maps of a swept study."""
 
 import dataclasses
-import re
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
+from matplotlib.patches import Patch
 
 from spintop_figures.methods.curves import EXACT, curves_of, problems_of, time_to
-from spintop_figures.style.page import new_figure
-from spintop_figures.sweeps.fields import spots
-from spintop_figures.sweeps.maps import (
-    Grid,
-    cross,
-    draw_map,
-    label_axes,
-    lightness,
-    make_grid,
-    object_to_grid,
-)
-from spintop_figures.sweeps.quantities import Quantity, tell_failed, the_column
+from spintop_figures.methods.known import family_of
+from spintop_figures.methods.styles import look_of
+from spintop_figures.style.page import head, new_figure
+from spintop_figures.sweeps.maps import Grid, cross, label_axes, make_grid, object_to_grid
+from spintop_figures.sweeps.quantities import tell_failed
 from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
+
+NONE = "none"
+"""In place of a method where none reaches the error."""
 
 GOAL = "10\u207b\u2079 rad"
 """The error that the methods have to reach, as it is written."""
 
-MICROSECOND = 1e-6
-"""In seconds."""
-
-QUANTITIES = (
-    Quantity(
-        ("time_s",),
-        f"the cheapest method and its time for {GOAL}",
-        "µs",
-        lambda rows: rows["time_s"] / MICROSECOND,
-        3,
-    ),
-    Quantity(
-        ("ratio",),
-        "the next method and its time over that of the cheapest",
-        "",
-        the_column("ratio"),
-        10,
-    ),
+PANELS = (
+    ("method", "time_s", "the cheapest method, and its time in {unit}"),
+    ("next", "ratio", "the next method, and how many times longer it takes"),
 )
-"""What the colours of the two maps show."""
+"""The column with the method of each map, that with the number in its cells, and its heading."""
 
-NAMES = ("method", "next")
-"""The column with the method of each."""
+UNITS = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
+"""Of times."""
+
+PALE = 0.62
+"""How much of the way to white the colours of cells are from those of their families."""
 
 PANEL_HEIGHT = 2.9
 """In inches."""
 
-ROOM = 5.4, 2.3
+ROOM = 5.2, 2.2
 """About how wide and how high a map is, in inches."""
 
-LETTER, LINE = 0.06, 0.125
+LETTER, LINE = 0.075, 0.15
 """Width of a letter and height of a line in a cell, in inches."""
 
 
@@ -80,7 +64,7 @@ def table_of_problems(table: Table) -> Table:
     rows = []
     for number, problem in enumerate(problems_of(table), start=1):
         part = table.rows[table.rows["problem"] == problem]
-        found = [*cheapest(part), (np.nan, "none"), (np.nan, "none")]
+        found = [*cheapest(part), (np.nan, NONE), (np.nan, NONE)]
         (time, method), (later, other) = found[:2]
         status = "ok" if np.isfinite(time) else "not reached"
         rows.append([number, *part[axes].iloc[0], status, time, method, later / time, other])
@@ -101,7 +85,7 @@ def object_to_tolerance_map(table: Table) -> str:
 
 
 def draw_tolerance_map(table: Table) -> Figure:
-    """The cheapest method and the next one for the target, with their times, in each cell."""
+    """The cheapest method and the next one for the target as colours, and numbers in the cells."""
     problems = table_of_problems(table)
     grid = make_grid(problems)
     failed = ~ended_well(problems.rows).to_numpy()
@@ -109,68 +93,69 @@ def draw_tolerance_map(table: Table) -> Figure:
     figure = new_figure(table, title + tell_failed(problems), 0.9 + 2 * PANEL_HEIGHT)
     first = figure.add_subplot(2, 1, 1)
     panels = [first, figure.add_subplot(2, 1, 2, sharex=first, sharey=first)]
-    for quantity, name, axes in zip(QUANTITIES, NAMES, panels, strict=True):
-        values = quantity.values(problems.rows)
-        draw_map(axes, grid, quantity, values, failed)
+    colours = colours_of_methods(problems.rows)
+    for (method, number, heading), axes in zip(PANELS, panels, strict=True):
+        values = problems.rows[number].to_numpy(float)
+        unit, factor = unit_of(values) if number == "time_s" else ("", 1.0)
+        head(axes, heading.format(unit=unit))
+        draw_methods(axes, grid, problems.rows[method], colours)
         cross(axes, grid, failed)
-        if name == "method":
-            numbers = [tell_time(value) for value in problems.rows["time_s"]]
-        else:
-            numbers = [tell_ratio(value) for value in values]
-        name_cells(axes, grid, problems.rows[name], numbers)
+        write_numbers(axes, grid, factor * values)
     label_axes(problems, grid, panels)
     return figure
 
 
-def tell_time(seconds: float) -> str:
-    """A time in the unit that suits it; empty if there is none."""
-    if not np.isfinite(seconds):
-        return ""
-    factor, unit = next(
-        (pair for pair in ((1.0, "s"), (1e3, "ms"), (1e6, "µs")) if seconds * pair[0] >= 1),
-        (1e9, "ns"),
-    )
-    return f"{seconds * factor:.3g} {unit}"
+def unit_of(seconds: np.ndarray) -> tuple[str, float]:
+    """The unit that suits times, and the factor to it: that in which the median is above one."""
+    median = np.nanmedian(seconds)
+    return next((pair for pair in UNITS if median * pair[1] >= 1), UNITS[-1])
 
 
-def tell_ratio(ratio: float) -> str:
-    """How many times longer; empty if there is no other method."""
-    return f"\N{MULTIPLICATION SIGN} {ratio:.2g}" if np.isfinite(ratio) else ""
+def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
+    """A pale colour for each method: that of its family, paler for further members."""
+    counts = pd.concat([rows["method"], rows["next"]]).value_counts()
+    members: dict[str, int] = {}
+    colours = {}
+    for label in counts.index:
+        if label == NONE:
+            continue
+        family = family_of(label.partition(", ")[0])
+        pale = 1 - (1 - PALE) * 0.55 ** members.get(family, 0)
+        members[family] = members.get(family, 0) + 1
+        colours[label] = tuple(c + pale * (1 - c) for c in to_rgb(look_of(family).colour))
+    return colours
 
 
-def name_cells(axes: Axes, grid: Grid, names: pd.Series, numbers: list[str]) -> None:
-    """The name and the number of each cell in it; where cells are small, the names of regions."""
-    image = axes.collections[-1]
-    colours = image.cmap(image.norm(image.get_array())).reshape(-1, 4)
+def draw_methods(
+    axes: Axes, grid: Grid, names: pd.Series, colours: dict[str, tuple[float, ...]]
+) -> None:
+    """A map of methods, each with its colour and once in the legend."""
+    there = [name for name in colours if (names == name).any()]
+    codes = {name: float(code) for code, name in enumerate(there)}
+    cells = np.ma.masked_invalid(grid.fill(names.map(codes).to_numpy(float)))
+    norm = BoundaryNorm(np.arange(len(there) + 1) - 0.5, len(there))
+    shades = ListedColormap([colours[name] for name in there])
+    look = {"cmap": shades, "norm": norm, "edgecolor": "white", "linewidth": 0.5}
+    axes.pcolormesh(*grid.edges(), cells, **look)
+    handles = [Patch(color=colours[name], label=name.replace(", ", ",\n")) for name in there]
+    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "handlelength": 1.2}
+    axes.legend(handles=handles, **place)
+
+
+def write_numbers(axes: Axes, grid: Grid, values: np.ndarray) -> None:
+    """The number of each cell in it, if the cells are large enough."""
+    texts = [tell(value) for value in values]
     width, height = ROOM[0] / grid.x.size, ROOM[1] / grid.y.size
-    letters = int(width / LETTER)
-    style = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
-    style |= {"in_layout": False}
-    texts = [
-        [*break_method(name, letters), number] for name, number in zip(names, numbers, strict=True)
-    ]
-    if letters < 4 or max(map(len, texts)) * LINE > height:
-        codes = {name: code for code, name in enumerate(dict.fromkeys(names))}
-        by_code = list(codes)
-        for spot in spots(grid.fill(names.map(codes).to_numpy(float))):
-            outline = [withStroke(linewidth=2, foreground="white")]
-            place = {"transform": axes.transAxes, "path_effects": outline}
-            axes.text(spot.x, spot.y, by_code[spot.code], **style, **place)
+    if LETTER * max(map(len, texts)) > width or height < LINE:
         return
     column, line = np.divmod(grid.place, grid.y.size)
-    for i, text in enumerate(texts):
-        if not numbers[i]:
-            continue
-        ink = "black" if lightness(colours[line[i] * grid.x.size + column[i]]) > 0.45 else "white"
-        axes.text(grid.x[column[i]], grid.y[line[i]], "\n".join(text), color=ink, **style)
+    style = {"ha": "center", "va": "center_baseline", "fontsize": 8.5, "in_layout": False}
+    for x, y, text in zip(grid.x[column], grid.y[line], texts, strict=True):
+        axes.text(x, y, text, **style)
 
 
-def break_method(name: str, letters: int) -> list[str]:
-    """A name in lines of so many letters, broken behind underscores and commas."""
-    lines = [""]
-    for part in re.findall(r"[^_, ]+[_,]?", name):
-        if lines[-1] and len(lines[-1]) + len(part) > letters:
-            lines.append(part)
-        else:
-            lines[-1] += part
-    return lines
+def tell(value: float) -> str:
+    """Two digits of a number; empty if there is none."""
+    if not np.isfinite(value):
+        return ""
+    return f"{value:.0f}" if value >= 10 else f"{value:.1f}"

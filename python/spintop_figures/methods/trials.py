@@ -6,6 +6,7 @@ import pandas as pd
 
 from spintop_figures.methods.known import family_of
 from spintop_figures.style.look import FAULT
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 
@@ -50,7 +51,8 @@ def trials(table: Table) -> pd.DataFrame:
     forms = forms.where(forms != "", rows["formulation"])
     several = place.groupby(rows["method"]).transform("max") > 0
     named = several & ~forms.str.contains(",")
-    rows["entry"] = rows["method"].where(~named, rows["method"] + ", " + forms)
+    names, forms = rows["method"].map(name_of), forms.map(name_of)
+    rows["entry"] = names.where(~named, names + ", " + forms)
     rows["family"] = rows["method"].map(family_of)
     return rows
 

@@ -19,26 +19,31 @@ from spintop_figures.methods.trials import (
     trials,
 )
 from spintop_figures.style.look import GREY, WIDTH
+from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
-CELL = 0.215
+CELL = 0.158
 """Side of a cell in inches; lengths below are in cells."""
 
-LETTER = 0.34
+LETTER = 0.38
 """Width of a letter of a label."""
 
-BAR = 4.5
+BAR = 3.4
 """Length of a bar of counts."""
 
-HEAD = 1.15
+HEAD = 1.0
 """Height of a family's name above its methods."""
 
 GAP = 0.7
 """Between cases with different references, and between the matrix and the bars."""
 
-LINE = 1.05
+LINE = 1.15
 """Distance of the lines of the legend."""
+
+DIGITS, WORDS = 6.8, 7.5
+"""Sizes of what stands in cells, and of labels, in points."""
 
 MOST_DIGITS = 16
 """What double precision holds."""
@@ -138,20 +143,26 @@ def draw_cell(axes: Axes, x: float, y: float, verdict: Verdict, mark: str) -> No
     """A cell with its upper left corner at x, y."""
     edge = "0.85" if verdict.name in NO_TRIAL else "white"
     axes.add_patch(Rectangle((x + 0.03, y + 0.03), 0.94, 0.94, fc=verdict.face, ec=edge, lw=0.5))
-    style = {"color": verdict.ink, "fontsize": 8.5, "ha": "center", "va": "center_baseline"}
+    style = {"color": verdict.ink, "fontsize": DIGITS, "ha": "center", "va": "center_baseline"}
     axes.text(x + 0.5, y + 0.5, mark, **style, in_layout=False)
 
 
 def draw_labels(axes: Axes, layout: Layout) -> None:
     """Names of methods, families, cases and references."""
     for entry, y in layout.y.items():
-        axes.text(-0.25, y + 0.5, entry, ha="right", va="center", fontsize=9)
+        axes.text(-0.25, y + 0.5, entry, ha="right", va="center", fontsize=WORDS)
     for family, entries in layout.families.items():
         y = layout.y[entries[0]] - 0.12
-        axes.text(0, y, family, va="bottom", fontsize=8.5, color=GREY, fontstyle="italic")
+        axes.text(0, y, family, va="bottom", fontsize=WORDS, color=GREY, fontstyle="italic")
     for case, x in layout.x.items():
         axes.text(
-            x + 0.5, layout.height + 0.25, case, ha="center", va="top", rotation=90, fontsize=9
+            x + 0.5,
+            layout.height + 0.25,
+            name_of(case),
+            ha="center",
+            va="top",
+            rotation=90,
+            fontsize=WORDS,
         )
     for reference, cases in layout.references.items():
         begin, end = layout.x[cases[0]], layout.x[cases[-1]] + 1
@@ -159,14 +170,14 @@ def draw_labels(axes: Axes, layout: Layout) -> None:
         axes.plot([begin, end], [y, y], color=GREY, linewidth=0.8)
         name = textwrap.fill(f"against {reference}", max(10, int((end - begin) / LETTER)))
         axes.text(
-            (begin + end) / 2, y - 0.2, name, ha="center", va="bottom", fontsize=9, color=GREY
+            (begin + end) / 2, y - 0.2, name, ha="center", va="bottom", fontsize=WORDS, color=GREY
         )
 
 
 def draw_counts(axes: Axes, rows: pd.DataFrame, layout: Layout) -> None:
     """Bars with the shares of the verdicts, beside the methods and above the cases."""
     x = layout.width + GAP
-    style = {"fontsize": 8.5, "color": "black"}
+    style = {"fontsize": WORDS, "color": "black"}
     for entry, place in layout.y.items():
         counts, done = count(rows[rows["entry"] == entry])
         for begin, share, verdict in counts:
@@ -177,9 +188,15 @@ def draw_counts(axes: Axes, rows: pd.DataFrame, layout: Layout) -> None:
         for begin, share, verdict in counts:
             side = -BAR * (begin + share)
             axes.add_patch(bar(place + 0.15, side, 0.7, BAR * share, verdict))
-    axes.text(x, 0.1, "accurate of suitable", va="bottom", fontsize=8.5, color=GREY)
+    axes.text(x, 0.1, "accurate of\nthose tried", va="bottom", fontsize=WORDS, color=GREY)
     axes.text(
-        -0.25, -BAR / 2, "verdicts on\neach case", ha="right", va="center", fontsize=8.5, color=GREY
+        -0.25,
+        -BAR / 2,
+        "verdicts on\neach case",
+        ha="right",
+        va="center",
+        fontsize=WORDS,
+        color=GREY,
     )
 
 
@@ -212,7 +229,9 @@ def legend_lines(
         if verdict.name == "no_reference" and not number:
             continue
         meaning = table.header.get(f"verdict {verdict.name}", "")
-        text = f"{verdict.name.replace('_', ' ')} ({number})" + (f": {meaning}" if meaning else "")
+        text = f"{name_of(verdict.name)} ({write_count(number)})" + (
+            f": {meaning}" if meaning else ""
+        )
         if verdict.name != "failed":
             lines.append((verdict, verdict.mark.format(digits="n", why=""), text))
             continue
@@ -221,7 +240,7 @@ def legend_lines(
             chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
             lines.append(
-                (verdict, letter, f"{len(chosen)} by {status.replace('_', ' ')}: {reason}")
+                (verdict, letter, f"{write_count(len(chosen))} by {name_of(status)}: {reason}")
             )
     if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):
         lines.append((None, "", f"empty ({empty}): not tried"))
@@ -238,4 +257,4 @@ def draw_legend(
         indent = 1.4 if mark.isalpha() and verdict and verdict.name == "failed" else 0
         if verdict:
             draw_cell(axes, x + indent, place, verdict, mark)
-        axes.text(x + indent + 1.4, place + 0.5, text, va="center", fontsize=9)
+        axes.text(x + indent + 1.4, place + 0.5, text, va="center", fontsize=WORDS)

@@ -1,65 +1,137 @@
 """The cones on which a body rolls: the angular velocity seen in the body, and seen in space."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d import Axes3D
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.motion.path import mark_ends
+from spintop_figures.motion.path import HEIGHT
+from spintop_figures.motion.sphere import BACK, ENDS, FRONT, draw_globe, draw_seen, project
 from spintop_figures.motion.trajectory import numbers
-from spintop_figures.style.look import FAINT, GREY, LINES
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.lines import MANY_POINTS
+from spintop_figures.style.look import GREY, LINES, by_width
+from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
 
-ZOOM = 0.9
-"""The size of the axes in their panel, which leaves room for the labels."""
-
-MOST_RAYS = 90
+RAYS = 24
 """Lines of a cone from its apex."""
 
+MANY_TURNS = 15
+"""Curves that are longer, in circles about their extent, have thin lines."""
 
-def in_space(table: Table) -> np.ndarray:
-    """The angular velocity in space axes, by Rz(phi) Rx(theta) Rz(psi); components by rows."""
-    x, y, z = (numbers(table, f"omega{i}") for i in (1, 2, 3))
-    phi, theta, psi = (numbers(table, name) for name in ("phi", "theta", "psi"))
+LEAST = 1e-9
+"""What is slower, over the fastest, has no direction."""
+
+BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
+BODY_BACK = {"color": "#f0c4a6", "linewidth": 1.1, "linestyle": (0, (3, 1))}
+"""The cone of the body, before the sphere and behind it."""
+
+ROOM = 1.08
+"""What is seen of a plane, over the extent of its curve."""
+
+
+def turn_by_euler(
+    x: np.ndarray,
+    y: np.ndarray,
+    z: np.ndarray,
+    phi: np.ndarray | float,
+    theta: np.ndarray | float,
+    psi: np.ndarray | float,
+) -> np.ndarray:
+    """A vector of body axes in space axes, by Rz(phi) Rx(theta) Rz(psi); components by rows."""
     x, y = x * np.cos(psi) - y * np.sin(psi), x * np.sin(psi) + y * np.cos(psi)
     y, z = y * np.cos(theta) - z * np.sin(theta), y * np.sin(theta) + z * np.cos(theta)
     return np.array([x * np.cos(phi) - y * np.sin(phi), x * np.sin(phi) + y * np.cos(phi), z])
 
 
+def in_body(table: Table) -> np.ndarray:
+    """The angular velocity in body axes; components by rows."""
+    return np.array([numbers(table, f"omega{i}") for i in (1, 2, 3)])
+
+
+def in_space(table: Table) -> np.ndarray:
+    """The angular velocity in space axes; components by rows."""
+    angles = (numbers(table, name) for name in ("phi", "theta", "psi"))
+    return turn_by_euler(*in_body(table), *angles)
+
+
+def body_at_start(table: Table) -> np.ndarray:
+    """The angular velocities of body axes, placed in space by the attitude of the first row."""
+    start = (numbers(table, name)[0] for name in ("phi", "theta", "psi"))
+    return turn_by_euler(*in_body(table), *start)
+
+
 def draw_cones(table: Table) -> Figure:
-    """The tip of the angular velocity in the body (polhode) and in space (herpolhode)."""
-    figure = new_figure(
-        table, "Angular velocity in the body (polhode) and in space (herpolhode)", 4.2
-    )
-    figure.get_layout_engine().set(wspace=0.02)
-    body = np.array([numbers(table, f"omega{i}") for i in (1, 2, 3)])
-    for place, (omega, title, names) in enumerate(
-        ((body, "in the body", "123"), (in_space(table), "in space", "xyz"))
-    ):
-        axes = figure.add_subplot(1, 2, place + 1, projection="3d")
-        draw_cone(axes, omega)
-        labels = [rf"$\omega_{name}$ (rad/s)" for name in names]
-        axes.set(xlabel=labels[0], ylabel=labels[1], zlabel=labels[2])
-        axes.set_title(title, y=0.97)
-    axes.legend(loc="upper right", bbox_to_anchor=(1.12, 1.02), handletextpad=0.1)
+    """The two cones, that of the body rolling on that in space, and their curves in planes."""
+    title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
+    figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
+    figure.get_layout_engine().set(wspace=0.08)
+    (globe, body, space), key = three_panels(figure)
+    draw_globe(globe)
+    draw_cone(globe, in_space(table), FRONT, BACK)
+    draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
+    touch = directions(in_space(table))[:, :1]
+    if touch.size:
+        x, y, _ = project(*touch)
+        globe.plot([0, x[0]], [0, y[0]], color="black", linewidth=1.3, zorder=4)
+        globe.annotate(
+            r"$\omega$", (x[0], y[0]), (4, 4), textcoords="offset points", fontsize=10, zorder=6
+        )
+    globe.plot(0, 0, "o", color=GREY, markersize=2.5, zorder=4)
+    globe.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.28), aspect="equal")
+    globe.axis("off")
+    globe.set_title("directions, at the start", fontsize=9.5, pad=4)
+    draw_plane(body, in_body(table), BODY | {"linestyle": "-"}, "12", "in the body")
+    draw_plane(space, in_space(table), FRONT, "xy", "in space, from above")
+    handles = [
+        Line2D([], [], **BODY, label="cone of the body"),
+        Line2D([], [], **FRONT, label="cone in space"),
+        Line2D([], [], color="black", linewidth=1.3, label="where they touch"),
+        *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
+    ]
+    key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
     return figure
 
 
-def draw_cone(axes: Axes3D, omega: np.ndarray) -> None:
-    """A curve of angular velocities with lines to it from the apex of its cone."""
-    rays = omega[:, np.linspace(0, omega.shape[1] - 1, MOST_RAYS).astype(int)]
-    for ray in rays.T:
-        axes.plot(*np.transpose([np.zeros(3), ray]), color=FAINT, linewidth=0.5)
-    axes.plot(*omega, **LINES[0])
-    axes.plot([0], [0], [0], "+", color=GREY)
-    mark_ends(axes, *omega)
-    low, high = np.minimum(np.nanmin(omega, axis=1), 0), np.maximum(np.nanmax(omega, axis=1), 0)
-    side = (high - low).max() * 1.05 / 2 or 1.0
-    for axis, middle in zip("xyz", (low + high) / 2, strict=True):
-        getattr(axes, f"set_{axis}lim")(middle - side, middle + side)
-        getattr(axes, f"{axis}axis").pane.set_visible(False)
-    axes.set_aspect("equal")
-    axes.set_box_aspect(None, zoom=ZOOM)
-    axes.patch.set_visible(False)  # it would hide labels of the panel beside it
-    axes.grid(visible=False)
-    axes.locator_params(nbins=4)
+def directions(omega: np.ndarray) -> np.ndarray:
+    """Unit vectors along angular velocities, without those that are about zero."""
+    size = np.linalg.norm(omega, axis=0)
+    there = size > LEAST * np.nanmax(size)
+    return omega[:, there] / size[there]
+
+
+def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
+    """The curve of directions on the sphere, with rays to it from the middle."""
+    points = directions(omega)
+    draw_seen(axes, tuple(points), *(thin_if_long(style, points) for style in (front, back)))
+    x, y, towards = project(*points)
+    passed = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=0))])
+    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), RAYS))
+    for place in np.unique(np.minimum(places, len(x) - 1)):
+        style = front if towards[place] >= 0 else back
+        look = {"color": style["color"], "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
+        axes.plot([0, x[place]], [0, y[place]], **look)
+
+
+def thin_if_long(style: dict, curve: np.ndarray) -> dict:
+    """A style with a thin line for a curve of many turns, which would be a solid area."""
+    length = np.nansum(np.linalg.norm(np.diff(curve, axis=1), axis=0))
+    extent = np.max(np.nanmax(curve, axis=1) - np.nanmin(curve, axis=1))
+    is_long = length > MANY_TURNS * np.pi * extent
+    return style | {"linewidth": 0.4} if is_long else style
+
+
+def draw_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, heading: str) -> None:
+    """Two components of the angular velocity against each other, from start to end."""
+    x, y = omega[:2]
+    axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
+    axes.plot(0, 0, "+", color=GREY)
+    for name, place in (("end", -1), ("start", 0)):
+        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec="white", zorder=5)
+    side = ROOM * float(np.nanmax(np.abs(omega[:2]))) or 1.0
+    axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
+    for axis, name in ((axes.xaxis, names[0]), (axes.yaxis, names[1])):
+        axis.set_major_locator(MaxNLocator(4))
+        axis.set_label_text(rf"$\omega_{name}$ (rad/s)")
+    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)

@@ -11,9 +11,10 @@ from spintop_figures.methods.known import rank_of
 from spintop_figures.methods.styles import style_of
 from spintop_figures.motion.trajectory import TIME, numbers
 from spintop_figures.moving.assumptions import Assumption, broken, symmetric
-from spintop_figures.style.look import GREY
+from spintop_figures.style.look import GREY, by_width
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 LEAST = 1e-18
@@ -35,9 +36,9 @@ class Constant(NamedTuple):
 
 CONSTANTS = (
     Constant("energy_error", "relative energy error", False),
-    Constant("lz", "change of Lz (J s)", True),
-    Constant("l3", "change of L3 (J s)", True, (symmetric,)),
-    Constant("norm_error", "norm error abs(q) - 1", False),
+    Constant("lz", "change of $L_z$ (J s)", True),
+    Constant("l3", "change of $L_3$ (J s)", True, (symmetric,)),
+    Constant("norm_error", "norm error $|q|-1$ of the quaternion", False),
 )
 """Those that are drawn where all tables have them."""
 
@@ -65,7 +66,9 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
     """The method, or all of the run where the method is there twice."""
     methods = [method_of(other)[0] for other in tables]
     method = method_of(table)[0]
-    return method if methods.count(method) == 1 else describe_run(table).replace(", ", "\n")
+    return (
+        name_of(method) if methods.count(method) == 1 else describe_run(table).replace(", ", "\n")
+    )
 
 
 def draw_drift(tables: Sequence[Table]) -> Figure:
@@ -80,8 +83,8 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
             for table in tables
         )
     ]
-    down = (len(there) + 1) // 2
-    across = min(2, len(there))
+    across = min(by_width(2, 1), len(there))
+    down = -(-len(there) // across)
     figure = new_figure(tables, "Drift of the first integrals", 1.9 + 2.6 * down)
     cells = figure.add_gridspec(down + 1, across, height_ratios=[1] * down + [0.01])
     panels: list[Axes] = []
@@ -105,7 +108,7 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     below = figure.add_subplot(cells[down, :])
     below.set_axis_off()
     handles, labels = panels[0].get_legend_handles_labels()
-    columns = 2 if any("\n" in label for label in labels) else 4
+    columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
     below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
     return figure
 

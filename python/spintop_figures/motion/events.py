@@ -7,9 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import LINES
-from spintop_figures.style.page import add_panels, new_figure
-from spintop_figures.tables.names import SYMBOLS, axis_of
+from spintop_figures.style.look import FAINT, LINES
+from spintop_figures.style.numbers import true_minus, write, write_count
+from spintop_figures.style.page import add_panels, is_lowest, new_figure, panel_rows
+from spintop_figures.tables.names import axis_of, name_of, sign_of
+from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
 
 LEAST_EVENTS = 20
@@ -54,24 +56,28 @@ def object_to_sections(table: Table) -> str:
 def draw_events(table: Table) -> Figure:
     """The instants of the events, one row per kind; where there are many, how many per interval."""
     names = list(table.rows["event"].unique())
-    figure = new_figure(table, "Events", 1.5 + ROW_HEIGHT * len(names))
+    figure = new_figure(table, "Events of the motion", 1.5 + ROW_HEIGHT * len(names))
     axes = figure.add_subplot()
     times = table.rows["t"].to_numpy(float)
     labels = []
     for place, name in enumerate(names):
         t = times[(table.rows["event"] == name).to_numpy()]
-        colour = LINES[place % 2]["color"]
-        label = f"{describe_event(name)} ({len(t)})"
+        label = f"{describe_event(name)} ({write_count(len(t))})"
         if len(t) > MANY_EVENTS:
-            width = draw_density(axes, t, place, (times.min(), times.max()), colour)
-            label += f"\nper {width:.3g} s: up to {count_most(t, times, width)}"
+            width = draw_density(axes, t, place, (times.min(), times.max()))
+            label += f"\nper {write(width, 3)} s: up to {count_most(t, times, width)}"
         else:
-            style = {"color": colour, "markersize": 12}
+            style = {"color": LINES[0]["color"], "markersize": 12, "zorder": 3}
             axes.plot(t, np.full_like(t, place), "|", **style)
         labels.append(label)
     axes.set_yticks(range(len(names)), labels=labels)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", color=FAINT, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines["left"].set_visible(False)
+    begin, end = min(0.0, times.min()), times.max()
+    axes.set_xlim(begin - 0.01 * (end - begin), end + 0.01 * (end - begin))
     axes.set_xlabel("time t (s)")
     return figure
 
@@ -80,18 +86,19 @@ def describe_event(name: str) -> str:
     """An event in words: `theta_deg=90 rising` is \u03b8 = 90\u00b0, rising."""
     known = re.fullmatch(r"(\w+)=(\S+)((?: every turn)?) ?(rising|falling|)", name)
     if not known:
-        return name.replace("_", " ")
+        return name_of(name)
     column, value, turns, side = known.groups()
-    is_angle = column.endswith("_deg")
-    symbol = SYMBOLS.get(column.removesuffix("_deg"), column)
-    value = value.replace("-", "\N{MINUS SIGN}") + ("\N{DEGREE SIGN}" if is_angle else "")
-    words = [f"{symbol} = {value}", *filter(None, (turns.strip(), side))]
+    unit = ""
+    if found := converted(column):
+        column, unit = found.column, f" {found.unit}".replace(" deg", "\N{DEGREE SIGN}")
+    words = [
+        f"{sign_of(column)} = {true_minus(value)}{unit}",
+        *filter(None, (turns.strip(), side)),
+    ]
     return ", ".join(words)
 
 
-def draw_density(
-    axes: Axes, t: np.ndarray, place: int, span: tuple[float, float], colour: str
-) -> float:
+def draw_density(axes: Axes, t: np.ndarray, place: int, span: tuple[float, float]) -> float:
     """How many events there are in each interval, as a row of bars; the length of an interval."""
     counts, edges = np.histogram(t, BARS, span)
     axes.bar(
@@ -100,7 +107,7 @@ def draw_density(
         np.diff(edges),
         place + ROW / 2,
         align="edge",
-        color=colour,
+        color=LINES[0]["color"],
         linewidth=0,
     )
     return float(edges[1] - edges[0])
@@ -114,7 +121,7 @@ def count_most(t: np.ndarray, times: np.ndarray, width: float) -> int:
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at the events of each kind that happens often."""
     names = sections(table)
-    height = 1.3 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), LEAST_HEIGHT)
+    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
     figure = new_figure(table, "Inclination and nutation rate at events", height)
     panels = add_panels(figure, len(names))
     for name, axes in zip(names, panels, strict=True):
@@ -122,12 +129,12 @@ def draw_sections(table: Table) -> Figure:
         theta, rate = np.degrees(rows["theta"]), rows["theta_rate"]
         style = {"color": LINES[0]["color"], "markersize": 2 if len(rows) > 200 else 4}
         axes.plot(theta, rate, ".", rasterized=len(rows) > MANY_POINTS, **style)
-        title = f"{describe_event(name)} ({len(rows)})"
+        title = f"{describe_event(name)} ({write_count(len(rows))})"
         axes.set_title(title, loc="left", fontsize=9.5, parse_math=False)
         spot = axes.get_subplotspec()
-        axes.tick_params(labelleft=spot.is_first_col(), labelbottom=spot.is_last_row())
+        axes.tick_params(labelleft=spot.is_first_col(), labelbottom=is_lowest(axes))
         if spot.is_first_col():
             axes.set_ylabel(axis_of("theta_rate", "rad/s"))
-        if spot.is_last_row():
+        if is_lowest(axes):
             axes.set_xlabel(axis_of("theta", "deg"))
     return figure

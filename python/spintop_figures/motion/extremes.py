@@ -6,6 +6,7 @@ import numpy as np
 
 from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
+from spintop_figures.style.numbers import write_fixed
 from spintop_figures.tables.table import Table
 
 MOST_ARC = np.radians(15)
@@ -25,9 +26,9 @@ class Extreme(NamedTuple):
     value: float
     of_rows: bool
 
-    def note(self) -> str:
-        """What a label adds if the motion may go further than the rows."""
-        return " of the rows" if self.of_rows else ""
+    def note(self, side: str) -> str:
+        """What a label of the "least" or "largest" says first if the motion may go further."""
+        return f"{side} row: " if self.of_rows else ""
 
 
 def extremes_of_rows(values: np.ndarray) -> tuple[Extreme, Extreme]:
@@ -97,4 +98,4 @@ def sparseness(*path: np.ndarray) -> str:
     arc = largest_arc(*path)
     if arc <= MOST_ARC:
         return ""
-    return f"points only: rows are up to {np.degrees(arc):.0f}° apart"
+    return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"

@@ -1,15 +1,48 @@
-"""The residuals of a fit: what was measured less the fitted motion, against time."""
+"""A fit: the measurements with the fitted motion, what is left between them, the values found."""
+
+import math
+import textwrap
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from spintop_figures.motion.trajectory import TIME, numbers
-from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
+from spintop_figures.style.numbers import TIMES, true_minus, with_power, write
 from spintop_figures.style.page import new_figure
-from spintop_figures.tables.names import SYMBOLS, with_unit
-from spintop_figures.tables.table import Table
+from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of, with_unit
+from spintop_figures.tables.own_units import converted
+from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING = "_residual"
+FITTED = "_fit"
+TABLE = ".residuals.csv"
+
+SIDE = 2.2
+"""Width of the fitted values in inches."""
+
+PAIR, LEAST_HEIGHT = 1.9, 3.4
+"""Height of the panels of a column, and of all of them at least, in inches."""
+
+MANY_COLUMNS = 4
+"""So many measured columns stand two abreast."""
+
+OUTLYING = 8
+"""Residuals of more standard deviations, as the median has them, are marked at the edge."""
+
+LEAST, LARGEST = 1e-3, 1e5
+"""Values that are smaller or larger are written with a power of ten in their unit."""
+
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+LINE = 0.185
+"""Height of a line of the fitted values in inches."""
+
+LETTERS = 30
+"""Of such a line."""
 
 
 def measured_columns(table: Table) -> list[str]:
@@ -22,27 +55,126 @@ def object_to_fit(table: Table) -> str:
     return "" if measured_columns(table) else "has no column of residuals"
 
 
+def values_beside(table: Table) -> pd.DataFrame | None:
+    """The rows of the table of the parameters, if it is beside that of the residuals."""
+    path = table.path.with_name(table.path.name.removesuffix(TABLE) + ".csv")
+    if path == table.path or not path.exists():
+        return None
+    try:
+        rows = read_table(path).rows
+    except TableError:
+        return None
+    return rows if {"parameter", "unit", "estimate", "lower", "upper"} <= {*rows} else None
+
+
 def draw_fit(table: Table) -> Figure:
-    """A panel for each measured column; a band has the width of two standard deviations."""
+    """Two panels for each measured column: it with the fitted motion, and the residuals below."""
     names = measured_columns(table)
-    sought = ", ".join(table.settings.get("fit.unknown", []))
-    figure = new_figure(table, f"Residuals of a fit of {sought}", 1.2 + 1.5 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    values = values_beside(table)
+    lines = [] if values is None else tell_values(values)
+    across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1
+    down = -(-len(names) // across)
+    height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, LINE * len(lines) + 1.2)
+    figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
+    figure.get_layout_engine().set(hspace=0.02)
+    if by_width(True, False):
+        widths = [(drawn_width() - SIDE) / across] * across + [SIDE]
+        grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
+        side = grid[:, across]
+    else:
+        below = LINE * len(lines) + 1.2
+        figure.set_figheight(1.0 + PAIR * down + below)
+        grid = figure.add_gridspec(down + 1, 1, height_ratios=[*[PAIR] * down, below])
+        side = grid[down, 0]
     t = numbers(table, "t")
-    for axes, name in zip(panels, names, strict=True):
-        label, unit = SYMBOLS.get(name, name), table.units.get(name, "")
-        residuals = numbers(table, name + ENDING)
-        if unit == "rad":
-            residuals, unit = np.degrees(residuals), "deg"
-        deviation = float(np.sqrt(np.nanmean(residuals**2)))
-        axes.axhspan(-2 * deviation, 2 * deviation, color=FAINT, alpha=0.35, linewidth=0)
-        axes.axhline(0, color=GREY, linewidth=0.8)
-        axes.plot(t, residuals, "o", color=LINES[0]["color"], markersize=3)
-        axes.margins(x=0.01)
-        axes.ticklabel_format(axis="y", scilimits=(-2, 3), useOffset=False)
-        axes.set_ylabel(with_unit(label, unit), parse_math=False)
-        words = f"root mean square {deviation:.2g}; band: twice that"
-        axes.set_title(words, loc="right", fontsize=8.5, color=GREY)
-    panels[-1].set_xlabel(TIME)
-    figure.align_ylabels()
+    first = None
+    for place, name in enumerate(names):
+        cell = grid[place % down, place // down].subgridspec(2, 1, height_ratios=(1.7, 1))
+        above = figure.add_subplot(cell[0], sharex=first)
+        first = first or above
+        below = figure.add_subplot(cell[1], sharex=first)
+        draw_column(table, name, t, above, below)
+        above.tick_params(labelbottom=False)
+        is_lowest = place % down == down - 1 or place == len(names) - 1
+        below.tick_params(labelbottom=is_lowest)
+        if is_lowest:
+            below.set_xlabel(TIME)
+    draw_side(figure.add_subplot(side), lines)
     return figure
+
+
+def draw_column(table: Table, name: str, t: np.ndarray, above: Axes, below: Axes) -> None:
+    """A measured column with the fitted motion; below, the residuals with twice their size."""
+    found = converted(name)
+    label = sign_of(found.column if found else name)
+    unit = table.units.get(name, "")
+    measured, fitted, left = (numbers(table, name + end) for end in ("", FITTED, ENDING))
+    if unit == "rad":
+        measured, fitted, left = (np.degrees(part) for part in (measured, fitted, left))
+        unit = "deg"
+    dots = {"linestyle": "", "marker": "o", "markersize": 2.8, "color": LINES[0]["color"]}
+    above.plot(t, fitted, color=LINES[1]["color"], linewidth=1.0, label="fitted motion")
+    above.plot(t, measured, **dots, label="measured")
+    above.set_title(with_unit(label, unit), loc="left", fontsize=9.5, pad=3, parse_math=False)
+    outside = find_outliers(left)
+    deviation = float(np.sqrt(np.nanmean(left[~outside] ** 2)))
+    below.axhspan(-2 * deviation, 2 * deviation, color=FAINT, alpha=0.35, linewidth=0)
+    below.axhline(0, color=GREY, linewidth=0.8)
+    below.plot(t, left, **dots)
+    below.set_ylabel("residual")
+    size = " ".join(filter(None, (write(deviation, 2), UNIT_WORDS.get(unit, unit))))
+    words = f"root mean square {size}"
+    if outside.any():
+        words += f" without {np.count_nonzero(outside)} outliers"
+        edge = OUTLYING * deviation
+        below.set_ylim(-edge, edge)
+        for there, marker in ((left > 0, "^"), (left < 0, "v")):
+            place = t[outside & there], np.where(left[outside & there] > 0, 0.9, -0.9) * edge
+            below.plot(*place, marker, color=FAULT, markersize=5, zorder=3)
+    below.set_title(words, loc="right", fontsize=8.5, color=GREY, pad=2, parse_math=False)
+    for axes in (above, below):
+        axes.margins(x=0.01)
+
+
+def find_outliers(left: np.ndarray) -> np.ndarray:
+    """Which residuals are so much larger than most that nothing else would be seen beside them."""
+    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
+    return np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
+
+
+def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
+    """The fitted values in lines, of which those of names are bold."""
+    lines = []
+    for row in values.itertuples():
+        name = name_of(row.parameter)
+        lines += [(line, True) for line in textwrap.wrap(name, LETTERS)]
+        unit = row.unit if isinstance(row.unit, str) else ""
+        size = abs(row.estimate)
+        power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
+        factor = f"{TIMES}{with_power('1', power)}" if power else ""
+        half = (row.upper - row.lower) / 2 / 10.0**power
+        decimals = max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 6
+        estimate, low, high = (
+            true_minus(f"{value / 10.0**power:.{decimals}f}")
+            for value in (row.estimate, row.lower, row.upper)
+        )
+        shown = raised(unit)
+        lines += [(f"{estimate}{factor} {shown}".strip(), False), (f"95 %: {low} to {high}", False)]
+        lines.append(("", False))
+    return lines
+
+
+def draw_side(axes: Axes, lines: list[tuple[str, bool]]) -> None:
+    """The fitted values, and what the lines and the bands are."""
+    axes.axis("off")
+    handles = [
+        axes.plot([], [], "o", markersize=3, color=LINES[0]["color"], label="measured")[0],
+        axes.plot([], [], color=LINES[1]["color"], linewidth=1.0, label="fitted motion")[0],
+        Patch(color=FAINT, alpha=0.35, linewidth=0, label="twice the root mean square"),
+    ]
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.03), borderpad=0)
+    for number, (line, is_name) in enumerate(lines):
+        style = {"fontweight": "bold"} if is_name else {}
+        place = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top"}
+        shift = 0, -72 * LINE * (number + 4)
+        axes.annotate(line, (0.0, 1.0), shift, **place, **style, fontsize=8.5, parse_math=False)

@@ -1,115 +1,108 @@
-"""The path of the centre of mass, in space and seen from above."""
+"""The path of the centre of mass: on its sphere, seen from above, and seen from the side."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d import Axes3D
 
-from spintop_figures.motion.extremes import extremes_of_rows, height_extremes, sparseness
+from spintop_figures.motion.extremes import sparseness
+from spintop_figures.motion.sphere import (
+    BACK,
+    ENDS,
+    FRONT,
+    WHOLE,
+    draw_path_on,
+    path_handles,
+    thinned,
+)
 from spintop_figures.motion.trajectory import numbers
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN, LINES
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN, by_width
+from spintop_figures.style.numbers import write
+from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
 
-CAP_ZOOM = 1.12
-"""The size of a cap in its panel."""
+HEIGHT = 3.5
+"""Of the figure, in inches."""
+
+ROOM = 1.1
+"""What is seen, over the extent of the path."""
+
+FLAT = 0.25
+"""The height that a path from the side takes at least, over its width, has its own scale."""
+
+CIRCLE = np.linspace(0, 2 * np.pi, 361)
 
 
 def draw_path(table: Table) -> Figure:
-    """Path of the centre of mass, in space and from above (Figure 11)."""
-    x, y, z = (numbers(table, f"com_{name}") for name in "xyz")
-    sparse = sparseness(x, y, z)
+    """Path of the centre of mass, on its sphere, from above and from the side (Figure 11)."""
+    place = tuple(numbers(table, f"com_{name}") for name in "xyz")
+    sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
-    figure = new_figure(table, title, height=4.5)
-    figure.get_layout_engine().set(wspace=0.14)
-    radius = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
-    room = min(1.1 * float(np.nanmax(np.hypot(x, y))), radius)
-    if np.nanmin(z) < 0 < np.nanmax(z) or room == 0:
-        room = radius
-    style = DOTS if sparse else LINES[0]
-    space = figure.add_subplot(1, 2, 1, projection="3d")
-    draw_sphere(space, radius, room, upper=np.nanmax(z) > 0)
-    space.patch.set_visible(False)  # it would hide labels of the panel beside it
-    space.plot(x, y, z, **style)
-    mark_ends(space, x, y, z)
-    label_space(space, table, room < radius)
-    above = figure.add_subplot(1, 2, 2)
-    around = np.linspace(0, 2 * np.pi, 181)
-    above.plot(radius * np.cos(around), radius * np.sin(around), color=FAINT, linewidth=0.8)
-    draw_from_above(above, x, y, z, style)
-    above.plot(0, 0, "+", color=GREY)
-    mark_ends(above, x, y)
-    side = 1.04 * room
-    above.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
-    above.set(xlabel="x (m)", ylabel="y (m)")
-    above.set_title("from above", loc="left", pad=4)
-    above.legend(
-        loc="upper right", bbox_to_anchor=(1.03, -0.16), ncols=2, handletextpad=0.4, borderpad=0
-    )
+    figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
+    figure.get_layout_engine().set(wspace=0.08)
+    (space, above, side), key = three_panels(figure)
+    radius = float(np.nanmedian(np.sqrt(sum(part**2 for part in place))))
+    joined = not sparse
+    if radius > 0:
+        draw_path_on(space, tuple(part / radius for part in place), joined)
+    space.axis("off")
+    space.set_title(f"on its sphere of {write(radius)} m", fontsize=9.5, pad=16)
+    x, y, z = place
+    draw_plane(above, (x, y), z >= 0, radius, joined)
+    label_plane(above, "x", "y", "from above")
+    if np.ptp(x[np.isfinite(x)]) >= np.ptp(y[np.isfinite(y)]):
+        draw_plane(side, (x, z), y <= 0, radius, joined)
+        label_plane(side, "x", "z", "from $-y$")
+    else:
+        draw_plane(side, (y, z), x >= 0, radius, joined)
+        label_plane(side, "y", "z", "from $+x$")
+    handles = path_handles([WHOLE], [joined])
+    key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
     return figure
 
 
-def draw_from_above(
-    axes: Axes, x: np.ndarray, y: np.ndarray, z: np.ndarray, style: dict[str, object]
+def label_plane(axes: Axes, across: str, up: str, heading: str) -> None:
+    """What the coordinates are, and from where they are seen."""
+    axes.set(xlabel=f"{across} (m)", ylabel=f"{up} (m)")
+    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)
+
+
+def draw_plane(
+    axes: Axes,
+    path: tuple[np.ndarray, np.ndarray],
+    near: np.ndarray,
+    radius: float,
+    joined: bool,
 ) -> None:
-    """The path seen from above: where it is below the level of the pivot, it is paler."""
-    below, above = z < 0, z >= 0
-    halves = (below, "below the pivot", HIDDEN, 2), (above, "above the pivot", "", 3)
-    for there, words, colour, order in halves:
-        if not there.any():
-            continue
-        label = words if below.any() and above.any() else None
-        shown = there | np.roll(there, 1) if "linestyle" in style else there
-        look = style | ({"color": colour} if colour else {})
-        parts = (np.where(shown, part, np.nan) for part in (x, y))
-        axes.plot(*parts, **look, label=label, zorder=order, rasterized=len(x) > MANY_POINTS)
+    """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
+    axes.plot(radius * np.cos(CIRCLE), radius * np.sin(CIRCLE), color=FAINT, linewidth=0.8)
+    axes.plot(0, 0, "+", color=GREY)
+    shown = path if joined else thinned((*path, near))
+    x, y, near = *shown[:2], shown[2] if not joined else near
+    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
+    for there, style, order in ((~near, back, 2), (near, front, 3)):
+        there = there | np.roll(there, 1) if joined else there
+        line = (np.where(there, part, np.nan) for part in (x, y))
+        axes.plot(*line, **style, zorder=order, rasterized=len(x) > MANY_POINTS)
+    for name, index in (("end", -1), ("start", 0)):
+        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec="white", zorder=5)
+    set_limits(axes, path, radius)
 
 
-def label_space(space: Axes3D, table: Table, is_cap: bool) -> None:
-    """Labels of the axes in space; a cap may be too flat for a vertical one."""
-    space.set(xlabel="x (m)", ylabel="y (m)")
-    if is_cap:
-        space.xaxis.labelpad = space.yaxis.labelpad = 9
-        space.set_zticks([])
-        low, high = (
-            height_extremes(table)
-            if "theta" in table.rows
-            else extremes_of_rows(numbers(table, "com_z"))
-        )
-        note = (low if low.of_rows else high).note()
-        sides = [np.ptp(ends) for ends in (space.get_xlim(), space.get_ylim(), space.get_zlim())]
-        space.set_box_aspect(sides, zoom=CAP_ZOOM)
-        space.set_title(f"in space, z from {low.value:.4g} to {high.value:.4g} m{note}", y=0.8)
+def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -> None:
+    """A square about the path, or about its sphere; a flat path has a scale of its own upward."""
+    low, high = (np.array([end(part) for part in path]) for end in (np.nanmin, np.nanmax))
+    half = ROOM * max(high - low) / 2
+    half = half if 0 < 1.5 * half < radius else 1.05 * (radius or 1.0)
+    middle = (low + high) / 2 if half < radius else np.zeros(2)
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    width, height = high - low
+    if half < radius and 0 < height < FLAT * width:
+        axes.set_ylim(middle[1] - ROOM * height / 2, middle[1] + ROOM * height / 2)
+        axes.set_box_aspect(1)
     else:
-        space.set(zlabel="z (m)", title="in space")
-
-
-def draw_sphere(axes: Axes3D, radius: float, room: float, upper: bool) -> None:
-    """The sphere of the centre of mass or, if `room` is less than its radius, that cap of it."""
-    down = np.linspace(0, np.arcsin(room / radius) if room < radius else np.pi, 49)
-    around = np.linspace(0, 2 * np.pi, 73)
-    height = radius * np.outer(np.cos(down), np.ones_like(around))
-    axes.plot_wireframe(
-        radius * np.outer(np.sin(down), np.cos(around)),
-        radius * np.outer(np.sin(down), np.sin(around)),
-        height if upper else -height,
-        rstride=8,
-        cstride=6,
-        color=FAINT,
-        linewidth=0.5,
-    )
-    axes.set(xlim=(-room, room), ylim=(-room, room))
-    axes.set_aspect("equal")
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MaxNLocator(3))
-        axis.pane.set_visible(False)
-    axes.grid(visible=False)
-
-
-def mark_ends(axes: Axes, *path: np.ndarray) -> None:
-    """Mark where the path begins and ends."""
-    for place, marker, label in ((0, "o", "start"), (-1, "D", "end")):
-        ends = [component[place : place + 1 or None] for component in path]
-        axes.plot(*ends, marker, markersize=5, color=LINES[1]["color"], mec="white", label=label)
+        axes.set_ylim(middle[1] - half, middle[1] + half)
+        axes.set_aspect("equal")
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.yaxis.set_major_locator(MaxNLocator(4))

@@ -8,6 +8,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from spintop_figures.motion.trajectory import TIME, four_panels, numbers
 from spintop_figures.style.lines import draw_line, draw_sizes, has_wide_range
 from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run, model_of
 from spintop_figures.tables.names import with_unit
@@ -65,20 +66,12 @@ def draw_residual(axes: Axes, t: np.ndarray, y: np.ndarray, is_log: bool) -> Non
     else:
         axes.axhline(0, color=FAINT, linewidth=0.8)
         draw_line(axes, t, y)
-        axes.ticklabel_format(axis="y", scilimits=(-2, 3), useOffset=False)
 
 
 def tell_largest(y: np.ndarray) -> str:
     """The largest magnitude, in words."""
     largest = np.nanmax(np.where(np.isfinite(y), np.abs(y), np.nan))
-    return f"largest {as_power(largest)}" if largest else "zero"
-
-
-def as_power(value: float) -> str:
-    """Two digits of a number as mathematics writes it."""
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    power = int(exponent)
-    return f"{value:.2g}" if -3 <= power < 4 else rf"${mantissa}\cdot10^{{{power}}}$"
+    return f"largest {write(largest, 2)}" if largest else "zero"
 
 
 def draw_error(table: Table) -> Figure:
@@ -115,7 +108,7 @@ def mark_largest(axes: Axes, t: np.ndarray, error: np.ndarray) -> None:
     axes.plot(t[place], largest, "o", color=LINES[1]["color"], markersize=4.5, zorder=4)
     is_late = t[place] > (t[0] + t[-1]) / 2
     axes.annotate(
-        f"largest: {as_power(largest)} rad = {as_power(np.degrees(largest))}°",
+        f"largest: {write(largest, 2)} rad = {write(np.degrees(largest), 2)}°",
         (t[place], largest),
         (0, 6),
         textcoords="offset points",

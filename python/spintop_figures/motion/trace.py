@@ -1,4 +1,4 @@
-"""The path of the axis tip on the unit sphere, seen from far away and a little from above."""
+"""The path of the axis tip on the unit sphere, or on the cap of it that the axis keeps to."""
 
 import textwrap
 from collections.abc import Sequence
@@ -9,77 +9,50 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from spintop_figures.motion.extremes import inclination_extremes, sparseness
+from spintop_figures.motion.sphere import (
+    CIRCLE,
+    View,
+    draw_path_on,
+    draw_seen,
+    on_sphere,
+    path_handles,
+)
 from spintop_figures.motion.trajectory import numbers
-from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, GREY, HIDDEN, LINES, WIDTH
+from spintop_figures.style.look import GREY, by_width, drawn_width
+from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
-
-ELEVATION = np.radians(28)
-"""How far above the horizon the eye is."""
-
-GRID = np.radians(30)
-"""Distance of the circles of the graticule."""
 
 LEAST_NUTATION = np.radians(0.5)
 """A smaller range of the inclination is about the width of the line of the path."""
 
-CIRCLE = np.linspace(0, 2 * np.pi, 241)
+BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
+UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
+"""Where the legend of a single sphere is, beside it and below it."""
+
+BELOW = 3.0
+"""Inches below a sphere on a narrow figure."""
 
 MOST_ACROSS = 3
 """Spheres in a row."""
 
+ALONE = 4.6
+"""Side of a single sphere in inches; the words are beside it."""
+
+SHAPE, TITLE = 1.1, 0.65
+"""Height of a sphere with its vertical over its width, and of the words above it in inches."""
+
 LEGEND = 0.25
 """Height of the legend in inches."""
 
-LETTERS = 12
+LETTERS = 13
 """Letters of a title per inch."""
 
-FRONT = {"color": LINES[0]["color"], "linewidth": 1.5}
-BACK = {"color": HIDDEN, "linewidth": 1.1}
-"""The path before the sphere, and behind it a paler tint of the same colour."""
+MANY_DEGREES = 1000
+"""An azimuth of more is told in turns."""
 
-START = {"color": LINES[1]["color"], "linestyle": "", "marker": "o", "markersize": 5.5}
-"""Where the path begins; empty if that is behind the sphere."""
-
-
-def project(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Points of space as seen: to the right, upward, and towards the eye, which is at -y."""
-    up = z * np.cos(ELEVATION) + y * np.sin(ELEVATION)
-    towards = z * np.sin(ELEVATION) - y * np.cos(ELEVATION)
-    return x, up, towards
-
-
-def on_sphere(theta: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The tip of the axis of a top in space."""
-    return np.sin(theta) * np.sin(phi), -np.sin(theta) * np.cos(phi), np.cos(theta)
-
-
-def draw_seen(axes: Axes, points: tuple[np.ndarray, ...], front: dict, back: dict) -> None:
-    """A curve on the sphere: its part before the sphere in one style, that behind it in another."""
-    x, y, towards = project(*points)
-    rasterized = len(x) > MANY_POINTS
-    for style, shown, order in ((back, towards <= 0, 1), (front, towards >= 0, 3)):
-        if "marker" not in style:
-            shown = shown | np.roll(shown, 1)  # no gaps where it passes the edge
-        line = np.where(shown, x, np.nan), np.where(shown, y, np.nan)
-        axes.plot(*line, **{"zorder": order, "rasterized": rasterized} | style)
-
-
-def draw_globe(axes: Axes) -> None:
-    """The edge of the sphere, its graticule, and the vertical."""
-    axes.fill(np.cos(CIRCLE), np.sin(CIRCLE), color="0.975", zorder=0)
-    axes.plot(np.cos(CIRCLE), np.sin(CIRCLE), color="0.5", linewidth=0.9)
-    front, back = ({"color": shade, "linewidth": 0.5, "zorder": 1} for shade in ("0.72", "0.9"))
-    for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
-        draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
-    for phi in np.arange(0, np.pi, GRID):
-        draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
-    top = np.cos(ELEVATION)
-    axes.annotate(
-        "", (0, top + 0.3), (0, top), arrowprops={"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
-    )
-    axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize=9)
+EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
+"""The circles of the extreme inclinations."""
 
 
 def path_of(table: Table) -> np.ndarray:
@@ -93,74 +66,84 @@ def object_to_trace(table: Table) -> str:
     return "" if path_of(table).size else "has no row with both angles"
 
 
-def nutates(table: Table) -> bool:
-    """Whether the circles of the extreme inclinations differ from each other and from the path."""
+def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool]:
+    """The path of a motion, between the circles of its minimum and its maximum inclination.
+
+    Gives the view, whether the rows are joined, and whether the circles are drawn: they are where
+    they differ from each other and from the path.
+    """
+    tip = on_sphere(*path_of(table))
+    joined = not sparseness(*tip)
+    view = draw_path_on(axes, tip, joined)
     low, high = inclination_extremes(table)
-    return high.value - low.value > LEAST_NUTATION
-
-
-def draw_path_on(axes: Axes, table: Table) -> None:
-    """The path of a motion, between the circles of its minimum and its maximum inclination."""
-    draw_globe(axes)
-    theta, phi = path_of(table)
-    edge = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
-    for extreme in inclination_extremes(table) if nutates(table) else ():
+    nutates = high.value - low.value > min(LEAST_NUTATION, 0.04 * view.window)
+    for extreme in (low, high) if nutates else ():
         circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
-        draw_seen(axes, circle, edge, edge | {"color": "0.82"})
-    tip = on_sphere(theta, phi)
-    front, back = (DOTS, DOTS | {"color": HIDDEN}) if sparseness(*tip) else (FRONT, BACK)
-    draw_seen(axes, tip, front, back)
-    x, y, towards = project(*(part[:1] for part in tip))
-    axes.plot(x, y, **START, mfc=START["color"] if towards[0] >= 0 else "white", zorder=5)
-    axes.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.28), aspect="equal")
-    axes.axis("off")
+        draw_seen(axes, circle, EDGE, EDGE | {"color": "0.82"}, view)
+    return view, joined, nutates
 
 
-def turns_of(table: Table) -> list[str]:
+def tell_path(table: Table) -> list[str]:
     """The extremes of the inclination and the azimuth passed, in lines of words."""
     theta, phi = path_of(table)
     low, high = inclination_extremes(table)
-    note = (low if low.of_rows else high).note()
-    turned = f"{np.degrees(phi[-1] - phi[0]):+.4g}".replace("-", "\N{MINUS SIGN}")
-    words = f"θ {np.degrees(low.value):.4g}° to {np.degrees(high.value):.4g}°{note}, φ {turned}°"
+    ends = [f"{write(np.degrees(end.value))}°" for end in (low, high)]
+    words = rf"$\theta$ = {ends[0]}" if ends[0] == ends[1] else rf"$\theta$ {ends[0]} to {ends[1]}"
+    if (low.of_rows or high.of_rows) and ends[0] != ends[1]:
+        words += " in the rows"
+    lines = [words, rf"$\phi$ {tell_turn(np.degrees(phi[-1] - phi[0]))}"]
     sparse = sparseness(*on_sphere(theta, phi))
-    return [words, sparse] if sparse else [words]
+    return [*lines, sparse] if sparse else lines
+
+
+def tell_turn(degrees: float) -> str:
+    """How far an azimuth turns, in degrees or in turns."""
+    many = abs(degrees) > MANY_DEGREES
+    sign = "+" if degrees > 0 else ""
+    return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
 
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """The paths of several motions side by side, each under its title."""
-    across = min(len(tables), MOST_ACROSS)
+    across = min(len(tables), by_width(MOST_ACROSS, 2))
     down = -(-len(tables) // across)
-    side = min(WIDTH / across, 4.6)
-    figure = new_figure(
-        tables, "Path of the axis tip on the unit sphere", 1.0 + (side + 0.3) * down
-    )
-    grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
-    panels = [figure.add_subplot(grid[place]) for place in np.ndindex(down, across)]
-    for axes in panels:
+    width = drawn_width()
+    side = width / across if len(tables) > 1 else min(ALONE, width)
+    heading = "Path of the axis tip on the unit sphere"
+    alone = len(tables) == 1
+    height = side if alone else SHAPE * side + TITLE
+    figure = new_figure(tables, heading, 0.8 + height * down)
+    if alone and by_width(True, False):
+        grid = figure.add_gridspec(1, 2, width_ratios=[ALONE, width - ALONE])
+        panels, key = [figure.add_subplot(grid[0, 0])], figure.add_subplot(grid[0, 1])
+    elif alone:
+        figure.set_figheight(side + BELOW)
+        grid = figure.add_gridspec(2, 1, height_ratios=[side, BELOW - 1])
+        panels, key = [figure.add_subplot(grid[0, 0])], figure.add_subplot(grid[1, 0])
+    else:
+        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
+        panels = [figure.add_subplot(grid[place]) for place in np.ndindex(down, across)]
+        key = figure.add_subplot(grid[down, :])
+    for axes in (*panels, key):
         axes.axis("off")
+    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
+    handles = path_handles([view for view, _, _ in drawn], [joined for _, joined, _ in drawn])
+    if any(nutates for _, _, nutates in drawn):
+        handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
+    if alone:
+        words = [textwrap.fill(line, 44) for line in tell_path(tables[0])]
+        key.text(0, by_width(0.8, 1.0), "\n".join(words), va="top", linespacing=1.5)
+        for handle in handles:
+            handle.set_label(textwrap.fill(handle.get_label(), 20))
+        key.legend(handles=handles, **by_width(BESIDE, UNDER))
+        return figure
     for axes, table in zip(panels, tables, strict=False):
-        draw_path_on(axes, table)
-        title = [table.title] if len(tables) > 1 else []
-        words = "\n".join([*title, *turns_of(table)])
-        lines = [textwrap.fill(line, int(side * LETTERS)) for line in words.split("\n")]
-        axes.set_title("\n".join(lines), fontsize=9, pad=2, parse_math=False)
-    key = figure.add_subplot(grid[down, :])
-    key.axis("off")
-    handles = legend_handles()[: 4 if any(map(nutates, tables)) else 3]
-    key.legend(handles=handles, loc="center left", ncols=4, columnspacing=1.4)
+        title = textwrap.fill(table.title, int(side * LETTERS)).replace("$", r"\$")
+        axes.set_title("\n".join([title, *tell_path(table)]), fontsize=9, pad=2)
+    key.legend(
+        handles=handles, loc="center", ncols=by_width(5, 2), columnspacing=1.2, handletextpad=0.4
+    )
     return figure
-
-
-def legend_handles() -> list[Line2D]:
-    """What the lines are."""
-    ends = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
-    return [
-        Line2D([], [], **FRONT, label="path of the tip"),
-        Line2D([], [], **BACK, label="on the far side"),
-        Line2D([], [], **START, label="start"),
-        Line2D([], [], **ends, label="minimum and maximum inclination"),
-    ]
 
 
 def draw_trace(table: Table) -> Figure:

@@ -50,8 +50,15 @@ class Data:
         """Which rows it has, in words."""
         cases = f", of one case in {self.of_cases}" if self.of_cases > 1 else ""
         if self.kept == self.total:
-            return f"all {self.total} rows{cases}"
-        return f"one row in {self.stride} of {self.total}, and the last{cases}"
+            return f"all {self.total:,} rows{cases}"
+        return which_rows(self.stride, self.total) + cases
+
+
+def which_rows(stride: int, total: int) -> str:
+    """Which rows of a table are kept, in words: every 5th of 1,985 rows, and the last."""
+    ends = {1: "st", 2: "nd", 3: "rd"}
+    end = "th" if stride // 10 % 10 == 1 else ends.get(stride % 10, "th")
+    return f"every {stride}{end} of {total:,} rows, and the last"
 
 
 def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import Body, draw_body, read_body
-from spintop_figures.moving.data import Data
+from spintop_figures.moving.data import Data, which_rows
 from spintop_figures.tables.table import Table
 
 ANGLES = ("phi", "theta", "psi")
@@ -130,6 +130,26 @@ def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
     return hashlib.sha256("|".join(words).encode()).hexdigest()[:16]
 
 
+def extremes_of(table: Table, body: Body | None, omega: np.ndarray | None) -> dict[str, object]:
+    """The range of theta (rad), and the largest of each vector that there is; of all rows."""
+    if is_whole(table, ANGLES):
+        theta = columns_of(table, ANGLES)[:, 1]
+    else:
+        q0, q1, q2, q3 = columns_of(table, QUATERNION).T
+        theta = 2 * np.arctan2(np.hypot(q1, q2), np.hypot(q0, q3))
+    vectors = {}
+    if is_whole(table, FORCE):
+        vectors["force"] = columns_of(table, FORCE)
+    if omega is not None:
+        vectors["omega"] = omega
+        if body is not None:
+            vectors["momentum"] = omega @ body.tensor()
+    largest = {
+        name: float(np.linalg.norm(values, axis=1).max()) for name, values in vectors.items()
+    }
+    return {"theta": [float(theta.min()), float(theta.max())], **largest}
+
+
 def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
     """What the page has to know of a motion beside the columns of its rows.
 
@@ -147,9 +167,11 @@ def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
         "scene": scene_of(table, body, omega),
         "exact": table.header.get("method", "") == "exact",
         "notes": lacking(table, body, omega),
+        "extremes": extremes_of(table, body, omega),
     }
     if data.stride > 1:
-        facts["notes"].append(f"One row in {data.stride} of {data.total} is shown, and the last.")
+        kept = which_rows(data.stride, data.total)
+        facts["notes"].append(f"The page has {kept}; ranges and longest arrows are of all rows.")
     if body is not None:
         facts["body"] = {
             "mass": body.mass,

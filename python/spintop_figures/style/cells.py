@@ -5,6 +5,7 @@ set at all its places.
 """
 
 from collections import defaultdict
+from collections.abc import Callable
 
 import numpy as np
 from matplotlib.artist import Artist, allow_rasterization
@@ -32,6 +33,30 @@ class Cells(Artist):
         self.places: dict[tuple[str, str], list[tuple[Place, float]]] = defaultdict(list)
         """By colour and character: the ends of its texts, and how far left of them it is."""
         self.set_in_layout(False)
+
+    def get_fontsize(self) -> float:
+        """The size of the characters, in points."""
+        return self.font.get_size_in_points()
+
+    def set_fontsize(self, size: float) -> None:
+        """Set the size of the characters, and the distances between them with it."""
+        factor = size / self.get_fontsize()
+        self.font.set_size(size)
+        self.widths.clear()
+        self.places = {
+            key: [(end, left * factor) for end, left in places]
+            for key, places in self.places.items()
+        }
+
+    def rewrite(
+        self,
+        character: Callable[[str], str] = lambda character: character,
+        colour: Callable[[object], object] = lambda colour: colour,
+    ) -> None:
+        """Write other characters, or in other colours."""
+        self.places = {
+            (colour(key[0]), character(key[1])): places for key, places in self.places.items()
+        }
 
     def write(self, end: Place, text: str, room: str = "", colour: str = "black") -> None:
         """Write a text; between it and its end there is room for other characters."""

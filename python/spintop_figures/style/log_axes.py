@@ -11,16 +11,21 @@ from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT
 from matplotlib.ticker import Locator, LogFormatterSciNotation, NullLocator
 
+from spintop_figures.style.numbers import MINUS, with_power, write
+
 POWER = re.compile(r"\$\\mathdefault\{(?:(\S+)\\times)?10\^\{(\S+)\}\}\$")
 """A power of ten as a formula, which takes matplotlib ten times as long as plain text."""
-
-RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
 
 FEW_DECADES = 100
 """The ratio of the ends of an axis below which its numbers have no powers of ten."""
 PLAIN = 1e-3, 1e4
 """The least and the largest of such numbers."""
+
+
+def axes_of(figure: Figure) -> list[tuple[Axes, str, Axis]]:
+    """Every axis of a figure, also within and beside panels, with its panel and its letter."""
+    panels = [each for axes in figure.axes for each in (axes, *axes.child_axes)]
+    return [(panel, name, axis) for panel in panels for name, axis in panel._axis_map.items()]
 
 
 class PlainPowers(LogFormatterSciNotation):
@@ -34,9 +39,15 @@ class PlainPowers(LogFormatterSciNotation):
             return text
         low, high = sorted(self.axis.get_view_interval())
         if high < FEW_DECADES * low and PLAIN[0] <= low and high <= PLAIN[1]:
-            return f"{x:g}"
-        factor = f"{power[1]}\N{MULTIPLICATION SIGN}" if power[1] else ""
-        return f"{factor}10{power[2].translate(RAISED)}"
+            return write(x)
+        return with_power(power[1] or "1", int(power[2].replace(MINUS, "-")))
+
+
+def write_powers(axis: Axis) -> None:
+    """Give a log axis plain powers of ten."""
+    for which in ("major", "minor"):
+        if type(getattr(axis, f"get_{which}_formatter")()) is LogFormatterSciNotation:
+            getattr(axis, f"set_{which}_formatter")(PlainPowers())
 
 
 class MinorTicks(NamedTuple):
@@ -54,10 +65,7 @@ def simplify_log_axes(figure: Figure) -> list[MinorTicks]:
         for axis, side in ((axes.xaxis, "bottom"), (axes.yaxis, "left")):
             if axis.get_scale() != "log":
                 continue
-            if type(axis.get_major_formatter()) is LogFormatterSciNotation:
-                axis.set_major_formatter(PlainPowers())
-            if type(axis.get_minor_formatter()) is LogFormatterSciNotation:
-                axis.set_minor_formatter(PlainPowers())
+            write_powers(axis)
             low, high = sorted(axis.get_view_interval())
             seen = axes.axison and axis.get_visible()
             if seen and high > 10 * low and axis.get_tick_params("minor").get(side, True):
@@ -78,5 +86,6 @@ def draw_minor_ticks(ticks: MinorTicks) -> None:
         x, y, marker, place = places, zeros, TICKDOWN, axes.get_xaxis_transform("tick1")
     else:
         x, y, marker, place = zeros, places, TICKLEFT, axes.get_yaxis_transform("tick1")
-    style = {"color": "black", "markersize": 2, "markeredgewidth": 0.6, "linestyle": ""}
+    colour = axes.spines["left"].get_edgecolor()
+    style = {"color": colour, "markersize": 2, "markeredgewidth": 0.6, "linestyle": ""}
     axes.add_artist(Line2D(x, y, marker=marker, transform=place, clip_on=False, **style))

@@ -1,10 +1,11 @@
 """Where a figure comes from, in words: title, run and program of its tables."""
 
-import re
 from collections.abc import Sequence
 
+from spintop_figures.style.numbers import write, write_count
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import is_good_end
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 
@@ -41,11 +42,19 @@ def warning_of(table: Table) -> str:
     """How a run ended if not well, and whether only some cases are drawn; empty if all is well."""
     words = []
     if table.status is not None and not is_good_end(table.status):
-        status = re.sub(r"\d+\.\d{6,}", lambda time: f"{float(time[0]):.6g}", table.status)
-        words.append(f"ended with status {status} s")
+        words.append(f"ended early: {describe_end(table.status)}")
     if table.stride > 1:
-        words.append(f"one case in {table.stride} is drawn")
+        words.append(f"one case in {write_count(table.stride)} is drawn")
     return "; ".join(words)
+
+
+def describe_end(status: str) -> str:
+    """How a motion ended, in words: `pole at t = 1.25` is at a pole at t = 1.25 s."""
+    word, at, time = status.partition(" at t = ")
+    try:
+        return f"{name_of(word)}{at}{write(float(time), 6)} s" if at else name_of(word)
+    except ValueError:
+        return status
 
 
 def run_of(table: Table) -> str:
@@ -68,11 +77,9 @@ def describe_run(table: Table) -> str:
     formulation, method = model_of(table)
     if method == "exact":
         return "exact solution"
-    words = [f"formulation {formulation}", f"method {method}"]
-    if butcher := table.setting("integration.table"):
-        words.append(f"table {butcher}")
+    words = [name_of(formulation), name_of(table.setting("integration.table") or method)]
     if steps := table.setting("integration.steps"):
-        words.append(f"{steps} steps")
+        words.append(f"{write_count(float(steps))} steps")
     elif step := table.setting("integration.step"):
         words.append(f"steps of {step} s")
     else:
@@ -91,7 +98,7 @@ def model_of(table: Table) -> tuple[str, str]:
 def describe_tolerances(table: Table) -> list[str]:
     """The tolerances that the input gives."""
     given = [
-        f"{kind} tolerance {value}"
+        f"{kind} tolerance {write(float(value))}"
         for kind in ("relative", "absolute")
         if (value := table.setting(f"integration.{kind}_tolerance"))
     ]

@@ -1,4 +1,4 @@
-"""Figures as files: PNG and SVG, with the provenance in their metadata."""
+"""Figures as files: PNG, SVG, PDF and others, with the provenance in their metadata."""
 
 import os
 import warnings
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -15,7 +16,8 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from spintop_figures.style.log_axes import draw_minor_ticks, simplify_log_axes
-from spintop_figures.style.look import the_look
+from spintop_figures.style.look import WIDTH, the_look
+from spintop_figures.style.options import DEFAULT, Options
 from spintop_figures.style.page import Page
 
 Metadata = dict[str, str | None]
@@ -32,17 +34,20 @@ AREAS = 16
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure to a PNG or SVG file, which is replaced when the new one is complete.
+    """Write a figure to a file, which is replaced when the new one is complete.
 
-    Processes may draw the same figure at once: each has a part of its own.
+    Its ending says of which kind it is: one of FORMATS, else there is a ValueError. Processes may
+    draw the same figure at once: each has a part of its own.
     """
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    kind = path.suffix[1:]
-    with the_look(), warnings.catch_warnings():
+    kind = path.suffix[1:].lower()
+    if kind not in FORMATS:
+        raise ValueError(f"a figure ends in {', '.join(sorted(FORMATS))}, not in {kind!r}")
+    with the_look(options_of(figure)), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")
         lay_out(figure)
         try:
-            WRITERS[kind](figure, part, metadata_of(figure, kind))
+            WRITERS.get(kind, write_other)(figure, part, kind)
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
@@ -53,7 +58,7 @@ def lay_out(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None or isinstance(engine, PlaceHolderLayoutEngine):
         return
-    figure.set_dpi(DOTS_PER_INCH)
+    figure.set_dpi(dots_of(figure))
     FigureCanvasAgg(figure)
     for axes in figure.axes:
         axes.apply_aspect()
@@ -68,42 +73,70 @@ def lay_out(figure: Figure) -> None:
         figure.finish()
 
 
-def write_png(figure: Figure, path: Path, metadata: Metadata) -> None:
+def options_of(figure: Figure) -> Options:
+    """What was asked of a figure."""
+    return figure.options if isinstance(figure, Page) else DEFAULT
+
+
+def dots_of(figure: Figure) -> float:
+    """Dots per inch: a narrow figure has as many across as one of a page."""
+    return DOTS_PER_INCH * max(1.0, round(WIDTH / figure.get_size_inches()[0], 2))
+
+
+def write_png(figure: Figure, path: Path, kind: str) -> None:
     """Write a PNG file. Figure.savefig draws everything twice."""
-    figure.set_dpi(DOTS_PER_INCH)
+    dots = dots_of(figure)
+    figure.set_dpi(dots)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     texts = PngInfo()
-    for key, text in metadata.items():
+    for key, text in metadata_of(figure, kind).items():
         texts.add_itxt(key, text)
     picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    dpi = (DOTS_PER_INCH, DOTS_PER_INCH)
-    picture.save(path, "png", pnginfo=texts, dpi=dpi, compress_level=COMPRESSION)
+    picture.save(path, "png", pnginfo=texts, dpi=(dots, dots), compress_level=COMPRESSION)
 
 
-def write_svg(figure: Figure, path: Path, metadata: Metadata) -> None:
+def write_svg(figure: Figure, path: Path, kind: str) -> None:
     """Write an SVG file."""
     figure.set_dpi(DOTS_PER_INCH)
-    FigureCanvasSVG(figure).print_svg(str(path), metadata=metadata)
+    FigureCanvasSVG(figure).print_svg(str(path), metadata=metadata_of(figure, kind))
+
+
+def write_other(figure: Figure, path: Path, kind: str) -> None:
+    """Write a file of any other kind that matplotlib knows."""
+    figure.set_dpi(dots_of(figure))
+    figure.savefig(path, format=kind, dpi="figure", metadata=metadata_of(figure, kind))
 
 
 WRITERS = {"png": write_png, "svg": write_svg}
-"""What writes a kind of file."""
+"""What writes a kind of file, faster than matplotlib does by itself."""
+
+FORMATS = frozenset(FigureCanvasBase.get_supported_filetypes()) - {"raw", "rgba", "pgf"}
+"""The kinds of files that a figure can be written to."""
+
+PDF_KEYS = {"Title": "Title", "Description": "Subject", "Software": "Creator", "Source": "Keywords"}
 
 
-def metadata_of(figure: Figure, kind: str) -> Metadata:
+def metadata_of(figure: Figure, kind: str) -> Metadata | None:
     """The provenance of a figure under the names that a kind of file has for it."""
     known = dict(figure.provenance) if isinstance(figure, Page) else {}
     if kind == "svg":
         program = known.pop("Software", None)
         return {**known, "Creator": program, "Date": None}
-    return known
+    if kind == "pdf":
+        return {PDF_KEYS[key]: text for key, text in known.items()} | {"CreationDate": None}
+    if kind in ("eps", "ps"):
+        return {"Creator": known.get("Software", "spintop")}
+    return known if kind == "png" else None
 
 
 def save_as(
     figure: Figure, stem: str | Path, endings: Sequence[str] = ("png", "svg")
 ) -> list[Path]:
-    """Write a figure to files that differ in their endings, which come after the stem."""
+    """Write a figure to files that differ in their endings, which come after the stem.
+
+    An ending is one of FORMATS: png, svg, pdf, eps and others; else there is a ValueError.
+    """
     stem = Path(stem)
     targets = [stem.with_name(f"{stem.name}.{ending}") for ending in endings]
     for target in targets:

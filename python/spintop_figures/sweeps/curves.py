@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.look import FAINT, FAULT, LINES
-from spintop_figures.style.page import add_panels, head, new_figure
+from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     has_log_axis,
@@ -16,16 +16,25 @@ from spintop_figures.sweeps.quantities import (
     order_classes,
     parameter_words,
     quantities_of,
+    tell_constants,
     tell_failed,
     tell_noise,
 )
-from spintop_figures.sweeps.sweep import marks
+from spintop_figures.sweeps.sweep import MOST_MARKS, marks
 from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import name_of, with_unit
 from spintop_figures.tables.table import Table
 
-PANEL_HEIGHT, LEAST_HEIGHT = 1.9, 3.0
+PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
 """Of a row of panels, and of all of them, in inches."""
+
+
+SAME_THRESHOLD = 1e-6
+"""Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
+
+FAR = 0.08
+"""Neighbours among many cases that differ by more of the range are not joined: between them a curve
+is not known."""
 
 
 def object_to_curves(table: Table) -> str:
@@ -47,21 +56,31 @@ def draw_curves(table: Table) -> Figure:
     x = rows[name].to_numpy(float)
     failed = ~ended_well(rows).to_numpy()
     height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
-    title = f"Curves over {parameter_words(name)}{tell_failed(table)}{tell_noise(table)}"
-    figure = new_figure(table, title, height)
+    notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
+    figure = new_figure(table, f"The motion over the {parameter_words(name)}{notes}", height)
+    threshold = sleeping_threshold(name, rows)
     panels = add_panels(figure, len(quantities), sharey=False)
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
         cross(axes, x[failed])
-        is_low = axes.get_subplotspec().is_last_row()
-        axes.tick_params(labelbottom=is_low)
-        if is_low:
+        if threshold:
+            axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
+        if is_lowest(axes):
             label_parameter(table, 0, axes.xaxis)
     if has_log_axis(table, 0):
         panels[0].set_xscale("log")
         for axes in panels:
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axes.xaxis.set_major_formatter(plain_numbers())
     return figure
+
+
+def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
+    """Where on an axis of spins the sleeping top becomes stable, if the table has the ratio."""
+    if name not in ("initial.omega3", "initial.spin_ratio") or "sleeping_ratio" not in rows:
+        return None
+    at = np.abs(rows[name] / rows["sleeping_ratio"]).dropna()
+    spread = np.ptp(at) if at.size else np.inf
+    return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
 
 
 def cross(axes: Axes, x: np.ndarray) -> None:
@@ -82,7 +101,7 @@ def draw_curve(
         codes = {name: float(code) for code, name in enumerate(classes)}
         numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
-        axes.set_yticks(range(len(classes)), labels=classes)
+        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
         axes.set_ylim(-0.5, len(classes) - 0.5)
     else:
         numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
@@ -95,5 +114,19 @@ def draw_curve(
             numbers = np.where(numbers > 0, numbers, np.nan)
         elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
             axes.axhline(0, color=FAINT, linewidth=0.8)
-        axes.plot(x, numbers, **style)
+        draw_joined(axes, x, numbers, style)
     head(axes, title)
+
+
+def draw_joined(axes: Axes, x: np.ndarray, y: np.ndarray, style: dict[str, object]) -> None:
+    """A curve; of many cases only those that are near to each other are joined, others are dots."""
+    if len(x) <= MOST_MARKS:
+        axes.plot(x, y, **style)
+        return
+    heights = np.log(y) if axes.get_yscale() == "log" else y
+    far = np.abs(np.diff(heights)) > FAR * (np.nanmax(heights) - np.nanmin(heights))
+    gaps = np.flatnonzero(far) + 1
+    axes.plot(np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan), **style)
+    alone = np.append(True, far) & np.append(far, True)
+    dots = {"linestyle": "", "marker": ".", "markersize": 3, "color": style["color"]}
+    axes.plot(x[alone], y[alone], **dots)

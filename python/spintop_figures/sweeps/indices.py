@@ -7,22 +7,22 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.style.look import FAULT, HIDDEN, LINES
-from spintop_figures.style.page import add_panels, head, new_figure
-from spintop_figures.sweeps.maps import PANEL_HEIGHT
+from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.style.numbers import write_count
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
 from spintop_figures.sweeps.statistics import beside, describe, tell_cases
-from spintop_figures.tables.names import PARAMETERS
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
-WIDTH = 0.38
-"""Width of a bar; the factors are 1 apart."""
+APART = 0.13
+"""How far the two indices of a factor stand from its line; the factors are 1 apart."""
 LEAST_RANGE = 0.5
 """The axis reaches to this share at least."""
 FURTHEST = 0.5
 """How far the axis goes beyond 0 and 1 at most, where intervals are wide."""
-MANY_FACTORS = 5
-"""Factors from which their names are rotated."""
+FACTOR_HEIGHT, FRAME_HEIGHT = 0.34, 0.75
+"""Of a factor, and of what is above and below the factors of a panel, in inches."""
 INDICES = ("first_order", "total")
 
 
@@ -66,62 +66,64 @@ def indices_of_netcdf(path: Path) -> pd.DataFrame:
 
 
 def draw_indices(table: Table) -> Figure:
-    """The indices of each column as bars with their intervals."""
+    """The indices of each column as dots with their intervals, a line a factor."""
     found = indices_of(table)
     if not np.isfinite(found["first_order"].to_numpy(float)).any():
         raise TableError("has no column that varies: no indices figure")
     groups = list(found.groupby("column", sort=False))
     title = f"First-order and total Sobol' indices: {tell_cases(table)}"
-    height = 1.4 + max(PANEL_HEIGHT * ((len(groups) + 1) // 2), 2.0)
-    figure = new_figure(table, title, height)
+    most = max(len(rows) for _, rows in groups)
+    row = FRAME_HEIGHT + FACTOR_HEIGHT * most
+    figure = new_figure(table, title, 1.2 + row * ((len(groups) + 1) // 2))
     panels = add_panels(figure, len(groups), sharey=True)
     low, high = 0.0, LEAST_RANGE
     for axes, (name, rows) in zip(panels, groups, strict=True):
-        draw_bars(axes, describe(table, str(name))[0], rows)
+        draw_dots(axes, describe(table, str(name))[0], rows)
         ends = rows[[f"{index}_{end}" for index in INDICES for end in ("low", "high")]]
         ends = ends.to_numpy(float)
         if np.isfinite(ends).any():
             low, high = min(low, np.nanmin(ends)), max(high, np.nanmax(ends))
     room = 0.03 * (high - low)
-    panels[0].set_ylim(max(low - room, -FURTHEST), min(high + room, 1 + FURTHEST))
-    panels[0].legend(loc="best", fontsize=8)
+    panels[0].set_xlim(max(low - room, -FURTHEST), min(high + room, 1 + FURTHEST))
+    panels[0].set_ylim(most - 0.5, -0.5)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=2, borderpad=0)
     for axes in panels:
-        spot = axes.get_subplotspec()
-        axes.tick_params(labelbottom=spot.is_last_row(), labelleft=spot.is_first_col())
-        if spot.is_first_col():
-            axes.set_ylabel("share of the variance")
+        axes.tick_params(labelleft=axes.get_subplotspec().is_first_col(), left=False)
+        if is_lowest(axes):
+            axes.set_xlabel("share of the variance, with 95 % interval")
     return figure
 
 
-def draw_bars(axes: Axes, name: str, rows: pd.DataFrame) -> None:
-    """The bars of a column; a column without indices says so."""
+def draw_dots(axes: Axes, name: str, rows: pd.DataFrame) -> None:
+    """The indices of a column as dots with intervals; a column without indices says so."""
     places = np.arange(len(rows))
-    labels = [PARAMETERS.get(factor, factor.rpartition(".")[2]) for factor in rows["factor"]]
-    tilt = {"rotation": 30, "ha": "right"} if len(labels) >= MANY_FACTORS else {}
-    axes.set_xticks(places, labels, **tilt)
-    axes.axhline(0, color="0.4", linewidth=0.6)
+    axes.set_yticks(places, [name_factor(factor) for factor in rows["factor"]])
+    axes.axvline(0, color="0.4", linewidth=0.6, zorder=0)
+    for place in places:
+        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
     head(axes, name)
-    looks = ((-1, "first order", LINES[0]["color"]), (1, "total", HIDDEN))
-    for index, (side, label, colour) in zip(INDICES, looks, strict=True):
+    looks = (
+        (-APART, "first order", LINES[0]["color"], {"marker": "o"}),
+        (APART, "total", LINES[1]["color"], {"marker": "D", "markerfacecolor": "white"}),
+    )
+    for index, (shift, label, colour, look) in zip(INDICES, looks, strict=True):
         values = rows[index].to_numpy(float)
         low, high = (rows[f"{index}_{end}"].to_numpy(float) for end in ("low", "high"))
-        there = places + side * WIDTH / 2
-        axes.bar(there, values, WIDTH, color=colour, label=label)
-        known = np.isfinite(high)
-        errors = np.array([values - low, high - values])[:, known]
-        axes.errorbar(
-            there[known],
-            values[known],
-            errors,
-            fmt="none",
-            ecolor="0.1",
-            elinewidth=0.9,
-            capsize=2.5,
-            label="95 % interval" if side > 0 else None,
-        )
+        there = places + shift
+        known = np.isfinite(high) & np.isfinite(low)
+        axes.hlines(there[known], low[known], high[known], color=colour, linewidth=1.4)
+        style = look | {"color": colour, "markersize": 5, "linestyle": "", "zorder": 3}
+        axes.plot(values, there, **style, label=label)
     left_out = int(rows["left_out"].iloc[0])
     if not np.isfinite(rows["first_order"].to_numpy(float)).any():
         axes.annotate("no indices", (0.5, 0.5), xycoords="axes fraction", ha="center", color=FAULT)
     elif left_out:
-        text = f"{left_out:,} of {left_out + int(rows['groups'].iloc[0]):,} groups left out"
+        groups = write_count(left_out + rows["groups"].iloc[0])
+        text = f"{write_count(left_out)} of {groups} groups left out"
         axes.set_title(text, loc="right", fontsize=8.5, color=FAULT, pad=4)
+
+
+def name_factor(factor: str) -> str:
+    """A factor in words, with its symbol where it has one."""
+    return name_of(factor)

@@ -1,5 +1,7 @@
 """The maps of a sweep over a grid of two parameters."""
 
+import textwrap
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +14,14 @@ from matplotlib.colors import (
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks
 from spintop_figures.style.look import FAULT
-from spintop_figures.style.page import add_panels, head, new_figure
+from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.style.numbers import write
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, panel_rows
 from spintop_figures.sweeps.fields import jumps, spots
+from spintop_figures.sweeps.kapitza import KAPITZA, find_kapitza_limit
 from spintop_figures.sweeps.quantities import (
     Quantity,
     has_log_axis,
@@ -26,18 +30,19 @@ from spintop_figures.sweeps.quantities import (
     order_classes,
     parameter_words,
     quantities_of,
+    tell_constants,
     tell_failed,
     tell_noise,
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import name_of, with_unit
 from spintop_figures.tables.table import Table
 
 LETTER, LINE = 0.085, 0.16
 """Width of a letter and height of a line of a name in a map, in inches."""
 
-PANEL_HEIGHT, LEAST_HEIGHT = 2.5, 4.0
+PANEL_HEIGHT, LEAST_HEIGHT = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
 
 
@@ -101,17 +106,30 @@ def draw_maps(table: Table) -> Figure:
     """A map of each quantity that the table has."""
     grid = make_grid(table)
     quantities = quantities_of(table)
-    down = (len(quantities) + 1) // 2
+    down = panel_rows(len(quantities))
     names = " and ".join(map(parameter_words, table.axes()))
-    title = f"Maps over {names}{tell_failed(table)}{tell_noise(table)}"
-    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT))
+    notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
+    height = 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT)
+    figure = new_figure(table, f"The motion over {names}{notes}", height)
     failed = ~ended_well(table.rows).to_numpy()
     panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_map(axes, grid, quantity, quantity.values(table.rows), failed)
         cross(axes, grid, failed)
     label_axes(table, grid, panels)
+    if limit := find_kapitza_limit(table):
+        for axes in panels:
+            draw_limit(axes, limit)
     return figure
+
+
+def draw_limit(axes: Axes, limit: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Kapitza's limit over a map: the second parameter at each value of the first."""
+    x = np.geomspace(*axes.get_xlim(), 200)
+    outline = [withStroke(linewidth=3.5, foreground="white")]
+    style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
+    axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
+    axes.legend(loc="lower left", frameon=True, framealpha=0.85, edgecolor="none", fontsize=8)
 
 
 def draw_map(
@@ -140,7 +158,7 @@ def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) 
     named = set()
     width, height = room_of(axes)
     for spot in spots(cells):
-        name = classes[spot.code]
+        name = name_of(classes[spot.code])
         if spot.width * width < LETTER * len(name) or spot.height * height < LINE:
             continue
         named.add(name)
@@ -148,9 +166,9 @@ def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) 
         style = {"ha": "center", "va": "center", "fontsize": 9, "color": ink}
         axes.text(spot.x, spot.y, name, transform=axes.transAxes, parse_math=False, **style)
     handles = [
-        Patch(color=shades(code), label=name)
+        Patch(color=shades(code), label=name_of(name))
         for code, name in enumerate(classes)
-        if name not in named
+        if name_of(name) not in named
     ]
     if handles:
         place = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "ncols": 3}
@@ -192,6 +210,18 @@ def draw_numbers(
     elif is_signed(norm):
         draw_zero(axes, grid, whole)
         name_signs(axes, whole)
+    if quantity.most and whole.count():
+        name_regions(axes, np.ma.filled(whole == whole.max(), False), quantity.most)
+
+
+def name_regions(axes: Axes, there: np.ndarray, name: str) -> None:
+    """A name in each large region of some cells."""
+    width, height = room_of(axes)
+    for spot in spots(np.where(there, 0.0, np.nan)):
+        lines = textwrap.fill(name, max(int(spot.width * width / LETTER), 8))
+        if spot.height * height > LINE * (lines.count("\n") + 1):
+            style = {"ha": "center", "va": "center", "fontsize": 9, "color": "0.1"}
+            axes.text(spot.x, spot.y, lines, transform=axes.transAxes, **style)
 
 
 def name_signs(axes: Axes, cells: np.ma.MaskedArray) -> None:
@@ -214,7 +244,7 @@ def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> None:
         axes.contour(grid.x, grid.y, known, levels=[0], colors="0.25", linewidths=1.0)
     if cut.any():
         title = axes.get_title(loc="left")
-        axes.set_title(f"{title},\nwith jumps by about {size:.3g}", loc="left")
+        axes.set_title(f"{title},\nwith jumps by about {write(size, 3)}", loc="left")
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
@@ -229,7 +259,7 @@ def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
 
 def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     """Scales and labels of the parameters; labels at the left and lowest panels only."""
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    plain = plain_numbers()
     x_edges, y_edges = grid.edges()
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     panels[0].set(xscale=scale_name(grid.logs[0]), yscale=scale_name(grid.logs[1]))
@@ -238,12 +268,11 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
         for axis, is_log in zip((axes.xaxis, axes.yaxis), grid.logs, strict=True):
             if is_log:
                 axis.set_major_formatter(plain)
-        axes.tick_params(labelleft=spot.is_first_col(), labelbottom=spot.is_last_row())
         if spot.is_first_col():
             label_parameter(table, 1, axes.yaxis)
         if table.units.get(table.axes()[1]) == "deg":
             set_degree_ticks(axes.yaxis, grid.y)
-        if spot.is_last_row():
+        if is_lowest(axes):
             label_parameter(table, 0, axes.xaxis)
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axis import Axis
 
+from spintop_figures.style.numbers import write, write_count
 from spintop_figures.tables.ends import count_failures, ended_well
-from spintop_figures.tables.names import PARAMETERS, SYMBOLS, with_unit
+from spintop_figures.tables.names import axis_of, column_name, name_of
 from spintop_figures.tables.table import Table
 
 WIDE_AXIS = 12
@@ -52,6 +53,8 @@ class Quantity(NamedTuple):
     """What a value is called that is nothing but rounding beside the largest."""
     floor: float = 0.0
     """The rounding error of a relative error or an angle: smaller values say nothing."""
+    most: str = ""
+    """What a case is called that has the largest value, where many have it."""
 
     def shown(self, values: np.ndarray) -> np.ndarray:
         """Values as they are drawn: what is below rounding stands there."""
@@ -94,7 +97,7 @@ def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
     unit, factor = unit_shown(name, table.units.get(name, ""))
     values = the_column(name) if factor == 1 else in_degrees(name)
-    label = SYMBOLS.get(name) or table.meanings.get(name) or name
+    label = column_name(name, table.meanings.get(name, ""))
     return Quantity((name,), label, unit, values)
 
 
@@ -110,7 +113,7 @@ def nutation_range(rows: pd.DataFrame) -> pd.Series:
 
 QUANTITIES = (
     Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
-    Quantity(("theta_min", "theta_max"), "range of the nutation angle", "degrees", nutation_range),
+    Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
     Quantity(
         ("precession_per_nutation",),
         "precession per nutation",
@@ -149,20 +152,69 @@ QUANTITIES = (
         WIDE_ERRORS,
         floor=FLOOR,
     ),
+    Quantity(
+        ("t_end",),
+        "end of the motion",
+        "s",
+        the_column("t_end"),
+        most="whole span",
+    ),
     Quantity(("evaluations",), "function evaluations", "", the_column("evaluations"), WIDE_ERRORS),
 )
 """Those that any table shows that has their columns."""
 
+COSTS = ("evaluations",)
+"""Columns that are drawn last."""
 
-def quantities_of(table: Table) -> list[Quantity]:
+CONSTANT = 1e-9
+"""A smaller range of values, over their size, is rounding."""
+
+
+def known_quantities(table: Table) -> list[Quantity]:
     """The quantities that a table has values of: those above, and all that its input names."""
     known = [quantity for quantity in QUANTITIES if not table.missing(quantity.columns)]
     shown = {name for quantity in known for name in quantity.columns}
     for name in table.settings.get("output.columns", []):
         if name not in shown and name in table.rows:
             known.append(column_shown(table, name))
-    there = [quantity for quantity in known if has_values(table, quantity)]
-    return [quantity for quantity in there if not is_noise(table, quantity)] or there
+    known.sort(key=lambda quantity: quantity.columns == COSTS)
+    return [quantity for quantity in known if has_values(table, quantity)]
+
+
+def quantities_of(table: Table) -> list[Quantity]:
+    """The quantities that a figure shows: not those that are constant or rounding, unless all."""
+    there = known_quantities(table)
+    varying = [quantity for quantity in there if not is_constant(table, quantity)] or there
+    return [quantity for quantity in varying if not is_noise(table, quantity)] or varying
+
+
+def is_constant(table: Table, quantity: Quantity) -> bool:
+    """Whether a quantity has the same value in all cases that succeeded, of several."""
+    values = quantity.values(succeeded(table))
+    if is_words(values):
+        return values.nunique() == 1 < len(values)
+    numbers = values.to_numpy(float)
+    finite = numbers[np.isfinite(numbers)]
+    return bool(finite.size > 1 and np.ptp(finite) <= CONSTANT * np.abs(finite).max())
+
+
+def tell_constants(table: Table) -> str:
+    """The quantities that are not drawn because they are constant, and their values."""
+    shown = [quantity.columns for quantity in quantities_of(table)]
+    words = []
+    for quantity in known_quantities(table):
+        if quantity.columns in shown or not is_constant(table, quantity):
+            continue
+        value = quantity.values(succeeded(table)).dropna().iloc[0]
+        if quantity.columns != COSTS or value:
+            text = value if isinstance(value, str) else with_unit_after(value, quantity.unit)
+            words.append(f"{quantity.label}: {text}")
+    return f" (in all cases {'; '.join(words)})" if words else ""
+
+
+def with_unit_after(value: float, unit: str) -> str:
+    """A number with its unit, within a text."""
+    return f"{write(value)} {unit}".strip()
 
 
 def is_noise(table: Table, quantity: Quantity) -> bool:
@@ -174,13 +226,11 @@ def is_noise(table: Table, quantity: Quantity) -> bool:
 
 def tell_noise(table: Table) -> str:
     """Which errors are not drawn because they are rounding."""
-    shown = {quantity.label for quantity in quantities_of(table)}
+    shown = [quantity.columns for quantity in quantities_of(table)]
     words = [
-        f"{quantity.label} at rounding, {quantity.values(succeeded(table)).max():.1e} at most"
-        for quantity in QUANTITIES
-        if not table.missing(quantity.columns)
-        and quantity.label not in shown
-        and has_values(table, quantity)
+        f"{quantity.label} at rounding, {write(quantity.values(succeeded(table)).max(), 2)} at most"
+        for quantity in known_quantities(table)
+        if is_noise(table, quantity) and quantity.columns not in shown
     ]
     return f" ({'; '.join(words)})" if words else ""
 
@@ -236,21 +286,23 @@ def element(table: Table, key: str, number: int) -> str:
 def name_parameter(table: Table, place: int) -> str:
     """Parameter number `place` from 0 as it is written, with its unit."""
     name = table.axes()[place]
-    return with_unit(PARAMETERS.get(name, name), table.units.get(name, ""))
+    return axis_of(name, table.units.get(name, ""))
 
 
 def parameter_words(name: str) -> str:
     """A parameter without its symbol, as a title names it."""
-    return PARAMETERS.get(name, name.partition(".")[2]).partition(" $")[0]
+    return name_of(name)
 
 
 def label_parameter(table: Table, place: int, axis: Axis) -> None:
     """Label the axis of parameter number `place` from 0."""
-    axis.set_label_text(name_parameter(table, place), parse_math=table.axes()[place] in PARAMETERS)
+    axis.set_label_text(name_parameter(table, place))
 
 
 def tell_failed(table: Table) -> str:
     """How many cases have a cross, and why."""
     counts = count_failures(table.rows)
-    reasons = ", ".join(f"{count} {status}" for status, count in counts.items())
+    reasons = ", ".join(
+        f"{write_count(count)} {name_of(status)}" for status, count in counts.items()
+    )
     return f" (crossed: {reasons})" if reasons else ""

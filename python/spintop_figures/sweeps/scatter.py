@@ -20,9 +20,11 @@ from matplotlib.colors import (
 )
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.style.look import FAINT, FAULT
+from spintop_figures.style.look import FAINT, FAULT, by_width
+from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure
 from spintop_figures.sweeps.cloud import Cloud, make_cloud
 from spintop_figures.sweeps.maps import object_to_grid, scale_name
@@ -39,11 +41,11 @@ from spintop_figures.sweeps.quantities import (
 )
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
 from spintop_figures.tables.ends import count_failures
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import name_of, with_unit
 from spintop_figures.tables.table import Table
 
-MOST_PARAMETERS, MOST_QUANTITIES = 4, 6
-"""The first of them are drawn."""
+MOST_PARAMETERS, NARROW_PARAMETERS, MOST_QUANTITIES = 4, 2, 6
+"""The first of them are drawn; fewer on a narrow figure."""
 
 SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 """Colours by a number, without those that are hard to see on white."""
@@ -113,8 +115,9 @@ def object_to_scatter(table: Table) -> str:
 def draw_scatter(table: Table) -> Figure:
     """One row of panels per quantity, one panel per parameter; two parameters span a plane."""
     places, quantities = varying(table), telling(table)
-    shown, told = places[:MOST_PARAMETERS], quantities[:MOST_QUANTITIES]
-    has_plane = len(places) == 2
+    most = by_width(MOST_PARAMETERS, NARROW_PARAMETERS)
+    shown, told = places[:most], quantities[:MOST_QUANTITIES]
+    has_plane = len(places) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
     counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
@@ -147,14 +150,14 @@ def draw_scatter(table: Table) -> Figure:
             cells.set_norm(norm)
         tint = Tint(pd.Series(dtype=float), norm, "cases per cell", DENSITIES)
     add_key(figure.add_subplot(key), cloud, table, tint)
-    figure.align_ylabels(panels[:, 0])
+    Figure.align_ylabels(figure, panels[:, 0])  # before the layout: labels have several lines
     return figure
 
 
 def tell_left_out(counts: Iterable[tuple[Sized, int, str]]) -> str:
     """Of what not all is drawn, and how much is."""
     parts = [
-        f"{drawn:,} of {len(things):,} {what}"
+        f"{write_count(drawn)} of {write_count(len(things))} {what}"
         for things, drawn, what in counts
         if drawn < len(things)
     ]
@@ -217,7 +220,7 @@ def scale_heights(axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: p
     values = quantity.values(rows)
     if is_words(values):
         classes = order_classes(values)
-        axes.set_yticks(range(len(classes)), labels=classes)
+        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
         axes.set_ylim(-0.5 - 0.1 * len(classes), len(classes) - 0.4)
     elif quantity.has_log_scale(heights.to_numpy()):
         axes.set_yscale("log")
@@ -286,7 +289,7 @@ def set_parameter_axis(axes: Axes, which: str, table: Table, place: int) -> None
     axes.set(**{f"{which}lim": tuple(np.exp(ends) if is_log else ends)})
     axis = axes.xaxis if which == "x" else axes.yaxis
     if is_log:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter(plain_numbers())
         axis.set_minor_formatter("")
     else:
         axis.set_major_locator(MaxNLocator(4))
@@ -297,7 +300,8 @@ def break_name(table: Table, place: int) -> str:
     name = name_parameter(table, place)
     if len(name) <= NARROW_LETTERS:
         return name
-    return re.sub(r" (?=[$(])", "\n", name, count=1)
+    words, *rest = re.split(r" (?=[$(])", name, maxsplit=1)
+    return "\n".join([*textwrap.wrap(words, NARROW_LETTERS), *rest])
 
 
 def tint_by_parameter(table: Table, place: int, cloud: Cloud) -> Tint:
@@ -313,22 +317,28 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
     handles = []
     for layer in () if tint else cloud.layers:
         look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
-        handles.append(a_mark(f"{layer.name} ({layer.count:,})", markeredgewidth=0, **look))
+        handles.append(
+            a_mark(f"{name_of(layer.name)} ({write_count(layer.count)})", markeredgewidth=0, **look)
+        )
     failures = count_failures(table.rows)
     if failures:
-        words = ", ".join(f"{status} ({count:,})" for status, count in failures.items())
+        words = ", ".join(
+            f"{name_of(status)} ({write_count(count)})" for status, count in failures.items()
+        )
         handles.append(a_mark(textwrap.fill(f"failed: {words}", FAILED_LETTERS), **RUG))
     axes.set_axis_off()
     if tint:
-        bar = axes.inset_axes([0.0, 0.0, 0.6 if handles else 1.0, 0.35])
+        bar = axes.inset_axes([0.0, 0.0, 0.45, 0.35])
         colours = ScalarMappable(tint.norm, tint.shades)
         axes.figure.colorbar(colours, cax=bar, orientation="horizontal")
         bar.set_title(f"colours: {tint.label}", fontsize=9, pad=3)
-        bar.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        if isinstance(tint.norm, LogNorm):
+            bar.xaxis.set_major_formatter(plain_numbers())
         bar.tick_params(labelsize=8)
     if handles:
         place = "center right" if tint else "center left"
-        axes.legend(handles=handles, loc=place, ncols=4, handletextpad=0.2, borderpad=0)
+        columns = by_width(4, 2)
+        axes.legend(handles=handles, loc=place, ncols=columns, handletextpad=0.2, borderpad=0)
 
 
 def a_mark(label: str, **style: object) -> Line2D:

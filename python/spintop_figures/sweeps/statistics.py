@@ -8,15 +8,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from spintop_figures.style.lines import set_degree_ticks
-from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES
-from spintop_figures.style.page import add_panels, head, new_figure, width_of
+from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES, by_width
+from spintop_figures.style.numbers import MINUS, numbers, write, write_count
+from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, panel_rows, width_of
 from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
 from spintop_figures.sweeps.quantities import Quantity, parameter_words, the_column, unit_shown
 from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
-from spintop_figures.tables.names import PARAMETERS, with_unit
+from spintop_figures.tables.names import axis_of, column_name, with_unit
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -27,10 +27,11 @@ MOST_QUANTILES = 7
 """Quantiles that a distribution shows at most."""
 SLIT = 0.05
 """A gap between two intervals that is narrower than this part of them is not drawn."""
-MINUS = "\N{MINUS SIGN}"
 DARK = -0.5
 """Bins below this part of the largest size have dark colours."""
-NAME_ROOM = 0.14
+EVEN = 1.5
+"""Variance over mean of the cases in bins, which is 1 of random ones, up to which they are even."""
+NAME_ROOM = 0.16
 """Distance of the names of two lines, in inches."""
 
 
@@ -120,33 +121,36 @@ def distributions_of(table: Table) -> dict[str, Distribution]:
 def tell_cases(table: Table) -> str:
     """How many cases there are, and how many of them failed."""
     row = table.rows.iloc[0]
-    failed = f", {int(row['failed']):,} of them failed" if row["failed"] else ""
-    return f"{int(row['cases']):,} cases{failed}"
+    failed = f", {write_count(row['failed'])} of them failed" if row["failed"] else ""
+    return f"{write_count(row['cases'])} cases{failed}"
 
 
 def label(table: Table, column: str) -> str:
     """A parameter or a column with its unit, as an axis names it."""
-    words = table.meanings.get(column, "").removeprefix("middle of the bin: ") or column
-    return with_unit(PARAMETERS.get(column, words), table.units.get(column, ""))
+    return axis_of(column, table.units.get(column, ""))
 
 
 def describe(table: Table, column: str) -> tuple[str, str, float]:
     """What a column of the cases is called, the unit in which it is drawn, the factor to that."""
     meaning = table.meanings.get(f"{column}_mean", "").removeprefix("mean: ")
-    return meaning or column, *unit_shown(column, table.units.get(f"{column}_mean", ""))
+    return column_name(column, meaning), *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
 def draw_statistics(table: Table) -> Figure:
     """The mean of each column over the bins, and the number of cases."""
     bins = bins_of(table)
+    rows = table.rows[table.rows["bin"] > 0]
     names = gathered(table)
-    count = len(names) + 1
+    is_noise = len(bins) == 2 and names and is_even(rows["cases"].to_numpy(float))
+    names += [] if is_noise else [""]
+    count = len(names)
     over = " and ".join(parameter_words(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
-    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((count + 1) // 2), LEAST_HEIGHT))
+    if "" not in names:
+        title += f", about {write(rows['cases'].mean(), 3)} in each bin"
+    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * panel_rows(count), LEAST_HEIGHT))
     panels = add_panels(figure, count, sharey=len(bins) == 2)
-    rows = table.rows[table.rows["bin"] > 0]
-    for name, axes in zip([*names, ""], panels, strict=True):
+    for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
         else:
@@ -154,6 +158,11 @@ def draw_statistics(table: Table) -> Figure:
     for axes in panels:
         label_bins(axes, table, bins)
     return figure
+
+
+def is_even(cases: np.ndarray) -> bool:
+    """Whether the numbers of cases in bins differ no more than those of random cases do."""
+    return bool(cases.size > 1 and cases.var() <= EVEN * cases.mean())
 
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
@@ -224,13 +233,12 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
 def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
     """Scales and labels of the binned quantities, at the left and lowest panels only."""
     spot = axes.get_subplotspec()
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    plain = numbers()
     axes.set_xscale(scale_name(bins[0].is_log))
     axes.set_xlim(bins[0].edges[0], bins[0].edges[-1])
     if bins[0].is_log:
         axes.xaxis.set_major_formatter(plain)
-    axes.tick_params(labelbottom=spot.is_last_row())
-    if spot.is_last_row():
+    if is_lowest(axes):
         axes.set_xlabel(label(table, bins[0].column))
     if len(bins) < 2:
         return
@@ -240,7 +248,6 @@ def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
         axes.yaxis.set_major_formatter(plain)
     if table.units.get(bins[1].column) == "deg":
         set_degree_ticks(axes.yaxis, bins[1].edges)
-    axes.tick_params(labelleft=spot.is_first_col())
     if spot.is_first_col():
         axes.set_ylabel(label(table, bins[1].column))
 
@@ -252,12 +259,12 @@ def draw_distributions(table: Table) -> Figure:
         raise TableError("has no value in any column: no distributions figure")
     names = [name for name in gathered(table) if name in found]
     title = f"Distributions over {tell_cases(table)}"
-    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * ((len(names) + 1) // 2), 3.0))
-    cells = figure.add_gridspec((len(names) + 1) // 2, 2)
+    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), 3.0))
+    across = min(by_width(2, 1), len(names))
+    cells = figure.add_gridspec(-(-len(names) // across), across)
     for place, name in enumerate(names):
-        alone = len(names) % 2 and place == 0
-        spot = cells[0, :] if alone else cells[divmod(place + len(names) % 2, 2)]
-        draw_distribution(figure.add_subplot(spot), table, name, found[name])
+        axes = figure.add_subplot(cells[divmod(place, across)])
+        draw_distribution(axes, table, name, found[name])
     return figure
 
 
@@ -278,7 +285,7 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
         if unit == "degrees":
             set_degree_ticks(axes.xaxis, np.append(low, low[-1] + width[-1]), most=7)
         quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
-        marks = {f"{100 * float(key.rpartition('_q')[2]):.4g} %": row[key] for key in quantiles}
+        marks = {f"{write(100 * float(key.rpartition('_q')[2]))} %": row[key] for key in quantiles}
         shown = marks if len(marks) <= MOST_QUANTILES else {}
         mark_values(axes, {"mean": row[f"{name}_mean"], **shown}, factor)
         per = {"": "", "degrees": "per degree"}.get(unit, f"per {unit}")
@@ -286,7 +293,7 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
     axes.set_xlabel(with_unit(words, unit))
     none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
     if none:
-        axes.set_title(f"{none:,} cases have no value", loc="left", fontsize=8.5)
+        axes.set_title(f"{write_count(none)} cases have no value", loc="left", fontsize=8.5)
 
 
 def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:

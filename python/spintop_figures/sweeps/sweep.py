@@ -7,9 +7,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
+from matplotlib.ticker import MultipleLocator, NullLocator
 
-from spintop_figures.style.look import LINES
+from spintop_figures.style.look import LINES, by_width
+from spintop_figures.style.numbers import numbers
 from spintop_figures.style.page import new_figure
 from spintop_figures.sweeps.quantities import has_log_axis, is_wide, label_parameter, succeeded
 from spintop_figures.tables.names import axis_of
@@ -59,20 +60,21 @@ def good_rows(table: Table) -> pd.DataFrame:
 
 def draw_sweep(table: Table) -> Figure:
     """The paper's formulas and the exact values against the swept parameter."""
-    figure = new_figure(table, "Fast-top formulas and exact solution", height=7.4)
-    panels = figure.subplots(3, 2, sharex=True)
+    figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
+    across = by_width(2, 1)
+    panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
     rows = good_rows(table)
     x = rows[table.axes()[0]].to_numpy(float)
     for quantity, axes in zip(QUANTITIES, panels.flat, strict=False):
         draw_quantity(axes, x, rows, quantity, table.units.get(quantity.column, ""))
-    draw_azimuth(panels[2, 0], x, rows[AZIMUTH].to_numpy(float))
-    draw_deviations(panels[2, 1], x, rows)
-    for axes in panels[2]:
+    draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
+    draw_deviations(panels.flat[5], x, rows)
+    for axes in panels[-1]:
         label_parameter(table, 0, axes.xaxis)
     figure.align_ylabels()
     if has_log_axis(table, 0):
         panels[0, 0].set_xscale("log")
-        panels[2, 0].xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        panels[-1, 0].xaxis.set_major_formatter(numbers())
     return figure
 
 

@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 
 from spintop_figures.style.cells import Cells
 from spintop_figures.style.look import GREY
+from spintop_figures.style.numbers import DASH, true_minus, with_power, write
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.ends import ended_well, is_good_end
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 MOST_ROWS = 60
@@ -57,8 +59,7 @@ PAGE_LETTERS = 160
 LEAST, LARGEST = 1e-6, 1e6
 """A column with smaller or larger numbers has powers of ten."""
 
-POINT, MINUS, DASH = ".", "\N{MINUS SIGN}", "\N{EN DASH}"
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+POINT = "."
 
 MARK, MARK_WIDTH = "*", 0.08
 """Of a case that failed; the width in inches."""
@@ -117,7 +118,7 @@ def write_heads(axes: Axes) -> None:
 def write_column(cells: Cells, column: Column, values: np.ndarray, failed: np.ndarray) -> None:
     """The cells of a column below each other, on their decimal points; a failed case is grey."""
     is_first = column is COLUMNS[0]
-    texts = [f"{value:g}" for value in values] if is_first else as_column(values)
+    texts = [write(value) for value in values] if is_first else as_column(values)
     decimals = max(len(text.partition(POINT)[2]) for text in texts)
     for number, (text, is_failed) in enumerate(zip(texts, failed, strict=True)):
         _, point, behind = text.partition(POINT)
@@ -141,10 +142,9 @@ def as_text(value: float, is_fixed: bool = True) -> str:
         return DASH
     if is_fixed:
         decimals = 4 - math.floor(math.log10(abs(value))) if value else 0
-        return f"{value:.{max(decimals, 0)}f}".replace("-", MINUS)
+        return true_minus(f"{value:.{max(decimals, 0)}f}")
     mantissa, exponent = f"{value:.4e}".split("e")
-    power = f"{int(exponent)}".translate(RAISED)
-    return f"{mantissa} \N{DOT OPERATOR} 10{power}".replace("-", MINUS)
+    return with_power(mantissa, int(exponent))
 
 
 def name_inertia(table: Table) -> str:
@@ -167,10 +167,10 @@ def notes_on(rows: pd.DataFrame) -> list[str]:
     reasons = rows["notes"] if "notes" in rows else rows["status"].map(lambda _: "")
     notes = []
     for (status, reason), cases in rows.groupby([rows["status"], reasons], sort=False):
-        mark, words = ("", []) if is_good_end(status) else ("* ", [status])
+        mark, words = ("", []) if is_good_end(status) else ("* ", [name_of(status)])
         if reason:
             words.append(reason)
         if words:
-            ratios = ", ".join(f"{ratio:g}" for ratio in cases[COLUMNS[0].column])
+            ratios = ", ".join(write(ratio) for ratio in cases[COLUMNS[0].column])
             notes.append(f"{mark}λ = {ratios}: {': '.join(words)}")
     return notes

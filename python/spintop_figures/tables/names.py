@@ -1,67 +1,302 @@
-"""What columns and parameters are called in figures, where the program does not say it.
+"""What everything is called in figures, reports and films: the one list of names.
 
-The registry of the program, and the header of a table, have a description and a unit for each
-column (`words.py`). They have no symbols, and nothing short enough for an axis.
+The registry of the program and the headers of tables have a description and a unit for each column
+(`words.py`). Here are names short enough for an axis, a title or a legend, with their symbols; what
+has none of its own is named by its parts. `name_of` and `axis_of` find them.
 """
 
-PARAMETERS = {
-    "initial.spin_ratio": r"spin ratio $\lambda=\omega_3\,/\sqrt{4mgl/I_3}$",
-    "initial.omega3": r"initial angular velocity $\omega_3$",
-    "initial.theta": r"initial inclination $\theta_0$",
-    "initial.theta_deg": r"initial inclination $\theta_0$",
-    "initial.theta_rate": r"initial nutation rate $\dot\theta_0$",
-    "initial.phi_rate": r"initial precession rate $\dot\phi_0$",
-    "initial.psi_rate": r"initial spin rate $\dot\psi_0$",
-    "effects.vibration_rate": r"rate of the vibration $W$",
-    "effects.vibration_amplitude(3)": r"amplitude of the vibration $A_3$",
-}
-"""How parameters are written, in words and then a symbol; the others stand by their keys."""
+import re
+from typing import NamedTuple
 
-AXES = {
-    "phi": r"precession $\phi$",
-    "theta": r"inclination $\theta$",
-    "psi": r"spin $\psi$",
-    "theta_rate": r"nutation rate $\dot\theta$",
-    "omega3": r"spin $\omega_3$",
-    "delta_u": r"range $\Delta u$ of $\cos\theta$",
-    "nutation_rate": "nutation rate",
-    "precession_rate": "mean precession rate",
-    "nutations_per_turn": "nutations per turn",
-}
-"""Columns as the axes of their own figures have them, in words and then a symbol."""
 
-SYMBOLS = {
-    "phi": "φ",
-    "theta": "θ",
-    "psi": "ψ",
-    "phi_rate": "precession rate",
-    "theta_rate": "nutation rate",
-    "psi_rate": "spin rate",
-    "omega1": "ω₁",
-    "omega2": "ω₂",
-    "omega3": "ω₃",
-    "com_x": "x of the centre of mass",
-    "com_y": "y of the centre of mass",
-    "com_z": "height of the centre of mass",
-    "force_x": "horizontal force x",
-    "force_y": "horizontal force y",
-    "force_z": "vertical force",
-    "work_torque": "work of torques",
-    "t_end": "end of the motion",
-}
-"""Columns as they are written within a line of text; the others stand by their names."""
+class Name(NamedTuple):
+    """How something is called: words, a formula for an axis, and a sign within a line of text."""
 
-UNITS = {"1": "", "degree": "deg"}
-"""Units that NetCDF tables name otherwise, as UDUNITS knows them."""
+    words: str
+    formula: str = ""
+    sign: str = ""
+
+
+METHODS = {
+    "exact": "exact solution",
+    "euler_forward": "Euler forward",
+    "rk2": "RK2",
+    "rk4": "RK4",
+    "crank_nicolson_1": "Crank-Nicolson 1",
+    "crank_nicolson_2": "Crank-Nicolson 2",
+    "galerkin": "Galerkin",
+    "euler_backward": "Euler backward",
+    "gauss_4": "Gauss 4",
+    "gauss_6": "Gauss 6",
+    "gauss_8": "Gauss 8",
+    "rkmk_4": "RKMK 4",
+    "commutator_free_4": "commutator-free 4",
+    "splitting_2": "splitting 2",
+    "splitting_4": "splitting 4",
+    "splitting_6": "splitting 6",
+    "splitting_8": "splitting 8",
+    "ode45": "ODE45",
+    "dop853": "DOP853",
+    "taylor": "Taylor",
+    "taylor_quadruple": "Taylor, quadruple",
+    "arkode_erk": "ARKODE, explicit",
+    "arkode_dirk": "ARKODE, implicit",
+    "closed_form": "closed form",
+    "auto": "chosen by spintop",
+}
+
+FORMULATIONS = {
+    "euler": "Euler",
+    "lagrange": "Lagrange",
+    "energy_rate": "energy rate",
+    "lagrange_energy": "Lagrange + energy",
+    "rigid_body": "rigid body",
+    "space_frame": "space frame",
+    "cayley_klein": "Cayley-Klein",
+}
+
+KINDS = {
+    "trajectory": "trajectory",
+    "sweep": "sweep",
+    "stability": "stability study",
+    "work_precision": "work-precision study",
+    "benchmark": "benchmark study",
+    "fit": "fit",
+    "events": "table of events",
+    "statistics": "table of statistics",
+    "histogram": "table of histograms",
+    "indices": "table of Sobol' indices",
+}
+"""Kinds of studies and of the tables beside them."""
+
+ENDS = {
+    "ok": "completed",
+    "at_rest": "at rest",
+    "pole": "at a pole",
+    "non_finite": "overflow",
+    "step_limit": "too many steps",
+    "not_converged": "not converged",
+    "step_too_small": "step too small",
+    "turning_point": "at a turning point",
+    "outside": "outside the equations",
+    "not_solved": "not solved",
+    "accurate": "accurate",
+    "no_reference": "no reference",
+}
+"""Statuses and verdicts; the others are their own words."""
+
+QUANTITIES = {
+    "t": Name("time", "$t$", "t"),
+    "phi": Name("precession", r"$\phi$", "φ"),
+    "theta": Name("inclination", r"$\theta$", "θ"),
+    "psi": Name("spin", r"$\psi$", "ψ"),
+    "phi_rate": Name("precession rate", r"$\dot\phi$"),
+    "theta_rate": Name("nutation rate", r"$\dot\theta$"),
+    "psi_rate": Name("spin rate", r"$\dot\psi$"),
+    "omega1": Name("angular velocity", r"$\omega_1$", "ω₁"),
+    "omega2": Name("angular velocity", r"$\omega_2$", "ω₂"),
+    "omega3": Name("spin", r"$\omega_3$", "ω₃"),
+    "com_x": Name("x of the centre of mass"),
+    "com_y": Name("y of the centre of mass"),
+    "com_z": Name("height of the centre of mass"),
+    "kinetic": Name("kinetic energy"),
+    "potential": Name("potential energy"),
+    "energy": Name("energy"),
+    "energy_error": Name("relative energy error"),
+    "lz": Name("vertical momentum", "$L_z$"),
+    "l3": Name("momentum about the axis", "$L_3$"),
+    "force_x": Name("horizontal force", "$F_x$"),
+    "force_y": Name("horizontal force", "$F_y$"),
+    "force_z": Name("vertical force", "$F_z$"),
+    "force_r": Name("outward force", "$F_r$"),
+    "force_n": Name("force along the nodes", "$F_n$"),
+    "orientation_error": Name("error of the attitude"),
+    "tip_error": Name("error of the axis tip"),
+    "error_max": Name("largest error of the attitude"),
+    "inherent_error": Name("inherent error"),
+    "norm_error": Name("norm error of the quaternion"),
+    "work_torque": Name("work of torques"),
+    "work": Name("work of all effects"),
+    "t_end": Name("end of the motion"),
+    "t_stuck": Name("time at which the body stuck"),
+    "critical_omega3": Name("threshold of the sleeping top", r"$\omega_3$", "ω₃"),
+    "sleeping_ratio": Name("spin over the threshold of sleep"),
+    "theta_min": Name("minimum inclination"),
+    "theta_max": Name("maximum inclination"),
+    "theta_end": Name("inclination at the end"),
+    "phi_end": Name("precession at the end"),
+    "psi_end": Name("spin angle at the end"),
+    "theta_rate_end": Name("nutation rate at the end"),
+    "delta_u": Name("range", r"$\Delta u$ of $\cos\theta$"),
+    "nutation_period": Name("nutation period"),
+    "nutation_rate": Name("nutation rate"),
+    "precession_rate": Name("mean precession rate"),
+    "precession_period": Name("precession period", "$T_p$"),
+    "precession_per_nutation": Name("precession per nutation"),
+    "spin_per_nutation": Name("spin per nutation"),
+    "nutations_per_turn": Name("nutations per turn"),
+    "nutations_in_period": Name("nutations in a precession period"),
+    "phi_rate_max": Name("largest precession rate"),
+    "theta_rate_max": Name("largest nutation rate"),
+    "omega_max": Name("largest angular velocity"),
+    "force_max": Name("largest support force"),
+    "force_z_min": Name("minimum vertical support force"),
+    "force_z_max": Name("maximum vertical support force"),
+    "energy_error_max": Name("largest energy error"),
+    "motion_class": Name("class of the motion"),
+    "growth_rate": Name("growth of deviations"),
+    "lyapunov_exponent": Name("Lyapunov exponent"),
+    "largest_singular_value": Name("largest growth of a deviation"),
+    "momentum_period": Name("period of the momentum"),
+    "momentum_turn": Name("turn about the momentum"),
+    "momentum_axis": Name("axis of the momentum"),
+    "evaluations": Name("function evaluations"),
+    "steps": Name("steps"),
+    "time_s": Name("computing time"),
+    "spin_ratio": Name("spin ratio", r"$\lambda=\omega_3\,/\sqrt{4mgl/I_3}$", "λ"),
+    "mass": Name("mass", "$m$", "m"),
+    "gravity": Name("gravity", "$g$", "g"),
+    "length": Name("distance of the centre of mass", "$l$", "l"),
+    "inertia": Name("moment of inertia", "$I$", "I"),
+    "damping": Name("damping"),
+    "centre_of_mass": Name("centre of mass"),
+    "quaternion": Name("quaternion", "$q$", "q"),
+    "omega": Name("angular velocity", r"$\omega$", "ω"),
+    "radius": Name("radius"),
+    "thickness": Name("thickness"),
+    "rod_length": Name("length of the rod"),
+    "density": Name("density"),
+    "vibration_rate": Name("rate of the vibration", r"$\Omega$", "Ω"),
+    "vibration_amplitude": Name("amplitude of the vibration", "$A$", "A"),
+    "earth_rate": Name("angular velocity of the Earth"),
+    "relative_tolerance": Name("relative tolerance"),
+    "absolute_tolerance": Name("absolute tolerance"),
+}
+"""Columns of tables and keys of the input, with what they are called by themselves."""
+
+INITIAL = frozenset(
+    {"phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate", "omega", "omega3", "quaternion"}
+)
+"""Keys of the group `initial` that are columns, too: as keys they are initial."""
+
+WORDS = {**METHODS, **FORMULATIONS, **KINDS, **ENDS}
+
+KEY = re.compile(r"(?:(\w+)(?:\((\d+)\))?\.)?(\w+)(?:\((\d+)(?:,(\d+))?\))?")
+"""A group, a key or a column, and which elements of an array."""
+
+PARTS = {
+    "_fast_top": " of a fast top",
+    "_bound": ", bound",
+    "_max": ", largest",
+    "_end": " at the end",
+}
+"""What endings of columns say."""
+
+BUTCHER = re.compile(r"arkode_(\w+?)((?:_\d+)+)")
+PEOPLE = frozenset(
+    (
+        *("heun", "euler", "bogacki", "shampine", "zonneveld", "sayfy", "aburub", "cash", "karp"),
+        *("fehlberg", "dormand", "prince", "verner", "billington", "kvaerno"),
+    )
+)
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+POWER = re.compile(r"\^(\d)")
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+UNITS = {"degree": "deg", "standard_free_fall": "g0"}
+"""Words of units that NetCDF tables name otherwise, as UDUNITS knows them."""
 UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""
 
 
+def unit_of_netcdf(text: str) -> str:
+    """A unit of a NetCDF table as tables of texts have it."""
+    if text == "1":
+        return ""
+    return re.sub(r"^[^ */^]+", lambda word: UNITS.get(word[0], word[0]), text)
+
+
+def raised(unit: str) -> str:
+    """A unit with its powers raised."""
+    return POWER.sub(lambda power: power[1].translate(RAISED), UNIT_WORDS.get(unit, unit))
+
+
+def find_name(key: str) -> Name:
+    """The name of a column, of a key of the input such as `top.inertia(1)`, or of a word."""
+    if key in WORDS:
+        return Name(WORDS[key])
+    if key in QUANTITIES:
+        return QUANTITIES[key]
+    if key.startswith("uncertainty."):
+        return Name(f"radius of the {name_of(key.partition('.')[2])}")
+    column, derivative, other = key.partition("__")
+    if derivative:
+        return Name(f"change of {name_of(column)} with {name_of(other)}")
+    if table := BUTCHER.fullmatch(key):
+        people = (word.title() if word in PEOPLE else word.upper() for word in table[1].split("_"))
+        return Name(f"{'-'.join(people)} {table[2].strip('_').replace('_', '-')}")
+    if not (parts := KEY.fullmatch(key)):
+        return Name(key)
+    group, part, name, *places = parts.groups()
+    name = name.removesuffix("_deg")
+    known = QUANTITIES.get(name) or Name(words_in(name))
+    place = "".join(str(int(i) - (name == "quaternion")) for i in filter(None, places))
+    if place:
+        known = with_place(known, place)
+    if group == "initial" and name in INITIAL:
+        known = Name(f"initial {known.words}", at_start(known.formula), at_start(known.sign))
+    return known._replace(words=f"{known.words} of part {part or 1}") if group == "part" else known
+
+
+def words_in(name: str) -> str:
+    """What the parts of a key say."""
+    for ending, words in PARTS.items():
+        if name.endswith(ending):
+            return name_of(name.removesuffix(ending)) + words
+    if name.startswith("work_"):
+        return f"work of {name[5:].replace('_', ' ')}"
+    return name.replace("_", " ")
+
+
+def at_start(symbol: str) -> str:
+    """A symbol with the zero of the start."""
+    if symbol.endswith("_3$"):
+        return symbol[:-3] + "_{30}$"
+    return symbol[:-1] + "_0$" if symbol.endswith("$") else symbol and symbol + "₀"
+
+
+def with_place(name: Name, place: str) -> Name:
+    """The name of an element of an array."""
+    if not name.sign:
+        return Name(f"{name.words} {place}")
+    sign = name.sign + place.translate(LOWERED)
+    return Name(f"{name.words} {sign}", sign=sign)
+
+
+def name_of(key: str) -> str:
+    """What something is called in a title or a legend: words without formulas."""
+    return find_name(key).words
+
+
+def column_name(column: str, meaning: str = "") -> str:
+    """What a column is called, by what its table says of it if it has no name of its own."""
+    known = find_name(column).words
+    return known if column in QUANTITIES or "__" in column or not meaning else meaning
+
+
+def sign_of(key: str) -> str:
+    """The shortest name: the sign within a line of text, else words."""
+    name = find_name(key)
+    return name.sign or name.words
+
+
+def axis_of(key: str, unit: str = "", between: str = " ") -> str:
+    """Words, formula and unit, as the label of an axis."""
+    name = find_name(key)
+    return with_unit(between.join(filter(None, (name.words, name.formula))), unit)
+
+
 def with_unit(name: str, unit: str) -> str:
     """The label of an axis."""
-    return f"{name} ({UNIT_WORDS.get(unit, unit)})" if unit else name
-
-
-def axis_of(column: str, unit: str, between: str = " ") -> str:
-    """A column with its symbol and its unit, as the label of an axis."""
-    return with_unit(AXES[column].replace(" $", f"{between}$", 1), unit)
+    return f"{name} ({raised(unit)})" if unit else name

@@ -12,7 +12,7 @@ import pandas as pd
 from spintop_figures.tables.causes import TableError, changed_header, plain
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ending import problem_of_cells, problem_of_text
-from spintop_figures.tables.names import UNITS
+from spintop_figures.tables.names import unit_of_netcdf
 from spintop_figures.tables.netcdf import Attributes, Variable, along, cells_of, read_netcdf
 from spintop_figures.tables.rows import is_word, names_of, read_rows
 from spintop_figures.tables.words import words_of
@@ -215,7 +215,7 @@ def check_format(header: Mapping[str, str]) -> None:
 def attribute(variable: Variable, name: str) -> str:
     """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
     text = printable(variable.attributes.get(name, ""))
-    return UNITS.get(text, text) if name == "units" else text
+    return unit_of_netcdf(text) if name == "units" else text
 
 
 def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> int:

@@ -1,4 +1,4 @@
-"""What the registry of the program says of columns: which hold words, and what all mean."""
+"""What the registry of the program says of columns: their units, meanings, which hold words."""
 
 import functools
 import json
@@ -20,6 +20,18 @@ def registry() -> dict:
 def columns_of(study: str) -> dict[str, dict]:
     """The columns of a kind of study by name: unit, description, and whether they hold words."""
     return {column["name"]: column for column in registry()["columns"] if column["study"] == study}
+
+
+@functools.cache
+def units_of_columns() -> dict[str, str]:
+    """The units of the columns of all kinds of study by name; empty where there is none."""
+    return {column["name"]: column["unit"] or "" for column in registry()["columns"]}
+
+
+@functools.cache
+def column_units() -> dict[tuple[str, str], dict]:
+    """Other units of columns, by the unit of a column and the suffix of its name."""
+    return {(unit["of"], unit["suffix"]): unit for unit in registry()["column_units"]}
 
 
 @functools.cache

@@ -48,6 +48,7 @@ export class Motion {
     this.notes = facts.notes;
     this.total = facts.total;
     this.stride = facts.stride;
+    this.extremes = facts.extremes;
     this.isExact = facts.exact;
     this.t = columns.t;
     this.count = this.t.length;

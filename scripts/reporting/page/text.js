@@ -1,8 +1,5 @@
 // Numbers and times as words.
 
-import { extremesOf } from "./plot.js";
-import { largestOf } from "./stage/view.js";
-
 const DEGREE = 180 / Math.PI;
 const FIGURES = 7;
 const FIGURE_SPACE = "\u2007"; // as wide as a digit
@@ -61,8 +58,8 @@ function minus(text) {
 
 /** What one would see, for those who do not. */
 export function accountOf(motion) {
-  const [phi, theta, psi] = motion.angles;
-  const [low, high] = extremesOf(theta);
+  const [phi, , psi] = motion.angles;
+  const { theta: [low, high], force, momentum, omega } = motion.extremes;
   const words = [
     `From t = ${inShort(motion.start)} s to ${inShort(motion.end)} s the inclination θ stays between`,
     `${inDegrees(low, 2)} and ${inDegrees(high, 2)}.`,
@@ -74,9 +71,9 @@ export function accountOf(motion) {
     );
   }
   const longest = [
-    motion.force && `support force ${inShort(largestOf(motion.force))} N`,
-    motion.momentum && `angular momentum ${inShort(largestOf(motion.momentum))} J s`,
-    motion.turning && `angular velocity ${inShort(largestOf(motion.turning))} rad/s`,
+    force && `support force ${inShort(force)} N`,
+    momentum && `angular momentum ${inShort(momentum)} J s`,
+    omega && `angular velocity ${inShort(omega)} rad/s`,
   ].filter(Boolean);
   if (longest.length) words.push(`Longest arrows: ${longest.join(", ")}.`);
   return words.join(" ");

@@ -29,6 +29,8 @@ module spintop_effects_action
         procedure :: set
         procedure :: find_powers => find_powers_of_action
         procedure :: next_knot
+        procedure :: smooth_until
+        procedure :: after_jump
         procedure :: turning_at
         procedure :: directions_at
         procedure :: reach_of
@@ -55,7 +57,7 @@ module spintop_effects_action
 
     !> Relative size of what a cross product loses in rounding.
     real(dp), parameter :: rounding = 1.0e-14_dp
-    !> So often in a period of a vibration a resting body is looked at.
+    !> So often in a period of a vibration or of a torque a resting body is looked at.
     integer, parameter :: looks_per_period = 64
 
 contains
@@ -90,6 +92,22 @@ contains
         next_knot = huge(t)
         if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
     end function next_knot
+
+    !> The time up to which a step from `t` may reach in which f is smooth, as far as the table of torques tells, s.
+    pure real(dp) function smooth_until(self, t)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        smooth_until = huge(t)
+        if (allocated(self%effects%table)) smooth_until = self%effects%table%smooth_until(t)
+    end function smooth_until
+
+    !> The time of a jump of the torques at which a step has ended, s; otherwise `t`.
+    pure real(dp) function after_jump(self, t)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        after_jump = t
+        if (allocated(self%effects%table)) after_jump = self%effects%table%after_jump(t)
+    end function after_jump
 
     !> |w| and -|w|'.
     pure type(turning_t) function turning_at(self, t, y) result(turning)
@@ -196,8 +214,9 @@ contains
         if (loads%sticks) excess = min(excess, 0.0_dp)
     end function excess
 
-    !> A time in which the torques on a resting body change little: a part of the period of the vibration, or of the interval
-    !> of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all the time there is.
+    !> A time in which the torques on a resting body change little: a part of a period of the vibration or of a harmonic
+    !> torque, or of the interval of the table up to the next knot; for a driven rotor, in which the torque grows steadily, all
+    !> the time there is.
     pure real(dp) function pause(self, t) result(time)
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
@@ -205,8 +224,12 @@ contains
         if (.not. all(is_zero(self%effects%vibration_amplitude))) then
             time = 2 * pi / self%effects%vibration_rate / looks_per_period
         end if
+        associate (effects => self%effects)
+            if (allocated(effects%harmonic_body)) time = min(time, 2 * pi / effects%harmonic_body%rate / looks_per_period)
+            if (allocated(effects%harmonic_space)) time = min(time, 2 * pi / effects%harmonic_space%rate / looks_per_period)
+        end associate
         if (.not. self%next_knot(t) < huge(t)) return
-        time = min(time, self%next_knot(t) - t, self%effects%table%pace(t))
+        time = min(time, self%smooth_until(t) - t, self%effects%table%pace(t))
     end function pause
 
 end module spintop_effects_action

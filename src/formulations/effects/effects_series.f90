@@ -2,7 +2,7 @@
 module spintop_effects_series
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, series_t
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, harmonic_t
     use spintop_kinds, only: dp, no_number, wp => dp
     use spintop_motion, only: motion_t
     use spintop_smooth_effects_series, only: smooth_series_t

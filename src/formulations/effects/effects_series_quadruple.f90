@@ -3,7 +3,7 @@
 module spintop_effects_series_quadruple
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, harmonic_t
     use spintop_kinds, only: dp, no_number, wp => qp
     use spintop_motion, only: motion_t
     use spintop_torque_table, only: max_degree

@@ -51,7 +51,7 @@ contains
         real(dp), dimension(3) :: even, odd
 
         if (allocated(body%effects)) effects = body%effects
-        self%holds = effects%are_analytic()
+        self%holds = effects%have_kernels()
         self%of = stage_effects_t()
         associate (of => self%of, o => effects%frame_rate, rate => effects%vibration_rate)
             of%mobility(:3) = 1 / body%inertia

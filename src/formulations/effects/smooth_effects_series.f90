@@ -62,7 +62,7 @@ contains
         real(dp) :: v(3)
         integer :: k
 
-        self%holds = effects%are_analytic()
+        self%holds = effects%have_kernels()
         if (.not. self%holds) return
         products = products_of(body)
         v = 1 / body%inertia

@@ -28,6 +28,8 @@ module spintop_stick_and_slip
         type(rest_t) :: rest
         !> What happened at the end of the last step: the body came to rest, or began to move.
         integer :: occasion = occasion_none
+        !> Whether the torques jumped at the end of the last step, whose time is that of the jump.
+        logical :: passes_jump = .false.
         integer, private :: kind = by_method
         !> Whether the next segment must be a Runge-Kutta step: at its beginning there is no series.
         logical, private :: must_cross = .false.
@@ -123,7 +125,7 @@ contains
         class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
         real(dp), intent(in) :: t_end
-        latest_end = min(t_end, formulation%action%next_knot(stepper%t))
+        latest_end = min(t_end, formulation%action%smooth_until(stepper%t))
         if (formulation%action%may_stick .or. (formulation%action%may_turn .and. self%rest%has_series)) then
             latest_end = min(latest_end, self%rest%latest_end(formulation, stepper%t, stepper%y))
         end if
@@ -162,7 +164,7 @@ contains
         associate (action => formulation%action)
             looks_back = action%may_turn .and. method%info%needs == structure_series .and. .not. action%may_stick
             if (looks_back) then
-                method%t_end = min(t_end, action%next_knot(method%t))
+                method%t_end = min(t_end, action%smooth_until(method%t))
             else
                 method%t_end = self%latest_end(formulation, method, t_end)
             end if
@@ -194,10 +196,15 @@ contains
         class(stepper_t), pointer, intent(inout) :: stepper !! what took the step, then what takes the next
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         logical :: was_resting, is_stopped
+        real(dp) :: jump
         integer :: next
 
         status = status_ok
         was_resting = self%rest%is_resting
+        jump = stepper%t
+        if (method%controls%steps == 0) jump = min(formulation%action%after_jump(stepper%t), method%t_end)
+        self%passes_jump = jump > stepper%t
+        if (self%passes_jump) stepper%t = jump
         is_stopped = .false.
         if (formulation%action%may_stick .or. &
             (formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
@@ -208,7 +215,7 @@ contains
         if (was_resting .and. .not. self%rest%is_resting) self%occasion = occasion_slip
         next = merge(by_runge_kutta, by_method, self%must_cross)
         if (self%rest%is_resting) next = by_rest
-        if (next == self%kind .and. .not. (is_stopped .and. next == by_method)) return
+        if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
         if (stepper%t < method%t_end) call self%go_over(next, formulation, method, stepper, status)
     end subroutine settle
 

@@ -81,7 +81,7 @@ contains
         real(dp), intent(in) :: t_end
         status = body_status(body)
         if (is_ok(status) .and. allocated(body%effects)) then
-            if (.not. body%effects%are_analytic()) status = status_unsuitable
+            if (.not. body%effects%have_kernels()) status = status_unsuitable
         end if
         if (is_ok(status)) status = motion_status(start, body)
         if (is_ok(status) .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span

@@ -10,12 +10,14 @@ module spintop_axes_of_table
     use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
+    use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_table_walk, only: table_cursor_t, table_walk_t
+    use spintop_units, only: find_unit, units_of
     implicit none
     private
     public :: read_axes
@@ -33,6 +35,7 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(table_walk_t) :: walk
         type(error_t), allocatable :: error
+        real(dp), allocatable :: sizes(:)
         logical :: has_lines, refused
 
         call check_scene(scene, problems)
@@ -48,8 +51,8 @@ contains
                               // checksum_of(walk%text), 'omit the checksum to accept any table')
         end if
         if (.not. has_lines) return
-        call read_head(walk, table, axes%axis, diagnostics, refused)
-        if (size(axes%axis) > 0) call read_rows(walk, axes%axis, diagnostics, refused)
+        call read_head(walk, table, axes%axis, sizes, diagnostics, refused)
+        if (size(axes%axis) > 0) call read_rows(walk, axes%axis, sizes, diagnostics, refused)
         if (refused .or. problems%any()) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
     end subroutine read_axes
@@ -67,11 +70,12 @@ contains
         end if
     end subroutine check_scene
 
-    !> Reads the line of names: an axis for each; none if a comma parts a name.
-    subroutine read_head(walk, table, axis, diagnostics, refused)
+    !> Reads the line of names: an axis for each, and the size of its unit in that of its parameter; none if a comma parts a name.
+    subroutine read_head(walk, table, axis, sizes, diagnostics, refused)
         type(table_walk_t), intent(inout) :: walk
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(out) :: axis(:)
+        real(dp), allocatable, intent(out) :: sizes(:)
         type(diagnostics_t), intent(inout) :: diagnostics
         logical, intent(out) :: refused
         type(table_cursor_t) :: head
@@ -86,6 +90,7 @@ contains
         end do
         walk%at = head
         allocate (axis(columns))
+        allocate (sizes(columns), source=1.0_dp)
         refused = .false.
         do i = 1, columns
             call walk%next_cell()
@@ -99,6 +104,7 @@ contains
                 return
             end if
             call find_swept(axis(i)%name, table, axis(i)%slot, problem, hint)
+            if (problem /= '') call find_in_unit(table, axis(i), sizes(i), problem, hint)
             axis(i)%whole = axis(i)%slot%is_whole()
             if (any([(axis(k)%slot%is_same(axis(i)%slot), k=1, i - 1)])) then
                 problem = axis(i)%name // ' has two columns'
@@ -111,10 +117,38 @@ contains
         end do
     end subroutine read_head
 
+    !> Finds the parameter of a column whose name ends in a unit, as `initial.omega3_rpm`. The problem stays if there is none.
+    subroutine find_in_unit(table, axis, size_of_unit, problem, hint)
+        type(parameter_table_t), intent(in) :: table
+        type(axis_t), intent(inout) :: axis !! its name, which then is that of the parameter
+        real(dp), intent(inout) :: size_of_unit
+        character(:), allocatable, intent(inout) :: problem, hint
+        type(number_slot_t) :: slot
+        character(:), allocatable :: name, unit, other_problem, other_hint
+        integer :: last
+
+        last = index(axis%name, '_', back=.true.)
+        name = axis%name(:max(0, last - 1))
+        call find_swept(name, table, slot, other_problem, other_hint)
+        if (other_problem /= '') return
+        associate (parameter => table%parameters(table%find(name(:index(name // '(', '(') - 1))))
+            call find_unit(axis%name(last + 1:), trim(parameter%unit), unit, size_of_unit, other_problem)
+            if (other_problem /= '') then
+                hint = name // ' is in ' // trim(parameter%unit) // '; ' // units_of(trim(parameter%unit))
+                return
+            end if
+        end associate
+        axis%name = name
+        axis%slot = slot
+        problem = ''
+        hint = ''
+    end subroutine find_in_unit
+
     !> Reads the rows into the axes. Values of refused columns are not checked.
-    subroutine read_rows(walk, axis, diagnostics, refused)
+    subroutine read_rows(walk, axis, sizes, diagnostics, refused)
         type(table_walk_t), intent(inout) :: walk
         type(axis_t), intent(inout) :: axis(:)
+        real(dp), intent(in) :: sizes(:) !! of the units of the columns
         type(diagnostics_t), intent(inout) :: diagnostics
         logical, intent(inout) :: refused
         character(*), parameter :: one_a_column = 'a row has a cell for each column'
@@ -148,6 +182,7 @@ contains
                 end if
                 call walk%next_cell()
                 call walk%read_number(axis(i)%name, value, problem, hint)
+                value = value * sizes(i)
                 ! A refused column has no rule.
                 if (problem == '' .and. allocated(axis(i)%slot%rule)) then
                     problem = axis(i)%slot%refusal(value)

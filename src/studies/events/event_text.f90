@@ -3,9 +3,10 @@
 !> Each is a column of the trajectory that passes a value, rising or falling, or an occasion such as rest. A name stands
 !> for events of the table below; a text without a direction stands for two events, one for each direction.
 module spintop_event_text
-    use spintop_kinds, only: dp, degree
+    use spintop_kinds, only: dp
     use spintop_event, only: event_t, occasion_knot, occasion_none, occasion_slip, occasion_stuck
     use spintop_literals, only: read_real
+    use spintop_study_column, only: chosen_column_t, find_column, proof_group
     use spintop_text, only: lower_case, did_you_mean, join
     use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t, trajectory_columns
     implicit none
@@ -52,9 +53,9 @@ module spintop_event_text
 
     !> The general notation, for help and messages.
     character(*), parameter :: event_grammar = &
-        'COLUMN = VALUE [every turn] [rising|falling], COLUMN one of a trajectory or phi_deg, theta_deg, psi_deg'
+        'COLUMN = VALUE [every turn] [rising|falling], COLUMN one of a trajectory, also in a unit, as theta_deg'
 
-    character(*), parameter :: suffix = '_deg', turning_columns(*) = [character(3) :: 'phi', 'psi']
+    character(*), parameter :: turning_columns(*) = [character(3) :: 'phi', 'psi']
     character(*), parameter :: direction_names(-1:1) = [character(8) :: ' falling', '', ' rising']
 
 contains
@@ -112,25 +113,16 @@ contains
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
         type(column_event_t) :: one
-        character(:), allocatable :: column, number, rest, label
-        real(dp) :: unit
-        integer :: last, direction
-        logical :: found
+        type(chosen_column_t) :: chosen
+        character(:), allocatable :: number, rest, label
+        integer :: direction
 
-        column = left
-        unit = 1
-        last = len(left) - len(suffix)
-        call find_trajectory_column(left, one%column, found)
-        if (last > 0 .and. .not. found) then
-            if (left(last + 1:) == suffix .and. index(' phi theta psi ', ' ' // left(:last) // ' ') > 0) then
-                column = left(:last)
-                unit = degree
-            end if
+        call find_column(trajectory_columns, left, chosen, problem, hint)
+        if (chosen%place > 0) then
+            one%column = trajectory_columns(chosen%place)
+            if (one%column%group == proof_group) problem = "there is no event of the column '" // left // "'"
         end if
-        if (column /= left) call find_trajectory_column(column, one%column, found)
-        if (.not. found) then
-            problem = "there is no column '" // left // "'"
-            hint = did_you_mean(left, trajectory_columns%name)
+        if (problem /= '') then
             if (hint == '') hint = '`spintop list columns` shows them all'
             return
         end if
@@ -139,13 +131,13 @@ contains
         rest = trim(adjustl(right(len(number) + 1:)))
         call read_real(number, one%event%level, problem, hint)
         if (problem /= '') return
-        one%event%level = one%event%level * unit
+        one%event%level = one%event%level * chosen%size
         label = left // '=' // number
         if (index(rest // ' ', 'every turn ') == 1) then
             one%event%every_turn = .true.
             label = label // ' every turn'
             rest = trim(adjustl(rest(len('every turn') + 1:)))
-            if (all(turning_columns /= column)) then
+            if (all(turning_columns /= one%column%name)) then
                 problem = "'every turn' is only for " // join(turning_columns, ' and ')
                 hint = "omit 'every turn'"
                 return

@@ -1,18 +1,20 @@
-!> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table.
+!> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table. The name of a column may end in a
+!> unit, as `theta_deg` does, which then is that of its readings, their standard deviations and residuals.
 module spintop_fit_data
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_problems, only: problems_t
     use spintop_scene_fit, only: fit_scene_t
-    use spintop_study_column, only: place_of, proof_group
-    use spintop_text, only: abbreviate, did_you_mean, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group
+    use spintop_text, only: abbreviate, join, to_text
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
+    use spintop_units, only: convert_unit
     implicit none
     private
     public :: measurements_t, read_measurements
@@ -20,6 +22,7 @@ module spintop_fit_data
     character(*), parameter :: key = 'fit.data'
     !> What follows the name of a column in that of its standard deviations, row by row.
     character(*), parameter :: sigma_mark = '_sigma'
+    character(*), parameter :: time_column = 't', turn = 'turn'
 
     !> Measurements, row by row.
     type :: measurements_t
@@ -30,6 +33,9 @@ module spintop_fit_data
         integer, allocatable :: sensor(:)
         !> Times, s, increasing, and the readings: columns, times.
         real(dp), allocatable :: t(:), values(:, :)
+        !> The column of the times, and its cells, in its unit.
+        type(chosen_column_t) :: time
+        real(dp), allocatable :: given_times(:)
         !> Which of the readings there are.
         logical, allocatable :: is_there(:, :)
         !> Their standard deviations, which are 1 where they are not known.
@@ -66,7 +72,7 @@ contains
         end if
         path = path_from(input, scene%data)
         call read_table(path, table, error)
-        if (.not. allocated(error)) call table%read_column('t', measured%t, error)
+        if (.not. allocated(error)) call read_times(table, measured, error)
         if (allocated(error)) then
             call problems%add(key, error%message, 'its path is relative to the folder of the input')
             return
@@ -94,6 +100,42 @@ contains
         if (.not. problems%any()) call check_sizes(measured, problems)
         if (.not. problems%any()) call move_alloc(columns, measured%columns)
     end subroutine read_measurements
+
+    !> The times of the rows: the column `t`, or `t_ms` and the like.
+    subroutine read_times(table, measured, error)
+        type(table_t), intent(in) :: table
+        type(measurements_t), intent(inout) :: measured
+        type(error_t), allocatable, intent(out) :: error
+        type(chosen_column_t) :: found
+        integer :: i
+
+        measured%time%name = time_column
+        do i = 1, size(table%names)
+            found = column_named(table%names(i)%text)
+            if (.not. is_time(found)) cycle
+            if (measured%time%place > 0) then
+                error = input_error('two columns of the table are the time: ' // trim(measured%time%name) // ' and ' // &
+                                    trim(found%name))
+                return
+            end if
+            measured%time = found
+        end do
+        call table%read_column(trim(measured%time%name), measured%given_times, error)
+        measured%t = measured%given_times * measured%time%size
+    end subroutine read_times
+
+    !> The column of trajectories of that name; its place is 0 if there is none.
+    type(chosen_column_t) function column_named(name) result(found)
+        character(*), intent(in) :: name
+        character(:), allocatable :: problem, hint
+        call find_column(trajectory_columns, name, found, problem, hint)
+    end function column_named
+
+    !> Whether a column is the time, in some unit.
+    pure logical function is_time(column)
+        type(chosen_column_t), intent(in) :: column
+        is_time = column%place == place_of(trajectory_columns, time_column)
+    end function is_time
 
     !> Checks the times of the rows.
     subroutine check_times(path, scene, t, problems)
@@ -138,10 +180,10 @@ contains
         type(table_t), intent(in) :: table
         type(trajectory_column_t), allocatable, intent(out) :: columns(:)
         type(problems_t), intent(inout) :: problems
-        integer, allocatable :: places(:)
+        type(chosen_column_t), allocatable :: chosen(:)
         integer :: i
 
-        allocate (places(0))
+        allocate (chosen(0))
         if (any(scene%columns /= '')) then
             do i = 1, size(scene%columns)
                 if (scene%columns(i) == '') cycle
@@ -149,52 +191,55 @@ contains
             end do
         else
             do i = 1, size(table%names)
-                if (table%names(i)%text == 't' .or. is_deviation(table%names(i)%text)) cycle
+                if (is_time(column_named(table%names(i)%text)) .or. is_deviation(table%names(i)%text)) cycle
                 call add_column(table%names(i)%text, key)
             end do
             if (size(table%names) < 2) call problems%add(key, 'the table has no column of measurements', &
                                                          'give columns of trajectories, such as theta, beside t')
         end if
-        allocate (columns(size(places)))
-        columns = trajectory_columns(places)
+        columns = trajectory_columns_at(chosen)
 
     contains
 
         !> Adds a column of that name.
         subroutine add_column(name, key)
             character(*), intent(in) :: name, key
-            character(:), allocatable :: hint
-            integer :: place
+            type(chosen_column_t) :: found
+            character(:), allocatable :: problem, hint
 
-            place = place_of(trajectory_columns, name)
-            hint = ''
-            if (place == 0) then
-                hint = did_you_mean(name, trajectory_columns%name)
+            call find_column(trajectory_columns, name, found, problem, hint)
+            if (found%place == 0) then
                 if (hint == '') hint = '`spintop list columns` shows those of trajectories'
             else
-                associate (column => trajectory_columns(place))
+                associate (column => trajectory_columns(found%place))
                     if (column%group == proof_group .or. column%needs_exact_motion .or. column%needs_work &
                         .or. column%needs_effects) hint = 'errors, bounds and the work of effects are not measured'
                 end associate
             end if
             if (hint /= '') then
                 call problems%add(key, abbreviate(name) // ' is not a measurable column', hint)
-            else if (any(places == place)) then
-                call problems%add(key, "column '" // name // "' is named twice", 'name it once')
+            else if (any(chosen%place == found%place)) then
+                call problems%add(key, "column '" // name // "' is named twice", 'name it once, in one unit')
             else
-                places = [places, place]
+                chosen = [chosen, found]
             end if
         end subroutine add_column
 
-        !> Whether a column has the standard deviations of another one.
+        !> Whether a column has the standard deviations of another one, which has to be there.
         logical function is_deviation(name)
             character(*), intent(in) :: name
+            type(chosen_column_t) :: found
+            integer :: k
             is_deviation = .false.
-            if (len(name) > len(sigma_mark)) then
-                if (name(len(name) - len(sigma_mark) + 1:) == sigma_mark) then
-                    is_deviation = place_of(trajectory_columns, name(:len(name) - len(sigma_mark))) > 0
-                end if
-            end if
+            if (len(name) <= len(sigma_mark)) return
+            associate (of => name(:len(name) - len(sigma_mark)))
+                if (of // sigma_mark /= name) return
+                found = column_named(of)
+                is_deviation = found%place > 0
+                if (.not. is_deviation .or. any([(table%names(k)%text == of, k=1, size(table%names))])) return
+                call problems%add(key, 'the table has ' // name // ', but no column ' // of, &
+                                  'the standard deviations of a column are in its unit: give both the same name before _sigma')
+            end associate
         end function is_deviation
 
     end subroutine choose_columns
@@ -205,6 +250,7 @@ contains
         type(trajectory_column_t), intent(in) :: columns(:)
         type(measurements_t), intent(inout) :: measured
         type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: problem
         integer :: i, k
 
         allocate (measured%sensor(size(columns)), source=0)
@@ -214,7 +260,7 @@ contains
             k = place_of(columns, scene%sensors%column(i))
             if (k == 0) then
                 call problems%add('sensor.column(' // to_text(i) // ')', trim(scene%sensors%column(i)) // ' is not measured', &
-                                  'name a column of the table')
+                                  'name a column as the table does: ' // join(columns%name, ', '))
             else if (measured%sensor(k) > 0) then
                 call problems%add('sensor.column(' // to_text(i) // ')', "column '" // trim(scene%sensors%column(i)) // &
                                   "' is named twice", 'give one group per column')
@@ -224,12 +270,10 @@ contains
         end do
         do i = 1, size(scene%wrapped)
             if (scene%wrapped(i) == '') cycle
-            k = place_of(columns, scene%wrapped(i))
+            k = findloc(columns%name == scene%wrapped(i) .or. columns%quantity() == scene%wrapped(i), .true., dim=1)
             if (k > 0) then
-                if (columns(k)%unit == 'rad') then
-                    measured%turn(k) = 2 * pi
-                    cycle
-                end if
+                call convert_unit(turn, trim(columns(k)%unit), measured%turn(k), problem)
+                if (problem == '') cycle
             end if
             call problems%add('fit.wrapped(' // to_text(i) // ')', trim(scene%wrapped(i)) // ' is not a measured angle', &
                               'name phi, psi or theta, if it is measured')

@@ -231,7 +231,7 @@ contains
         end if
         is_valid = all(is_finite(quantities))
         if (.not. is_valid) return
-        call read_sensors(self%scene%fit, self%measured%sensor, self%turned, quantities, readings)
+        call read_sensors(self%scene%fit, self%measured%sensor, self%measured%columns%size, self%turned, quantities, readings)
     end subroutine predict
 
     !> Whether all numbers are in their ranges.

@@ -18,8 +18,8 @@ module spintop_fit_sensors
 
 contains
 
-    !> The columns of the motion: those that are measured, and if a sensor of a vector is mounted at an angle, all components of
-    !> the vector.
+    !> The columns of the motion, in their own units: those that are measured, and if a sensor of a vector is mounted at an angle,
+    !> all components of the vector.
     subroutine columns_of_motion(measured, mounting, seeks_mounting, columns, turned)
         type(trajectory_column_t), intent(in) :: measured(:) !! the measured columns
         real(dp), intent(in) :: mounting(3) !! rotation vector of the sensor, rad
@@ -30,11 +30,11 @@ contains
         character(:), allocatable :: name
         integer :: places(3), i, k
 
-        columns = measured
+        columns = trajectory_columns([(place_of(trajectory_columns, measured(i)%quantity()), i=1, size(measured))])
         allocate (turned(3, 0))
         if (.not. (any(seeks_mounting) .or. norm2(mounting) > 0)) return
         do i = 1, size(vectors)
-            if (.not. any([(any(measured%name == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
+            if (.not. any([(any(measured%quantity() == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
             do k = 1, 3
                 name = trim(vectors(i)) // to_text(k)
                 places(k) = place_of(columns, name)
@@ -60,9 +60,10 @@ contains
     end subroutine find_instants
 
     !> The readings of the sensors.
-    subroutine read_sensors(settings, sensor, turned, quantities, readings)
+    subroutine read_sensors(settings, sensor, sizes, turned, quantities, readings)
         type(fit_scene_t), intent(in) :: settings !! the group of the input
         integer, intent(in) :: sensor(:) !! the number of the group &sensor of each measured column; 0 for none
+        real(dp), intent(in) :: sizes(:) !! of the unit of each measured column, in that of the quantity
         integer, intent(in) :: turned(:, :) !! places of the components of each vector that is turned
         real(dp), intent(inout) :: quantities(:, :) !! columns of the motion, instants; vectors are turned
         real(dp), intent(out) :: readings(:, :) !! measured columns, rows
@@ -79,6 +80,7 @@ contains
         do i = 1, size(readings, 1)
             readings(i, :) = quantities(i, ::nodes)
             if (nodes > 1) readings(i, :) = matmul(gauss_weights, reshape(quantities(i, :), [nodes, size(readings, 2)]))
+            readings(i, :) = readings(i, :) / sizes(i)
             if (sensor(i) == 0) cycle
             readings(i, :) = settings%sensors%offset(sensor(i)) + settings%sensors%scale(sensor(i)) * readings(i, :)
         end do

@@ -93,7 +93,7 @@ contains
         integer :: i
 
         allocate (columns(1 + 3 * size(measured%columns)))
-        columns(1) = column_t('t', 's', 'time')
+        columns(1) = column_t(measured%time%name, measured%time%unit, 'time')
         do i = 1, size(measured%columns)
             associate (column => measured%columns(i))
                 columns(3 * i - 1) = column_t(column%name, column%unit, 'measured: ' // trim(column%what))
@@ -106,7 +106,7 @@ contains
         call file%create(residual_path(job%output), study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(measured%t)
-            call file%add_row([measured%t(i), cells_of(measured%values(:, i), values(:, i), differences(:, i))], error)
+            call file%add_row([measured%given_times(i), cells_of(measured%values(:, i), values(:, i), differences(:, i))], error)
             if (allocated(error)) exit
         end do
         if (.not. allocated(error)) call file%finish(trailer, error)

@@ -7,6 +7,7 @@ module spintop_fit_warnings
     use spintop_problems, only: problems_t
     use spintop_summary, only: rounded
     use spintop_text, only: to_text
+    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: check_measurements
@@ -33,7 +34,7 @@ contains
         do i = 1, size(measured%columns)
             rows = pack([(k, k=1, n)], measured%is_there(i, :))
             if (size(rows) < 2) cycle
-            call check_angles(trim(measured%columns(i)%name), rows, measured%t(rows), measured%values(i, rows), &
+            call check_angles(measured%columns(i), rows, measured%t(rows), measured%values(i, rows), &
                               measured%turn(i) > 0, problems)
         end do
         if (n < 2) return
@@ -43,11 +44,11 @@ contains
             if (interval > most_periods * period) then
                 call problems%warn('fit.data', 'the rows are ' // rounded(interval) // ' s apart, which are ' // &
                                    rounded(interval / period) // ' periods of the motion, of ' // &
-                                   rounded(period) // ' s', 'give the times in s')
+                                   rounded(period) // ' s', 'give the times in s, or name their unit, as in t_ms')
             else if (2 * pi * (t(n) - t(1)) < least_turn * period) then
                 call problems%warn('fit.data', 'all rows are within ' // rounded(t(n) - t(1)) // &
                                    ' s, in which the motion hardly begins: it has a period of ' // rounded(period) // &
-                                   ' s', 'give the times in s')
+                                   ' s', 'give the times in s, or name their unit, as in t_ms')
             end if
             if (t(1) + time_offset > most_spans * (t(n) - t(1))) then
                 call problems%add('fit.data', 'the first row is at t = ' // rounded(t(1)) // ' s, but the motion starts at 0', &
@@ -56,9 +57,9 @@ contains
         end associate
     end subroutine check_measurements
 
-    !> Checks that the readings of an angle are in radians, and have all turns.
-    subroutine check_angles(name, rows, t, values, is_wrapped, problems)
-        character(*), intent(in) :: name
+    !> Checks that the readings of an angle are in the unit of their column, and have all turns.
+    subroutine check_angles(column, rows, t, values, is_wrapped, problems)
+        type(trajectory_column_t), intent(in) :: column
         integer, intent(in) :: rows(:) !! those with a reading
         real(dp), intent(in) :: t(:), values(:)
         logical, intent(in) :: is_wrapped !! whether turns are not needed
@@ -66,19 +67,21 @@ contains
         logical :: is_outside(size(values))
         integer :: k
 
-        if (name == 'theta') then
-            is_outside = values < -slack_of_theta .or. values > pi + slack_of_theta
+        if (column%quantity() == 'theta') then
+            is_outside = values * column%size < -slack_of_theta .or. values * column%size > pi + slack_of_theta
             k = findloc(is_outside, .true., dim=1)
             ! One such reading is wrong, many are in another unit.
             if (count(is_outside) > size(values) / 4) then
-                call problems%add('fit.data', 'theta = ' // rounded(values(k)) // ' in row ' // to_text(rows(k)) // &
-                                  ' is outside of [0, pi]', 'give it in radians')
+                call problems%add('fit.data', trim(column%name) // ' = ' // rounded(values(k)) // ' in row ' // &
+                                  to_text(rows(k)) // ' is outside of [0, pi]', &
+                                  'give it in radians, or name its unit, as in theta_deg')
             end if
-        else if ((name == 'phi' .or. name == 'psi') .and. .not. is_wrapped) then
-            k = wrapped_at(t, values)
-            if (k > 1) call problems%add('fit.data', name // ' jumps by almost a turn from row ' // to_text(rows(k - 1)) // &
-                                         ' to row ' // to_text(rows(k)) // ', as a wrapped angle does', &
-                                         "give fit.wrapped = '" // name // "', or all its turns (in Python numpy.unwrap)")
+        else if (any(column%quantity() == [character(3) :: 'phi', 'psi']) .and. .not. is_wrapped) then
+            k = wrapped_at(t, values * column%size)
+            if (k > 1) call problems%add('fit.data', trim(column%name) // ' jumps by almost a turn from row ' // &
+                                         to_text(rows(k - 1)) // ' to row ' // to_text(rows(k)) // &
+                                         ', as a wrapped angle does', "give fit.wrapped = '" // trim(column%name) // &
+                                         "', or all its turns (in Python numpy.unwrap)")
         end if
     end subroutine check_angles
 

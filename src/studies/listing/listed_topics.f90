@@ -17,7 +17,8 @@ module spintop_listed_topics
     use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, join, string_t, to_text
+    use spintop_units, only: find_unit, suffixes_of
     implicit none
     private
     public :: topics, add_topic
@@ -79,7 +80,10 @@ contains
             call add_exit_codes(list)
         end select
         call list%json%close()
-        if (topic == 'columns') call list%json%add('other_words', other_words)
+        if (topic == 'columns') then
+            call list%json%add('other_words', other_words)
+            call add_units(list)
+        end if
         if (topic == 'events') call list%json%add('event_grammar', event_grammar)
     end subroutine add_topic
 
@@ -110,6 +114,55 @@ contains
             end do
         end do
     end subroutine add_columns
+
+    !> The units in which columns can be: what follows the name of a column of the unit `of`, and the `size` of the unit in that.
+    subroutine add_units(list)
+        type(listing_t), intent(inout) :: list
+        class(study_t), allocatable :: study
+        type(study_info_t) :: info
+        type(listed_column_t), allocatable :: columns(:)
+        type(string_t), allocatable :: known(:), suffixes(:)
+        character(:), allocatable :: unit, problem
+        real(dp) :: factor
+        integer :: i, k
+
+        allocate (known(0))
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), study)
+            info = study%info()
+            if (.not. info%takes_columns) cycle
+            columns = study%columns()
+            do k = 1, size(columns)
+                if (.not. is_in(known, trim(columns(k)%unit))) call append(known, trim(columns(k)%unit))
+            end do
+        end do
+        call list%text%add('')
+        call list%text%add('a column in another unit: its name, _ and a suffix for its unit, as in t_ms, theta_deg, omega3_rpm')
+        call list%json%open_list('column_units')
+        do i = 1, size(known)
+            call suffixes_of(known(i)%text, suffixes)
+            if (size(suffixes) == 0) cycle
+            call list%text%add('    ' // known(i)%text // ': ' // join(suffixes, ', '))
+            do k = 1, size(suffixes)
+                call find_unit(suffixes(k)%text, known(i)%text, unit, factor, problem)
+                call list%json%open_object()
+                call list%json%add('of', known(i)%text)
+                call list%json%add('suffix', suffixes(k)%text)
+                call list%json%add('unit', unit)
+                call list%json%add('size', factor)
+                call list%json%close()
+            end do
+        end do
+        call list%json%close()
+    end subroutine add_units
+
+    !> Whether a text is one of others.
+    pure logical function is_in(texts, text)
+        type(string_t), intent(in) :: texts(:)
+        character(*), intent(in) :: text
+        integer :: i
+        is_in = any([(texts(i)%text == text, i=1, size(texts))])
+    end function is_in
 
     !> The events with names, what their rows are called in a table, and the grammar of the others.
     subroutine add_events(list)

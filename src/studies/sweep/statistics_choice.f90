@@ -13,13 +13,14 @@ module spintop_statistics_choice
     use spintop_scene_words, only: combine_saltelli
     use spintop_statistics_plan, only: binned_t, statistics_plan_t
     use spintop_summary, only: rounded
+    use spintop_study_column, only: chosen_column_t, find_column
     use spintop_sweep_axes, only: axis_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, status_column, &
         table_column_t
-    use spintop_text, only: nearest_word, string_t, to_text
+    use spintop_text, only: did_you_mean, string_t, to_text
     implicit none
     private
     public :: choose_statistics
@@ -80,6 +81,8 @@ contains
         type(job_t), intent(inout) :: job
         type(problems_t), intent(inout) :: problems
         type(sweep_column_t), allocatable :: known(:)
+        type(chosen_column_t), allocatable :: found(:)
+        character(:), allocatable :: problem, hint
         integer :: i
 
         allocate (known, source=sweep_columns())
@@ -87,8 +90,14 @@ contains
             call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
                               'omit it; statistics.columns are computed')
         end if
-        job%columns = pack([(i, i=1, size(known))], [(any(known(i)%name == job%scene%statistics_columns) &
-                                                      .or. any(known(i)%name == job%scene%over), i=1, size(known))])
+        associate (names => [character(64) :: job%scene%statistics_columns, job%scene%over])
+            allocate (found(size(names)))
+            do i = 1, size(names)
+                call find_column(known, trim(names(i)), found(i), problem, hint)
+                if (any(found(:i - 1)%name == found(i)%name)) found(i)%place = 0
+            end do
+        end associate
+        job%columns = [(pack(found, found%place == i), i=1, size(known))]
     end subroutine keep_needed_columns
 
     !> The columns of which statistics are computed.
@@ -130,8 +139,9 @@ contains
         character(*), intent(in) :: name, key
         type(problems_t), intent(inout) :: problems
         type(sweep_column_t), allocatable :: known(:)
+        type(chosen_column_t) :: found
         type(string_t), allocatable :: names(:)
-        character(:), allocatable :: hint
+        character(:), allocatable :: problem, hint
         integer :: i
 
         place = place_in(cells, name)
@@ -139,9 +149,10 @@ contains
             if (cells(place)%kind /= column_of_notes) return
         end if
         allocate (known, source=sweep_columns())
+        call find_column(known, name, found, problem, hint)
         if (place > 0) then
             call problems%add(key, "column '" // name // "' has no statistics", 'name a quantity, a swept parameter or status')
-        else if (any(known%name == name)) then
+        else if (found%place > 0) then
             call problems%add(key, "the table has no column '" // name // "'", &
                               "add it to output.columns, or set output.rows = 'none'")
         else if (job%table%find(name(:index(name // '(', '(') - 1)) > 0) then
@@ -154,10 +165,9 @@ contains
             do i = 1, size(job%axes%axis)
                 names(size(known) + i)%text = job%axes%axis(i)%name
             end do
-            hint = nearest_word(name, names)
-            if (hint /= '') hint = "did you mean '" // hint // "'?"
-            if (hint == '') hint = '`spintop list columns sweep` shows them all'
-            call problems%add(key, "there is no column '" // name // "'", hint)
+            if (hint == '' .or. index(hint, 'did you mean') == 1) hint = did_you_mean(name, names)
+            if (hint == '') hint = '`spintop list columns` shows them all'
+            call problems%add(key, problem, hint)
         end if
         place = 0
     end function find_cell

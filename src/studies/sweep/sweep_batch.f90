@@ -50,7 +50,7 @@ contains
             if (.not. (plan%stepper%info%runs_in_lanes .and. form%runs_in_lanes)) return
             if (plan%stepper%controls%project /= project_nothing) return
             if (allocated(case%body%effects)) then
-                if (needs_plain_body(wanted) .or. .not. case%body%effects%are_analytic()) return
+                if (needs_plain_body(wanted) .or. .not. case%body%effects%have_kernels()) return
             end if
             ! Lanes count no turns in other axes, and measure nothing there.
             if (case%body%given%differ .and. (wanted(of_turns) .or. wanted(of_measured) .or. wanted(of_range))) return

@@ -10,7 +10,7 @@ module spintop_sweep_result
     public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range, of_whole, &
         of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, &
         of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
-        of_singular, of_multiplier, of_free, of_proof
+        of_singular, of_multiplier, of_free, of_proof, of_threshold
 
     !> Whether the bounds of a case are proved: `none` without a result.
     character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
@@ -42,10 +42,11 @@ module spintop_sweep_result
     integer, parameter :: of_multiplier = 23        !! the Floquet multipliers over a period of the vibration
     integer, parameter :: of_free = 24              !! the constants of a free motion
     integer, parameter :: of_proof = 25             !! bounds of the errors
-    integer, parameter :: kinds_of_work = of_proof
+    integer, parameter :: of_threshold = 26         !! the threshold of the sleeping top
+    integer, parameter :: kinds_of_work = of_threshold
 
     !> Number of values in the list of a result, as many as there are columns.
-    integer, parameter :: value_count = 50
+    integer, parameter :: value_count = 52
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -70,6 +71,7 @@ module spintop_sweep_result
         real(dp) :: force_z_min = nan, force_z_max = nan
         real(dp) :: t_end = nan, t_stuck = nan
         real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_axis = nan, omega_max = nan
+        real(dp) :: critical_omega3 = nan, sleeping_ratio = nan
         real(dp) :: growth_rate = nan
         real(dp) :: lyapunov_exponent = nan
         real(dp) :: largest_singular_value = nan, upright_multiplier = nan
@@ -109,8 +111,9 @@ contains
                   self%fast_top_ratio, self%com_z_min, self%theta_end, self%phi_end, self%psi_end, self%theta_rate_end, &
                   self%energy_error_max, self%orientation_error, self%inherent_error, self%evaluations, &
                   real(self%motion_class, dp), self%spin_per_nutation, self%theta_rate_max, self%force_max, &
-                  self%force_z_min, self%force_z_max, self%t_end, self%t_stuck, self%growth_rate, &
-                  self%lyapunov_exponent, self%largest_singular_value, self%upright_multiplier, &
+                  self%force_z_min, self%force_z_max, self%t_end, self%t_stuck, self%critical_omega3, &
+                  self%sleeping_ratio, self%growth_rate, self%lyapunov_exponent, self%largest_singular_value, &
+                  self%upright_multiplier, &
                   self%momentum_period, self%momentum_turn, self%momentum_axis, self%omega_max, &
                   self%bounds(proof_of_theta), self%bounds(proof_of_phi), self%bounds(proof_of_psi), &
                   self%bounds(proof_of_period), self%bounds(proof_of_precession), &

@@ -71,8 +71,8 @@ contains
                 n = n + 1
                 self%axis(i) = n
             end do
-            allocate (self%place(wanted%count), self%best(wanted%count))
-            self%place = [(findloc(wanted%columns(), wanted%list(i)%column, dim=1), i=1, wanted%count)]
+            self%place = wanted%list%column
+            allocate (self%best(wanted%count))
             allocate (self%nodes(size(self%axis)), self%is_needed(node_count, size(self%axis)))
         end associate
         allocate (self%own)

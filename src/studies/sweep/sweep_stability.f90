@@ -3,21 +3,23 @@
 !> were computed.
 module spintop_sweep_stability
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: case_t
     use spintop_kinds, only: dp
     use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
     use spintop_growth_lanes, only: find_growth, growth_t
     use spintop_inherent_lanes, only: find_inherent_errors
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_steady_motion, only: critical_omega3
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit, status_unsuitable
     use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
     use spintop_sweep_notes, only: note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
-        note_no_singular, only_without_effects
+        note_no_singular, note_no_threshold, note_t, only_without_effects
     use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
-    public :: compute_stability, ask_for_inherent_error, perturbations_t
+    public :: compute_stability, ask_for_inherent_error, set_threshold, explain_no_threshold, perturbations_t
 
     real(dp), parameter :: no_angles(3) = 0
 
@@ -60,6 +62,33 @@ contains
         end if
         if (wanted(of_multiplier)) call compute_multiplier(slot)
     end subroutine compute_stability
+
+    !> The threshold spin of the sleeping top, and the spin at the start over it. Without a torque of gravity the threshold is
+    !> zero, and nothing is over it.
+    subroutine set_threshold(slot)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
+        real(dp) :: omega3
+        associate (body => slot%case%body, values => slot%result)
+            if (.not. body%is_symmetric()) return
+            values%critical_omega3 = critical_omega3(body)
+            if (.not. values%critical_omega3 > 0) return
+            omega3 = slot%case%start%omega(3)
+            if (allocated(body%effects)) omega3 = omega3 + body%effects%rotor_momentum(3) / body%inertia(3)
+            values%sleeping_ratio = abs(omega3) / values%critical_omega3
+        end associate
+    end subroutine set_threshold
+
+    !> Notes why a case has no threshold of a sleeping top, or no spin over it.
+    subroutine explain_no_threshold(case, note)
+        type(case_t), intent(in) :: case !! the case that lacks the quantity
+        type(note_t), intent(inout) :: note !! notes on the case
+        if (note%has(note_no_threshold)) return
+        if (case%body%is_symmetric()) then
+            call note%add(note_no_threshold, 'gravity exerts no torque')
+        else
+            call note%add(note_no_threshold, 'the body is not symmetric')
+        end if
+    end subroutine explain_no_threshold
 
     !> Leaves the inherent error of a motion to `perturbations_t`.
     subroutine ask_for_inherent_error(slot, t_end)

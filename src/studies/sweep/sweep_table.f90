@@ -24,7 +24,7 @@ module spintop_sweep_table
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: sweep_columns
+    use spintop_sweep_columns, only: columns_at
     use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_names, note_t
     use spintop_sweep_result, only: proof_cells, value_count
@@ -168,10 +168,10 @@ contains
     subroutine describe_columns(job, columns)
         type(job_t), intent(in) :: job !! the job
         type(table_column_t), allocatable, intent(out) :: columns(:) !! one for each cell
-        type(sweep_column_t), allocatable :: known(:)
+        type(sweep_column_t), allocatable :: chosen(:)
         integer :: i, axes
 
-        allocate (known, source=sweep_columns())
+        allocate (chosen, source=columns_at(job%columns))
         axes = size(job%axes%axis)
         allocate (columns(cells_of_row(job)))
         columns(1) = table_column_t(case_column, '', 'number of the case', column_of_integers)
@@ -181,8 +181,8 @@ contains
         end do
         columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure', column_of_words)
         call set_words([status_names], columns(axes + 2))
-        do i = 1, size(job%columns)
-            associate (quantity => known(job%columns(i)), column => columns(axes + 2 + i))
+        do i = 1, size(chosen)
+            associate (quantity => chosen(i), column => columns(axes + 2 + i))
                 column%column_t = quantity%column_t
                 if (.not. (quantity%is_class .or. quantity%is_proof)) cycle
                 column%kind = column_of_words
@@ -220,8 +220,10 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: listed(value_count)
+        real(dp) :: sizes(size(columns))
         integer :: place(size(columns)), k, axes, final_status
 
+        sizes = columns%size
         axes = size(parameters, 1)
         place = columns%place
         associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(slots)))
@@ -229,7 +231,7 @@ contains
                 associate (slot => slots(k), values => cells(axes + 3:axes + 2 + size(columns), k))
                     listed = slot%result%list()
                     final_status = slot%status
-                    values = listed(place)
+                    values = listed(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
                         call explain_missing(columns, values, slot%case, slot%note)
                         if (overflowed(columns, values)) final_status = status_non_finite

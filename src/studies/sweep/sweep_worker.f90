@@ -23,8 +23,8 @@ module spintop_sweep_worker
     use spintop_sweep_free, only: sweep_free_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_proof, only: prove_case, sweep_proofs
-    use spintop_sweep_result, only: asks_for_span, of_proof, sweep_result_t
-    use spintop_sweep_stability, only: perturbations_t
+    use spintop_sweep_result, only: asks_for_span, of_proof, of_threshold, sweep_result_t
+    use spintop_sweep_stability, only: perturbations_t, set_threshold
     use spintop_sweep_stepping, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
@@ -213,7 +213,9 @@ contains
             end if
             call make_worker_case(worker, job, k, kept_parts_t(worker%same_body, keeps_attitude, worker%skips_nutations))
             slot%lacks = merge(lacks_motion, lacks_nothing, is_ok(slot%status))
-            if (is_ok(slot%status)) slot%max_steps = slot%plan%max_steps
+            if (.not. is_ok(slot%status)) return
+            slot%max_steps = slot%plan%max_steps
+            if (worker%task%wanted(of_threshold)) call set_threshold(slot)
         end associate
     end subroutine begin_case
 

@@ -65,7 +65,7 @@ contains
         type(case_t), intent(in) :: case !! the case of the motion; the rows end with its span
         type(scene_t), intent(in) :: scene !! contents of the input
         self%chosen = columns
-        self%counts_turns = any(columns%name == 'phi' .or. columns%name == 'psi')
+        self%counts_turns = any(columns%quantity() == 'phi' .or. columns%quantity() == 'psi')
         self%wants_work = any(columns%needs_work)
         self%t_end = case%t_end
         call self%columns%set(columns, case, scene)

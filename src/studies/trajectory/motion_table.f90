@@ -24,7 +24,7 @@ module spintop_motion_table
     private
     public :: motion_table_t
 
-    !> Name of the column that is the coordinate of the rows in NetCDF, and of the dimension where that is not chosen.
+    !> The quantity that is the coordinate of the rows in NetCDF, and the dimension where that is not chosen.
     character(*), parameter :: time_column = 't', row_dimension = 'row'
 
     !> The value of the line, or the attribute, that says how the motion ended for one that is complete.
@@ -106,9 +106,10 @@ contains
             allocate (description%axes(1))
             description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
             do i = 1, size(columns)
-                if (columns(i)%name /= time_column) cycle
+                if (columns(i)%quantity() /= time_column) cycle
                 description%columns(i)%axis = 1
-                description%axes(1)%name = time_column
+                description%axes(1)%name = trim(columns(i)%name)
+                exit
             end do
             description%part = ''
             if (job%scene%compression >= 0) description%compression = job%scene%compression

@@ -29,6 +29,8 @@ module spintop_row_maker
         type(motion_view_t) :: view
         !> Whether the angles and their rates are enough for all columns.
         logical :: needs_angles_only = .false.
+        !> Whether some columns are in other units than their own.
+        logical :: has_converted = .false.
     contains
         procedure :: set
         procedure :: row
@@ -55,10 +57,11 @@ contains
         call self%close()
         self%columns = columns
         self%needed = pack([(i, i=1, vectors)], [(any(columns%vector == i), i=1, vectors)])
+        self%has_converted = any(columns%size < 1 .or. columns%size > 1)
         call self%view%set(case)
         self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         if (.not. present(scene)) return
-        call self%view%proof%open(wanted_proofs(columns%name, scene%certified), scene%certified, case%given_body, &
+        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified), scene%certified, case%given_body, &
                                   case%given_start, data_radii(scene))
     end subroutine set
 
@@ -106,6 +109,7 @@ contains
         do i = 1, size(self%columns)
             values(i) = self%vectors(self%columns(i)%component, self%columns(i)%vector)
         end do
+        if (self%has_converted) values = values / self%columns%size
     end subroutine find_values
 
     !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.

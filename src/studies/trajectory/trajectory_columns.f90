@@ -14,10 +14,10 @@ module spintop_trajectory_columns
     use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
         passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
         passing_turning, passing_vertical, passing_vertical_momentum
-    use spintop_study_column, only: place_of, proof_group, study_column_t
+    use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group, study_column_t
     implicit none
     private
-    public :: trajectory_column_t, trajectory_columns, find_trajectory_column, angle_group
+    public :: trajectory_column_t, trajectory_columns, trajectory_columns_at, find_trajectory_column, angle_group
     public :: fill_vector, longest, vectors
 
     !> The vectors by their numbers.
@@ -56,8 +56,12 @@ module spintop_trajectory_columns
         logical :: ends_at_poles = .false.
         !> Its cells are words: `unproved` and `proved` for the values 0 and 1.
         logical :: is_proof = .false.
+        !> In a table: the quantity is the number in it times the size of its unit, and its name here, which is without a unit.
+        real(dp) :: size = 1
+        character(64), private :: name_of_quantity = ''
     contains
         procedure :: is_free_of_angles
+        procedure :: quantity
         procedure :: value
     end type trajectory_column_t
 
@@ -196,6 +200,24 @@ contains
         is_free_of_angles = any(groups_free_of_angles == self%group)
     end function is_free_of_angles
 
+    !> The name of the quantity: `theta` of the column `theta_deg`.
+    elemental character(64) function quantity(self)
+        class(trajectory_column_t), intent(in) :: self
+        quantity = self%name_of_quantity
+        if (quantity == '') quantity = self%name
+    end function quantity
+
+    !> The columns of a table.
+    function trajectory_columns_at(chosen) result(columns)
+        type(chosen_column_t), intent(in) :: chosen(:) !! as they were chosen
+        type(trajectory_column_t) :: columns(size(chosen))
+        columns = trajectory_columns(chosen%place)
+        columns%name_of_quantity = columns%name
+        columns%name = chosen%name
+        columns%unit = chosen%unit
+        columns%size = chosen%size
+    end function trajectory_columns_at
+
     !> The value of the column for the current motion.
     real(dp) function value(self, now)
         class(trajectory_column_t), intent(in) :: self
@@ -205,7 +227,7 @@ contains
         value = vector(self%component)
     end function value
 
-    !> The column of that name that is a quantity of the motion; `found` tells whether there is one.
+    !> The column of that name that is a quantity of the motion, in its own unit; `found` tells whether there is one.
     subroutine find_trajectory_column(name, column, found)
         character(*), intent(in) :: name !! name of the sought column
         type(trajectory_column_t), intent(out) :: column !! the column; as by default if it was not found

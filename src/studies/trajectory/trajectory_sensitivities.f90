@@ -30,7 +30,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
         type(nodes_t) :: nodes
-        integer, allocatable :: places(:), place(:), best(:, :)
+        integer, allocatable :: place(:), best(:, :)
         logical :: is_needed(node_count)
         integer :: key, i, k, row, status
 
@@ -44,9 +44,7 @@ contains
             return
         end if
         associate (wanted => job%sensitivities)
-            allocate (places, source=wanted%columns())
-            allocate (place(wanted%count))
-            place = [(findloc(places, wanted%list(i)%column, dim=1), i=1, wanted%count)]
+            place = wanted%list%column
             do key = 1, size(wanted%keys)
                 nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())
                 values = no_number

@@ -1,5 +1,6 @@
 !> The trajectory study: one motion, one table.
 module spintop_trajectory_study
+    use spintop_case, only: case_t
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_internal
@@ -17,6 +18,7 @@ module spintop_trajectory_study
     use spintop_process, only: stop_watching_signals
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
+    use spintop_steady_motion, only: critical_omega3, starts_upright
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
@@ -24,7 +26,7 @@ module spintop_trajectory_study
     use spintop_summary, only: decimal, rounded, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
     use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private
@@ -73,7 +75,22 @@ contains
         associate (unused => self, also_unused => diagnostics)
         end associate
         call job%make_first_case(scene, problems, planned=.true.)
+        if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
     end subroutine check
+
+    !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
+    subroutine warn_of_slow_sleeper(case, problems)
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        associate (body => case%body, omega3 => case%start%omega(3))
+            if (allocated(body%effects) .or. .not. starts_upright(body, case%start)) return
+            if (abs(omega3) >= critical_omega3(body)) return
+            call problems%warn('initial', 'the top stays upright only because nothing disturbs it: it spins with ' // &
+                               rounded(abs(omega3)) // ' rad/s, and a sleeping top is stable from ' // &
+                               rounded(critical_omega3(body)) // ' rad/s', &
+                               'start with a tilt, such as 1e-6 rad, or spin faster')
+        end associate
+    end subroutine warn_of_slow_sleeper
 
     !> Number of rows, and time span.
     function explain(self, job) result(phrase)
@@ -158,7 +175,7 @@ contains
 
         writer%total = job%plan%samples
         allocate (columns(size(job%columns)))
-        columns = trajectory_columns(job%columns)
+        columns = trajectory_columns_at(job%columns)
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
@@ -240,7 +257,7 @@ contains
         integer :: status
 
         allocate (needed(size(columns) + size(job%sensitivities%columns())))
-        needed = [columns, trajectory_columns(job%sensitivities%columns())]
+        needed = [columns, trajectory_columns_at(job%sensitivities%columns())]
         call writer%set_columns(needed, job%case, job%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &

@@ -33,9 +33,15 @@ contains
     pure function netcdf_unit(unit) result(known)
         character(*), intent(in) :: unit !! unit of a column
         character(:), allocatable :: known
+        character(*), parameter :: names(2, 5) = reshape([character(18) :: 'deg', 'degree', 'rev', 'turn', 'turns', 'turn', &
+            'rps', 'turn/s', 'g0', 'standard_free_fall'], [2, 5])
+        integer :: last, i
+        last = scan(unit // ' ', ' */^') - 1
         known = trim(unit)
+        do i = 1, size(names, 2)
+            if (names(1, i) == unit(:last)) known = trim(names(2, i)) // trim(unit(last + 1:))
+        end do
         if (unit == '') known = '1'
-        if (unit == 'deg') known = 'degree'
     end function netcdf_unit
 
     !> The largest box of an array that begins with an element and contains only this and some of the next

@@ -1,7 +1,6 @@
 // The charts of a live top: angles and energies against time with a common cursor, the effective
 // potential, and the phase portrait with the present point.
 
-import { effectivePotential, swingEnergy } from "../exact/quantities.js";
 import { Plot, rangeOf } from "./plot.js";
 
 const DEGREE = 180 / Math.PI;
@@ -19,6 +18,9 @@ export function linesOf(element) {
   };
   return Object.fromEntries(Object.entries(names).map(([key, name]) => [key, style.getPropertyValue(name).trim()]));
 }
+
+/** The largest magnitude in a column. */
+const extremeOf = (column) => Math.max(...column.map(Math.abs));
 
 export class Charts {
   /** Called with the time at which one points. */
@@ -44,19 +46,26 @@ export class Charts {
     for (const plot of Object.values(this.plots)) plot.resize();
   }
 
-  /** Draw all charts of a track. */
-  draw(track, colours) {
+  /** Draw all charts of a track, and the angles of another beside it. */
+  draw(track, colours, other = null) {
     const { plots } = this;
+    const pane = plots.potential.pane.parentElement;
+    if (pane.hidden === Boolean(track.nutation)) { // of other bodies there is none
+      pane.hidden = !track.nutation;
+      this.resize();
+    }
     const { t } = track;
-    const times = [0, track.span];
-    const byTime = (plot, columns, lines, least) => {
-      plot.begin(times, rangeOf(columns, least), colours);
+    const times = [0, track.wanted];
+    const byTime = (plot, columns, lines, least, beside = []) => {
+      plot.begin(times, rangeOf([...columns, ...beside], least), colours);
+      for (const column of beside) plot.line(other.t, column, colours.quiet);
       columns.forEach((column, i) => plot.line(t, column, lines[i]));
       plot.end();
     };
-    byTime(plots.theta, [degrees(track.theta)], [colours.trace], 1e-3);
-    byTime(plots.phi, [degrees(track.phi)], [colours.trace], 1e-3);
-    byTime(plots.psi, [degrees(track.psi)], [colours.trace], 1e-3);
+    for (const name of ["theta", "phi", "psi"]) {
+      const beside = other ? [degrees(other[name])] : [];
+      byTime(plots[name], [degrees(track[name])], [colours.trace], 1e-3, beside);
+    }
     const energies = ["kinetic", "potential", "energy"];
     byTime(plots.energy, energies.map((name) => track[name]), [colours.kinetic, colours.potential, colours.ink]);
     this.#drawPotential(track, colours);
@@ -65,37 +74,43 @@ export class Charts {
   /** Effective potential and phase portrait share the axis of the inclination. */
   #drawPotential(track, colours) {
     const { potential, portrait } = this.plots;
-    const { exact, nutation, body } = track;
-    const [low, high] = [nutation.thetaMin * DEGREE, nutation.thetaMax * DEGREE];
+    const { nutation, body, theta: angles, thetaRate, motion } = track;
+    const [low, high] = rangeOf([angles], 0).map((angle) => angle * DEGREE);
     const room = Math.max(0.45 * (high - low), LEAST_RANGE);
-    const range = [Math.max(0, low - room), Math.min(180, high + room)];
+    const range = motion.isPlane ? [low - room, high + room] : [Math.max(0, low - room), Math.min(180, high + room)];
+    const curves = nutation && this.#curvesOf(nutation, body, range);
+    if (curves) {
+      const { theta, values, least, level, depth } = curves;
+      potential.begin(range, [least - 0.12 * depth, least + 2.6 * depth], colours);
+      potential.line(theta, values, colours.ink);
+      potential.line([low, high], [level, level], colours.trace, 2.4);
+      potential.line(range, [level, level], colours.trace, 1, [4, 4]);
+      potential.end();
+      this.level = level;
+    }
+    const fastest = curves ? Math.sqrt((2 * curves.depth) / body.inertia1) : extremeOf(thetaRate);
+    const top = 1.35 * DEGREE * (fastest || 1e-6);
+    portrait.begin(range, [-top, top], colours);
+    for (const part of curves ? LEVELS : []) {
+      this.#orbit(curves.theta, curves.values, curves.least + part * curves.depth, body.inertia1, colours.quiet, 1);
+    }
+    portrait.line(degrees(angles), degrees(thetaRate), colours.trace, 2.4);
+    portrait.end();
+  }
+
+  /** The effective potential over a range, with the energy of the motion. */
+  #curvesOf(nutation, body, range) {
     const step = (range[1] - range[0]) / SAMPLES;
     const theta = Float64Array.from({ length: SAMPLES + 1 }, (_, i) => range[0] + step * i);
-    const values = theta.map((angle) => effectivePotential(exact, angle / DEGREE));
-    const energy = swingEnergy(exact);
-    const least = Math.min(energy, ...values.filter(Number.isFinite));
-    const far = Math.max(...values.filter((value) => Number.isFinite(value)));
+    const values = theta.map((angle) => nutation.potential(angle / DEGREE));
+    const { energy } = nutation;
+    const finite = values.filter(Number.isFinite);
+    const least = Math.min(energy, ...finite);
     let depth = energy - least;
     // A motion at the bottom of the potential: the scale is that of the walls.
     const isFlat = !(depth > 1e-9 * (Math.abs(energy) + body.mgl));
-    if (isFlat) depth = Math.max(0.25 * (far - least), 1e-12 + 1e-6 * Math.abs(energy));
-    const level = isFlat ? least : energy;
-
-    potential.begin(range, [least - 0.12 * depth, least + 2.6 * depth], colours);
-    potential.line(theta, values, colours.ink);
-    potential.line([low, high], [level, level], colours.trace, 2.4);
-    potential.line(range, [level, level], colours.trace, 1, [4, 4]);
-    potential.end();
-
-    const inertia = body.inertia1;
-    const fastest = DEGREE * Math.sqrt((2 * depth) / inertia);
-    const top = 1.35 * fastest;
-    portrait.begin(range, [-top, top], colours);
-    for (const part of LEVELS) this.#orbit(theta, values, least + part * depth, inertia, colours.quiet, 1);
-    const { thetaRate } = track;
-    portrait.line(degrees(track.theta), degrees(thetaRate), colours.trace, 2.4);
-    portrait.end();
-    this.level = level;
+    if (isFlat) depth = Math.max(0.25 * (Math.max(...finite) - least), 1e-12 + 1e-6 * Math.abs(energy));
+    return { theta, values, least, depth, level: isFlat ? least : energy };
   }
 
   /** theta' = +- sqrt(2 (E - V)/I1) over the inclination. */
@@ -120,7 +135,7 @@ export class Charts {
     const { plots } = this;
     for (const name of ["theta", "phi", "psi", "energy"]) plots[name].place(moment.t);
     const theta = moment.angle[1] * DEGREE;
-    plots.potential.place(theta, this.level);
+    if (!plots.potential.pane.parentElement.hidden) plots.potential.place(theta, this.level);
     plots.portrait.place(theta, moment.rate[1] * DEGREE);
   }
 }

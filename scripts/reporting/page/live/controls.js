@@ -1,15 +1,13 @@
 // Sliders and boxes of the parameters. A slider and a box show one number; both write it.
 
 import { NUMBERS, refusal } from "./scene.js";
+import { readQuantity } from "./units.js";
 
 const STEPS = 1000;
 const ABOUT = 10; // a slider that goes by ratios covers this factor to both sides
-const DIGITS = 6;
 
-/** A number with a few digits, for a box. */
-export function inBox(value) {
-  return String(Number(value.toPrecision(DIGITS)));
-}
+/** A number as its box has it: with all its digits, for it is this number with which the page computes. */
+export const inBox = String;
 
 /** A round number that is not smaller. */
 export function roundUp(value) {
@@ -34,7 +32,7 @@ export class Control {
     label.append(sign, ` ${words}`);
     this.slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: STEPS, step: 1 });
     this.slider.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
-    this.box = Object.assign(document.createElement("input"), { type: "text", inputMode: "decimal", id });
+    this.box = Object.assign(document.createElement("input"), { type: "text", id });
     this.box.autocomplete = "off";
     const units = Object.assign(document.createElement("span"), { className: "unit", textContent: unit });
     this.track = Object.assign(document.createElement("div"), { className: "track" });
@@ -43,8 +41,7 @@ export class Control {
     this.fault = Object.assign(document.createElement("p"), { className: "fault", id: `${id}-fault`, hidden: true });
     this.element.append(label, this.box, units, this.track, this.fault);
     this.slider.addEventListener("input", () => this.#slide());
-    this.box.addEventListener("input", () => this.#type(false));
-    this.box.addEventListener("change", () => this.#type(true));
+    this.box.addEventListener("change", () => this.#type());
   }
 
   /** The values at the ends of the slider. */
@@ -93,6 +90,7 @@ export class Control {
     }
     this.slider.value = Math.round(STEPS * Math.min(Math.max(this.#partOf(value), 0), 1));
     this.slider.setAttribute("aria-valuetext", `${inBox(value)} ${NUMBERS[this.name].unit}`);
+    this.box.title = inBox(value); // where the box is too narrow
   }
 
   #slide() {
@@ -101,20 +99,22 @@ export class Control {
     const value = Number(exact.toPrecision(5));
     this.value = Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value;
     this.box.value = inBox(this.value);
+    this.box.title = this.box.value;
     this.slider.setAttribute("aria-valuetext", `${inBox(this.value)} ${NUMBERS[this.name].unit}`);
     this.#say("");
     this.onChange(this.name, this.value);
   }
 
-  #type(isFinal) {
-    const text = this.box.value.trim().replace("\u2212", "-").replace(",", ".");
-    const value = text === "" ? NaN : Number(text);
-    const fault = refusal(this.name, value);
-    this.#say(fault && isFinal ? fault : "");
-    if (fault) return;
-    this.value = value;
-    this.#put(value);
-    this.onChange(this.name, value);
+  /** Take what was typed, a number with or without a unit; the box shows the number that is used. */
+  #type() {
+    const { unit } = NUMBERS[this.name];
+    const before = this.value;
+    const read = readQuantity(this.box.value, unit);
+    const fault = read.fault ?? refusal(this.name, read.value);
+    if (!fault) this.set(read.value);
+    this.box.value = inBox(this.value);
+    this.#say(fault && `${fault}: it stays ${inBox(this.value)}${unit && ` ${unit}`}`);
+    if (this.value !== before) this.onChange(this.name, this.value);
   }
 
   #say(fault) {
@@ -122,6 +122,5 @@ export class Control {
     this.fault.textContent = fault;
     if (fault) this.box.setAttribute("aria-describedby", this.fault.id);
     else this.box.removeAttribute("aria-describedby");
-    this.box.setAttribute("aria-invalid", String(Boolean(fault)));
   }
 }

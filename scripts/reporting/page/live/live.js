@@ -1,4 +1,4 @@
-// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the exact solution
+// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the motion
 // is computed anew and shown in the next frame.
 
 import { Quaternion, Vector3 } from "three";
@@ -8,18 +8,20 @@ import { Stage } from "../stage/stage.js";
 import { unitsOf } from "../stage/view.js";
 import { Charts, linesOf } from "./charts.js";
 import { Clock } from "./clock.js";
-import { Control, roundUp } from "./controls.js";
+import { Control } from "./controls.js";
+import { Grip } from "./grip.js";
 import { Keeper, STILL } from "./keeper.js";
 import { bindKeys } from "./keys.js";
 import { fillPanel, showMoment } from "./panel.js";
-import {
-  FIRST, NUMBERS, PRESETS, SHAPES, START, complete, inputOf, linkOf, resolve, stateOfLink,
-} from "./scene.js";
-import { COARSE, FINE, Track, drawingOf, nutationsIn } from "./track.js";
+import { FIRST, PRESETS } from "./presets.js";
+import { suitRanges } from "./ranges.js";
+import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
+import { COARSE, FINE, Track, drawingOf } from "./track.js";
+import { Tour } from "./tour.js";
 import { accountOf } from "./words.js";
 
 const QUIET = 500; // ms without a change before it is announced and the link holds it
-const VECTORS = ["momentum", "omega", "force"];
+const VECTORS = ["momentum", "omega", "force", "torque", "change"];
 const PLOTS = ["theta", "phi", "psi", "energy", "potential", "portrait"];
 const SPOKES = 36; // of a cone
 const SPHERE = { times: [0, 1, 2, 3, 4, 5], points: [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1] };
@@ -35,6 +37,12 @@ function coneOf(table, perUnit) {
     spokes.push(0, 0, 0, edge[i], edge[i + 1], edge[i + 2]);
   }
   return [edge, [...spokes, 0, 0, 0]];
+}
+
+/** The time of so many nutations of a state, s; of a motion that has none, as many seconds. */
+function timeOf(state, nutations) {
+  const { period } = new Track(complete({ ...state, t_end: 1e-6 })).nutation ?? {};
+  return Number((nutations * (Number.isFinite(period) ? period : 1)).toPrecision(6));
 }
 
 export class LiveTop {
@@ -57,6 +65,7 @@ export class LiveTop {
       [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
     );
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.isCalm = calm;
     this.clock = new Clock();
     this.stage = new Stage(this.parts.stage, { calm });
     this.charts = new Charts(Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]])));
@@ -77,7 +86,7 @@ export class LiveTop {
   #makeControls() {
     const { parts } = this;
     parts.preset.append(
-      ...Object.entries(PRESETS).map(([key, { title, words }]) => new Option(`${title}: ${words}`, key)),
+      ...Object.entries(PRESETS).map(([key, { title }]) => new Option(title, key)),
       new Option("as set below", ""),
     );
     parts.shape.append(...Object.entries(SHAPES).map(([key, { name }]) => new Option(name, key)));
@@ -86,8 +95,7 @@ export class LiveTop {
       const control = new Control(name, `live${made}`);
       control.onChange = (key, value) => this.change({ [key]: value });
       this.controls[name] = control;
-      const place = START.includes(name) ? parts.start : name === "nutations" ? parts.span : parts.body;
-      place.append(control.element);
+      parts[NUMBERS[name].part].append(control.element);
     }
     for (const part of ["preset", "shape", "precession", "speed"]) {
       parts[part].id = `live${made}-${part}`;
@@ -102,12 +110,11 @@ export class LiveTop {
     });
     parts.shape.addEventListener("change", () => {
       this.change({ shape: parts.shape.value });
-      this.#suitRanges();
+      suitRanges(this.controls, this.state);
     });
     parts.precession.addEventListener("change", () => this.change({ precession: parts.precession.value }));
     parts.threshold.addEventListener("click", () => {
-      this.change({ omega3: Number(this.track.threshold.toPrecision(12)) });
-      this.controls.omega3.set(this.state.omega3);
+      this.set({ omega3: Number(this.track.threshold.toPrecision(12)) });
     });
     parts.play.addEventListener("click", () => this.toggle());
     parts.time.addEventListener("input", () => {
@@ -115,10 +122,21 @@ export class LiveTop {
     });
     parts.speed.addEventListener("change", () => { this.clock.speed = Number(parts.speed.value); });
     parts.reset.addEventListener("click", () => this.stage.look("reset"));
+    parts.screen.hidden = !document.fullscreenEnabled;
+    parts.screen.addEventListener("click", () => {
+      if (document.fullscreenElement) document.exitFullscreen();
+      else this.section.requestFullscreen();
+    });
+    document.addEventListener("fullscreenchange", () => {
+      parts.screen.textContent = document.fullscreenElement ? "Leave full screen" : "Full screen";
+    });
+    this.tour = new Tour(this);
+    parts.keep.addEventListener("click", () => this.keep(!this.kept));
     for (const name of ["body_shown", "trace", "cones", ...VECTORS]) {
       parts[name].addEventListener("change", () => this.#showParts());
     }
     this.keeper = new Keeper(this);
+    this.grip = new Grip(this);
     this.charts.onPick = (time) => this.seek(time);
     bindKeys(this.section, this);
   }
@@ -157,14 +175,16 @@ export class LiveTop {
   /** Show a state, with ranges and a speed that suit it. */
   load(state, preset = null) {
     const isFirst = !state;
-    const { span, ...given } = state ?? PRESETS[FIRST].state;
+    const { nutations, ...given } = state ?? PRESETS[FIRST].state;
     this.state = complete(given);
-    if (span) this.state.nutations = nutationsIn(this.state, span);
-    this.parts.preset.value = preset ?? (isFirst ? FIRST : "");
+    Object.assign(this.state, consequenceOf(this.state, {}).fields);
+    if (nutations) this.state.t_end = timeOf(this.state, nutations);
+    this.#namePreset(preset ?? (isFirst ? FIRST : ""));
+    this.parts.limits.textContent = "";
     for (const name of Object.keys(NUMBERS)) this.controls[name].set(this.state[name]);
     this.parts.shape.value = this.state.shape;
     this.parts.precession.value = this.state.precession;
-    this.#suitRanges();
+    suitRanges(this.controls, this.state);
     this.#isChanged = true;
     this.clock.time = 0;
     this.#compute();
@@ -175,26 +195,24 @@ export class LiveTop {
   /** Change parameters. */
   change(fields) {
     Object.assign(this.state, fields);
-    this.parts.preset.value = "";
+    const { fields: others, words } = consequenceOf(this.state, fields);
+    Object.assign(this.state, others);
+    for (const [name, value] of Object.entries(others)) this.controls[name].set(value);
+    this.parts.limits.textContent = words;
+    this.#namePreset("");
     this.#isChanged = true;
     this.#request();
   }
 
-  /** Ranges of the sliders that suit the state. */
-  #suitRanges() {
-    const { state, controls } = this;
-    const { body, threshold, roots } = resolve(state);
-    for (const [name, control] of Object.entries(controls)) control.suit(state[name]);
-    const natural = Math.sqrt((2 * body.mgl) / body.inertia1) || 1;
-    const symmetric = (...values) => {
-      const most = roundUp(Math.max(...values.map(Math.abs), 1e-3));
-      return [-most, most];
-    };
-    const spin = roundUp(Math.max(1.6 * threshold, 1.5 * Math.abs(state.omega3), 1));
-    controls.omega3.setRange(state.omega3 < 0 ? -spin : 0, spin);
-    const fast = state.precession === "fast" ? 1.2 * (roots[1] ?? 0) : 0;
-    controls.phi_rate.setRange(...symmetric(1.2 * natural, 1.5 * state.phi_rate, fast));
-    controls.theta_rate.setRange(...symmetric(2 * natural, 1.5 * state.theta_rate));
+  /** Change parameters, and have their controls show it. */
+  set(fields) {
+    for (const [name, value] of Object.entries(fields)) this.controls[name].set(value);
+    this.change(fields);
+  }
+
+  #namePreset(key) {
+    this.parts.preset.value = key;
+    this.parts.preset_words.textContent = PRESETS[key]?.words ?? "";
   }
 
   #suitSpeed() {
@@ -210,7 +228,7 @@ export class LiveTop {
     const began = performance.now();
     this.#isChanged = false;
     const track = new Track(this.state, most);
-    this.#isCoarse = most === COARSE && track.count > COARSE;
+    this.#isCoarse = most === COARSE && !track.isComplete;
     this.track = track;
     this.clock.span = track.span;
     this.clock.time = Math.min(this.clock.time, track.span);
@@ -227,15 +245,17 @@ export class LiveTop {
     const { body, label } = drawingOf(state, track.body);
     const trace = { times: track.t, points: track.axis };
     const vectors = Object.fromEntries(VECTORS.map((name) => [name, track[name]]));
-    const key = JSON.stringify(body);
+    const { kept } = this;
+    const key = JSON.stringify([body, kept?.drawing]);
     if (key !== this.#drawn) {
       this.#drawn = key;
       this.drawing = body; // the same while the body is the same
       this.tip = tipOf(body);
-      stage.setTops([{ body, trace: SPHERE, look: "solid" }], vectors);
+      const other = kept && { body: kept.drawing, trace: SPHERE, look: "ghost" };
+      stage.setTops([{ body, trace: SPHERE, look: "solid" }, other].filter(Boolean), vectors);
       this.#showParts(false);
     }
-    stage.setTraces([trace], vectors);
+    stage.setTraces([trace, kept?.trace].filter(Boolean), vectors);
     this.parts.label.textContent = [label, track.lack].filter(Boolean).join(" ");
     this.#setCurves();
   }
@@ -248,12 +268,18 @@ export class LiveTop {
     }
     if (parts.cones.checked) {
       const unit = unitsOf([{ body: this.drawing }], { omega: track.omega }).omega;
-      for (const [table, colour, frame] of [[track.omega, "momentum", "space"], [track.omegaBody, "odd", "body"]]) {
+      for (const [table, colour, frame] of [[track.omega, "omega", "space"], [track.omegaBody, "mark", "body"]]) {
         const [edge, spokes] = coneOf(table, unit);
         curves.push({ points: edge, colour, width: 2, frame }, { points: spokes, colour, width: 0.7, frame });
       }
     }
     this.stage.setCurves(curves);
+  }
+
+  /** Show or hide an arrow, the path, or the cones, as its box does. */
+  show(name, on) {
+    this.parts[name].checked = on;
+    this.#showParts();
   }
 
   #showParts(isShown = true) {
@@ -265,9 +291,20 @@ export class LiveTop {
     this.#show();
   }
 
+  /** Keep the motion as a second top in grey, which stays while the sliders change the first; or remove it. */
+  keep(on) {
+    const { state, track, drawing, parts } = this;
+    this.kept = on ? { state: { ...state }, track, drawing, trace: { times: track.t, points: track.axis } } : null;
+    parts.keep.setAttribute("aria-pressed", String(on));
+    parts.keep.textContent = on ? "Remove the second top" : "Keep as second top";
+    this.#fillStage();
+    this.redraw();
+    fillPanel(this);
+  }
+
   /** Draw the charts, and the moment. */
   redraw(isShown = true) {
-    this.charts.draw(this.track, linesOf(this.section));
+    this.charts.draw(this.track, linesOf(this.section), this.kept?.track);
     if (isShown) this.#show();
   }
 
@@ -312,18 +349,25 @@ export class LiveTop {
   #show() {
     const { parts, track, clock } = this;
     const moment = track.at(clock.time);
-    const [w, x, y, z] = moment.quaternion;
+    const moments = [moment, this.kept?.track.at(clock.time)].filter(Boolean);
     this.stage.show({
       time: clock.time,
-      attitudes: [new Quaternion(x, y, z, w)],
+      attitudes: moments.map(({ quaternion: [w, x, y, z] }) => new Quaternion(x, y, z, w)),
       vectors: {
         momentum: new Vector3(...moment.momentum),
         omega: new Vector3(...moment.omegaSpace),
         force: new Vector3(...moment.force),
+        torque: new Vector3(...moment.torque),
+        change: new Vector3(...moment.change),
       },
     });
     this.charts.show(moment);
     showMoment(parts, moment, track);
+  }
+
+  /** The axis at the moment that is shown. */
+  axisNow() {
+    return new Vector3(...this.track.at(this.clock.time).axis);
   }
 
   play() {

@@ -1,16 +1,18 @@
 // The panel of a live top: what its motion is, and the readings of a moment.
 
 import { inDegrees, inShort } from "../text.js";
-import { SHAPES } from "./scene.js";
+import { NUMBERS, numbersOf } from "./scene.js";
 import { classOf, factsOf, sleepOf } from "./words.js";
 
 /** Bring the panel up to the motion of a live top. */
-export function fillPanel({ parts, track, controls, state }) {
+export function fillPanel({ parts, track, controls, state, kept }) {
   const { name, meaning } = classOf(track);
   parts.class.textContent = name;
   parts.meaning.textContent = meaning;
   parts.sleep.textContent = sleepOf(track);
-  factsOf(track).forEach(([term, value], i) => {
+  const facts = factsOf(track);
+  while (parts.facts.children.length > facts.length) parts.facts.lastChild.remove();
+  facts.forEach(([term, value], i) => {
     const row = parts.facts.children[i] ?? parts.facts.appendChild(newFact());
     [row.firstChild.textContent, row.lastChild.textContent] = [term, value];
   });
@@ -22,10 +24,21 @@ export function fillPanel({ parts, track, controls, state }) {
   }
   controls.omega3.markAt(track.threshold > 0 ? track.threshold : null);
   parts.threshold.disabled = !(track.threshold > 0);
-  const { needs } = SHAPES[state.shape];
-  for (const [key, { element }] of Object.entries(controls)) {
-    if (element.parentNode === parts.body) element.hidden = key !== "gravity" && !needs.includes(key);
-  }
+  const names = numbersOf(state);
+  parts.kept.textContent = kept ? differenceOf(kept.state, state) : "";
+  for (const [key, { element }] of Object.entries(controls)) element.hidden = !names.includes(key);
+}
+
+/** How a kept state differs from another. */
+function differenceOf(kept, state) {
+  const others = numbersOf(kept).filter((name) => kept[name] !== state[name]);
+  if (kept.shape !== state.shape) return "In grey: another body.";
+  if (!others.length) return "In grey: the same motion, until you change something.";
+  const numbers = others.map((name) => {
+    const { symbol, unit } = NUMBERS[name];
+    return `${symbol} = ${inShort(kept[name])} ${unit}`;
+  });
+  return `In grey: ${numbers.join(", ")}.`;
 }
 
 function newFact() {
@@ -39,7 +52,8 @@ export function showMoment(parts, moment, track) {
   parts.t.textContent = `${moment.t.toPrecision(4)} s`;
   ["phi", "theta", "psi"].forEach((name, k) => {
     parts[name].textContent = inDegrees(moment.angle[k], 2);
-    parts[`${name}_rate_now`].textContent = inShort(moment.rate[k]);
+    const rate = moment.rate[k];
+    parts[`${name}_rate_now`].textContent = Number.isFinite(rate) ? inShort(rate) : "–";
   });
   for (const name of ["kinetic", "potential"]) parts[name].textContent = `${inShort(moment[name])} J`;
   parts.energy.textContent = `${inShort(moment.kinetic + moment.potential)} J`;

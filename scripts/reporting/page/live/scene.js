@@ -1,110 +1,82 @@
-// What one sets of a live top: its parameters, presets, link and input; no page here.
+// What one sets of a live top: its parameters, link and input; no page here.
 
-import { buildShape } from "../exact/shapes.js";
-import { makeBody, startFromAngles } from "../exact/motion.js";
-import { criticalOmega3, steadyRates } from "../exact/steady_motion.js";
+import { isPossible, makeBody, startFromAngles } from "../dynamics/body.js";
+import { buildShape } from "../dynamics/shapes.js";
+import { criticalOmega3, steadyRates } from "../dynamics/steady_motion.js";
 
 const DEGREE = Math.PI / 180;
+const TOP_DAMPING = ["damping1", "damping3"];
+const BODY = ["mass", "inertia1", "inertia2", "inertia3", "centre_x", "centre_y", "centre_z"];
+const PRODUCTS = ["product23", "product31", "product12"];
+const BODY_LOSSES = ["damping1", "damping2", "damping3"];
 
-/** Which dimensions a shape has, and its name. */
+/** Which numbers a shape has, and its name. */
 export const SHAPES = {
-  inertia: { name: "mass properties", needs: ["mass", "inertia1", "inertia3", "length"] },
-  spinning_wheel: { name: "spinning wheel on a rod", needs: ["radius", "thickness", "rod_length", "density"] },
-  ring: { name: "ring on a rod", needs: ["radius", "inner_radius", "thickness", "rod_length", "density"] },
-  sphere: { name: "ball on a rod", needs: ["radius", "rod_length", "density"] },
-  cylinder: { name: "cylinder on its base", needs: ["radius", "thickness", "density"] },
-  cone: { name: "cone on its apex", needs: ["radius", "thickness", "density"] },
+  inertia: { name: "top: mass properties", needs: ["mass", "inertia1", "inertia3", "length", ...TOP_DAMPING] },
+  spinning_wheel: {
+    name: "spinning wheel on a rod", needs: ["radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
+  },
+  ring: {
+    name: "ring on a rod", needs: ["radius", "inner_radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
+  },
+  sphere: { name: "ball on a rod", needs: ["radius", "rod_length", "density", ...TOP_DAMPING] },
+  cylinder: { name: "cylinder on its base", needs: ["radius", "thickness", "density", ...TOP_DAMPING] },
+  cone: { name: "cone on its apex", needs: ["radius", "thickness", "density", ...TOP_DAMPING] },
+  body: { name: "any body in principal axes", needs: [...BODY, ...BODY_LOSSES, "psi"] },
+  tensor: { name: "any body, with products of inertia", needs: [...BODY, ...PRODUCTS, ...BODY_LOSSES, "psi"] },
 };
 
 /**
- * The numbers, by their names in the link: symbol, words, unit, and the values that are possible. `log`:
- * the slider goes by ratios. The keys of the program's input are in `KEYS`.
+ * The numbers, by their names in the link: symbol, words, unit, the part of the panel, and the values that are
+ * possible. `log`: the slider goes by ratios; `range`: its ends, if they do not depend on the body.
  */
 export const NUMBERS = {
-  mass: { symbol: "m", words: "mass", unit: "kg", least: 1e-6, log: true },
-  inertia1: { symbol: "I₁", words: "inertia across the axis, about the pivot", unit: "kg m²", least: 1e-9, log: true },
-  inertia3: { symbol: "I₃", words: "inertia about the axis", unit: "kg m²", least: 1e-9, log: true },
-  length: { symbol: "l", words: "pivot to centre of mass", unit: "m", least: 0, log: true },
-  radius: { symbol: "r", words: "radius", unit: "m", least: 1e-6, log: true },
-  inner_radius: { symbol: "s", words: "inner radius", unit: "m", least: 0, log: true },
-  thickness: { symbol: "h", words: "thickness along the axis", unit: "m", least: 1e-6, log: true },
-  rod_length: { symbol: "l", words: "length of the rod", unit: "m", least: 0, log: true },
-  density: { symbol: "ρ", words: "density", unit: "kg/m³", least: 1e-3, log: true },
-  gravity: { symbol: "g", words: "gravity", unit: "m/s²", least: 0, range: [0, 25] },
-  theta: { symbol: "θ₀", words: "tilt at the start", unit: "°", least: 0, most: 180, range: [0, 180] },
-  omega3: { symbol: "ω₃", words: "spin: angular velocity about the axis", unit: "rad/s" },
-  phi_rate: { symbol: "φ′₀", words: "precession rate at the start", unit: "rad/s" },
-  theta_rate: { symbol: "θ′₀", words: "nutation rate at the start", unit: "rad/s" },
-  nutations: { symbol: "n", words: "nutations shown", unit: "", least: 0.5, most: 200, range: [1, 40] },
+  omega3: { symbol: "ω₃", words: "spin: angular velocity about the axis", unit: "rad/s", part: "start" },
+  theta: { symbol: "θ₀", words: "tilt at the start", unit: "°", part: "start", least: 0, most: 180, range: [0, 180] },
+  phi_rate: { symbol: "φ′₀", words: "precession rate at the start", unit: "rad/s", part: "start" },
+  theta_rate: { symbol: "θ′₀", words: "nutation rate at the start", unit: "rad/s", part: "start" },
+  psi: { symbol: "ψ₀", words: "spin angle at the start", unit: "°", part: "start", range: [-180, 180] },
+  mass: { symbol: "m", words: "mass", unit: "kg", part: "body", least: 1e-6, log: true },
+  inertia1: { symbol: "I₁", words: "inertia across the axis, about the pivot", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  inertia2: { symbol: "I₂", words: "inertia about body y, about the pivot", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  inertia3: { symbol: "I₃", words: "inertia about the axis", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  product23: { symbol: "I₂₃", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
+  product31: { symbol: "I₃₁", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
+  product12: { symbol: "I₁₂", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
+  length: { symbol: "l", words: "pivot to centre of mass", unit: "m", part: "body", least: 0, log: true },
+  centre_x: { symbol: "x", words: "centre of mass, off the axis", unit: "m", part: "body" },
+  centre_y: { symbol: "y", words: "centre of mass, off the axis", unit: "m", part: "body" },
+  centre_z: { symbol: "z", words: "centre of mass, along the axis", unit: "m", part: "body" },
+  radius: { symbol: "r", words: "radius", unit: "m", part: "body", least: 1e-6, log: true },
+  inner_radius: { symbol: "s", words: "inner radius", unit: "m", part: "body", least: 0, log: true },
+  thickness: { symbol: "h", words: "thickness along the axis", unit: "m", part: "body", least: 1e-6, log: true },
+  rod_length: { symbol: "l", words: "length of the rod", unit: "m", part: "body", least: 0, log: true },
+  density: { symbol: "ρ", words: "density", unit: "kg/m³", part: "body", least: 1e-3, log: true },
+  gravity: { symbol: "g", words: "gravity", unit: "m/s²", part: "body", least: 0, range: [0, 25] },
+  damping1: { symbol: "d₁", words: "damping across the axis", unit: "N m s", part: "losses", least: 0 },
+  damping2: { symbol: "d₂", words: "damping about body y", unit: "N m s", part: "losses", least: 0 },
+  damping3: { symbol: "d₃", words: "damping about the axis", unit: "N m s", part: "losses", least: 0 },
+  friction: { symbol: "M", words: "dry friction of the pivot", unit: "N m", part: "losses", least: 0 },
+  amplitude: { symbol: "A", words: "amplitude of the vibrating pivot", unit: "m", part: "losses", least: 0 },
+  vibration_rate: { symbol: "Ω", words: "rate of the vibrating pivot", unit: "rad/s", part: "losses", least: 0 },
+  t_end: { symbol: "T", words: "time shown", unit: "s", part: "span", least: 1e-6, log: true },
 };
-export const START = ["omega3", "theta", "phi_rate", "theta_rate"];
 const LARGEST = 1e9;
+const THINNEST_RING = 0.99; // the largest hole, as a part of the radius
+const START = ["omega3", "theta", "phi_rate", "theta_rate"];
+const ALWAYS = [...START, "gravity", "friction", "amplitude", "vibration_rate", "t_end"];
 
-const EXAMPLE_1 = { shape: "inertia", mass: 1, inertia1: 0.875, inertia3: 0.25, length: 0.8660254037844387 };
-const EXAMPLE_2 = { shape: "spinning_wheel", radius: 0.1, thickness: 0.01, density: 7800, rod_length: 1 };
-const AUTHORS = {
-  shape: "inertia", mass: 2.450442269800039, inertia1: 0.00614652602674843, inertia3: 0.012252211349000194, length: 1,
-};
-const AT_REST = { gravity: 9.81, phi_rate: 0, theta_rate: 0, precession: "given", nutations: 6 };
-const THRESHOLD_1 = 2 * Math.sqrt(9.81 * EXAMPLE_1.length * EXAMPLE_1.inertia1) / EXAMPLE_1.inertia3;
-/** Spin ratio 2 of the wheel: omega3 = 2 sqrt(4 m g l/I3), I3 = m r^2/2. */
-const RATIO_2 = 2 * Math.sqrt((8 * 9.81 * EXAMPLE_2.rod_length) / EXAMPLE_2.radius ** 2);
-const TIPS = { ...EXAMPLE_1, ...AT_REST, theta: 50, omega3: 30 };
-
-/** The presets: title, what one sees, and the state. */
-export const PRESETS = {
-  cusp: { title: "Cusps", words: "released at rest", state: { ...TIPS } },
-  loop: { title: "Loops", words: "released with backward precession", state: { ...TIPS, phi_rate: -1.2 } },
-  wave: { title: "Waves", words: "released with forward precession", state: { ...TIPS, phi_rate: 0.8 } },
-  sleeping: {
-    title: "Sleeping top", words: "almost upright, spin above the threshold",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 1, omega3: 1.15 * THRESHOLD_1, nutations: 10 },
-  },
-  falling: {
-    title: "Sleeping top, too slow", words: "almost upright, spin below the threshold",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 1, omega3: 0.9 * THRESHOLD_1, nutations: 2 },
-  },
-  separatrix: {
-    title: "Separatrix", words: "rises to the upright and never reaches it",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 120, omega3: THRESHOLD_1 / 2, phi_rate: 6.231976237301238, nutations: 3 },
-  },
-  slow: {
-    title: "Slow steady precession", words: "constant tilt, the small root",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 60, omega3: 18, precession: "slow" },
-  },
-  fast: {
-    title: "Fast steady precession", words: "constant tilt, the large root",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 60, omega3: 18, precession: "fast" },
-  },
-  example1: {
-    title: "Example 1 of the paper", words: "slow top, released at rest",
-    state: { ...EXAMPLE_1, ...AT_REST, theta: 11.25, omega3: 1, nutations: 3 },
-  },
-  example2: {
-    title: "Example 2 of the paper", words: "spinning wheel, spin ratio 2",
-    state: { ...EXAMPLE_2, ...AT_REST, theta: 11.25, omega3: RATIO_2, nutations: 3 },
-  },
-  figure11: {
-    title: "Figure 11 of the paper", words: "the wheel with the author's inertia, without m l²",
-    state: { ...AUTHORS, ...AT_REST, theta: 11.25, omega3: RATIO_2, nutations: 29 },
-  },
-  pendulum: {
-    title: "Plane pendulum", words: "no spin", state: { ...EXAMPLE_1, ...AT_REST, theta: 120, omega3: 0, nutations: 3 },
-  },
-  cone: {
-    title: "Toy top", words: "a wooden cone of 6 cm",
-    state: {
-      shape: "cone", radius: 0.03, thickness: 0.06, density: 650, ...AT_REST, theta: 20, omega3: 150, nutations: 8,
-    },
-  },
-};
-
-/** The state with which the page begins. */
-export const FIRST = "cusp";
+/** The numbers that a state has. */
+export function numbersOf({ shape }) {
+  return [...SHAPES[shape].needs, ...ALWAYS];
+}
 
 const DEFAULTS = {
-  ...EXAMPLE_1, ...AT_REST, theta: 50, omega3: 30, radius: 0.1, inner_radius: 0.05, thickness: 0.02, rod_length: 0.5,
-  density: 2700,
+  shape: "inertia", mass: 1, inertia1: 0.875, inertia2: 0.875, inertia3: 0.25, length: Math.sqrt(0.75),
+  centre_x: 0, centre_y: 0, centre_z: Math.sqrt(0.75), product23: 0, product31: 0, product12: 0,
+  radius: 0.1, inner_radius: 0.05, thickness: 0.02, rod_length: 0.5, density: 2700,
+  gravity: 9.81, theta: 50, psi: 0, omega3: 30, phi_rate: 0, theta_rate: 0, precession: "given",
+  damping1: 0, damping2: 0, damping3: 0, friction: 0, amplitude: 0, vibration_rate: 0, t_end: 5,
 };
 
 /** A complete state. */
@@ -121,51 +93,87 @@ export function refusal(name, value) {
   return "";
 }
 
+/**
+ * What else has to change with some numbers of a state, because there is no such body or the page does not compute
+ * it: the `fields`, and the `words` by which the page says so. What a box shows is what is computed.
+ */
+export function consequenceOf(state, changed) {
+  const { shape, radius, inner_radius: inner, inertia1, inertia2, inertia3 } = state;
+  if (shape === "ring" && inner > THINNEST_RING * radius) {
+    return { fields: { inner_radius: THINNEST_RING * radius }, words: "The hole of the ring is smaller than the ring." };
+  }
+  if (shape === "tensor" && !isPossible([inertia1, inertia2, inertia3], PRODUCTS.map((name) => state[name]))) {
+    const fields = Object.fromEntries(PRODUCTS.map((name) => [name, 0]));
+    return { fields, words: "No body has such products of inertia; they are set to zero." };
+  }
+  if (!state.friction || state.amplitude * state.vibration_rate === 0) return { fields: {}, words: "" };
+  // A body that rests in friction would start again.
+  return Object.hasOwn(changed, "friction")
+    ? { fields: { amplitude: 0 }, words: "The pivot stands still: with dry friction this page computes no vibration." }
+    : { fields: { friction: 0 }, words: "Without dry friction: this page computes none on a vibrating pivot." };
+}
+
 /** Mass properties of a state, about the pivot. */
 function massOf(state) {
-  if (state.shape === "inertia") {
-    const { mass, inertia1, inertia3, length } = state;
-    return { mass, inertia1, inertia3, length };
+  const { shape, mass, inertia1, inertia2, inertia3, length, centre_x: x, centre_y: y, centre_z: z } = state;
+  if (shape === "inertia") return { mass, inertia: [inertia1, inertia1, inertia3], centre: [0, 0, length] };
+  if (shape === "body" || shape === "tensor") {
+    const products = shape === "tensor" ? PRODUCTS.map((name) => state[name]) : [0, 0, 0];
+    return { mass, inertia: [inertia1, inertia2, inertia3], products, centre: [x, y, z] };
   }
   const { radius, thickness, density } = state;
-  const size = { radius, thickness, innerRadius: Math.min(state.inner_radius, radius), rodLength: state.rod_length };
-  return buildShape(state.shape, size, density);
+  const size = { radius, thickness, innerRadius: state.inner_radius, rodLength: state.rod_length };
+  return buildShape(shape, size, density);
+}
+
+/** The damping about the three axes. */
+function dampingOf({ shape, damping1, damping2, damping3 }) {
+  return [damping1, SHAPES[shape].needs.includes("damping2") ? damping2 : damping1, damping3];
 }
 
 /**
- * What a state means: body, start, threshold spin of the sleeping top, the roots of steady precession, and
- * a sentence where something that is asked for does not exist.
+ * What a state means: body, start, threshold spin of the sleeping top, the roots of steady precession, and a
+ * sentence where something that is asked for does not exist.
  */
 export function resolve(state) {
-  const body = makeBody({ ...massOf(state), gravity: state.gravity });
+  const body = makeBody({
+    ...massOf(state), gravity: state.gravity, damping: dampingOf(state), friction: state.friction, amplitude: state.amplitude,
+    vibrationRate: state.vibration_rate,
+  });
+  const isTop = body.isSymmetric && body.centre[2] >= 0;
   const theta = state.theta === 180 ? Math.PI : state.theta * DEGREE;
-  const roots = steadyRates(body, theta, state.omega3);
+  const roots = isTop ? steadyRates(body, theta, state.omega3) : [];
   let [phiRate, thetaRate, lack] = [state.phi_rate, state.theta_rate, ""];
   if (state.precession !== "given") {
     thetaRate = 0;
     const root = roots[state.precession === "slow" ? 0 : 1];
     phiRate = root ?? 0;
-    if (root === undefined) {
-      lack = roots.length
-        ? "A horizontal axis has no fast precession."
-        : "The spin is too slow for steady precession at this tilt; the top is released at rest.";
-    }
+    if (root === undefined) lack = lackOfSteadiness(isTop, roots);
   }
-  const start = startFromAngles({ theta, phiRate, thetaRate, omega3: state.omega3 });
-  return { body, start, roots, phiRate, thetaRate, lack, threshold: criticalOmega3(body) };
+  const psi = SHAPES[state.shape].needs.includes("psi") ? state.psi * DEGREE : 0;
+  const start = startFromAngles({ theta, psi, phiRate, thetaRate, omega3: state.omega3 });
+  const hasThreshold = isTop && body.mgl > 0;
+  return { body, start, roots, phiRate, thetaRate, lack, isTop, threshold: hasThreshold ? criticalOmega3(body) : 0 };
 }
 
-/** The state as a link: what follows the #. */
+function lackOfSteadiness(isTop, roots) {
+  if (!isTop) return "Only a symmetric top precesses steadily; the body is released at rest.";
+  return roots.length
+    ? "A horizontal axis has no fast precession."
+    : "The spin is too slow for steady precession at this tilt; the top is released at rest.";
+}
+
+/** The state as a link: what follows the #. Losses and drives that are zero are left out. */
 export function linkOf(state) {
-  const names = [...SHAPES[state.shape].needs, "gravity", ...START, "nutations"];
+  const names = numbersOf(state).filter((name) => NUMBERS[name].part !== "losses" || state[name]);
   const fields = [["shape", state.shape], ...names.map((name) => [name, String(state[name])])];
   if (state.precession !== "given") fields.push(["precession", state.precession]);
   return fields.map(([name, value]) => `${name}=${value}`).join("&");
 }
 
 /**
- * The state of a link, with the `span` (s) if it gives one instead of a number of nutations; null if it
- * holds none. What it does not hold, or is not possible, is as at first.
+ * The state of a link, with the number of `nutations` if it gives one instead of a time; null if it holds none.
+ * What it does not hold, or is not possible, is as at first.
  */
 export function stateOfLink(link) {
   const fields = new URLSearchParams(link.replace(/^#/, ""));
@@ -175,8 +183,8 @@ export function stateOfLink(link) {
   for (const [name, text] of fields) {
     if (Object.hasOwn(NUMBERS, name) && text.trim() !== "" && !refusal(name, Number(text))) state[name] = Number(text);
   }
-  const span = Number(fields.get("t_end"));
-  if (span > 0 && !fields.has("nutations")) state.span = span;
+  const nutations = Number(fields.get("nutations"));
+  if (nutations > 0 && nutations <= 200 && !fields.has("t_end")) state.nutations = nutations;
   if (["slow", "fast"].includes(fields.get("precession"))) state.precession = fields.get("precession");
   return state;
 }
@@ -185,21 +193,38 @@ export function stateOfLink(link) {
 export function inputOf(state) {
   const { body, phiRate, thetaRate } = resolve(state);
   const number = (value) => (Number.isInteger(value) ? `${value}.0` : String(value));
-  const shape = state.shape === "inertia"
-    ? [
-      `mass = ${number(body.mass)}`,
-      `inertia = ${[body.inertia1, body.inertia1, body.inertia3].map(number).join(", ")}`,
-      `length = ${number(body.length)}`,
-    ]
-    : [`shape = '${state.shape}'`, ...SHAPES[state.shape].needs.map((name) => `${name} = ${number(state[name])}`)];
+  const list = (values) => values.map(number).join(", ");
+  const { needs } = SHAPES[state.shape];
+  const sizes = needs.filter((name) => !name.startsWith("damping"));
+  const [p, q, r] = body.products;
+  const mass = [`mass = ${number(body.mass)}`, `inertia = ${list(body.inertia)}`];
+  const centre = `centre_of_mass = ${list(body.centre)}`;
+  const [a, b, c] = body.inertia;
+  const top = {
+    inertia: [...mass, `length = ${number(body.centre[2])}`],
+    body: [...mass, centre],
+    tensor: [
+      mass[0], `inertia_tensor(1,:) = ${list([a, r, q])}`, `inertia_tensor(2,2:3) = ${list([b, p])}`,
+      `inertia_tensor(3,3) = ${number(c)}`, centre,
+    ],
+  }[state.shape] ?? [`shape = '${state.shape}'`, ...sizes.map((name) => `${name} = ${number(state[name])}`)];
+  top.push(`gravity = ${number(state.gravity)}`);
+  if (body.damping.some(Boolean)) top.push(`damping = ${list(body.damping)}`);
   const start = [["theta_deg", state.theta], ["omega3", state.omega3]];
+  if (needs.includes("psi") && state.psi !== 0) start.push(["psi_deg", state.psi]);
   if (phiRate !== 0) start.push(["phi_rate", phiRate]);
   if (thetaRate !== 0) start.push(["theta_rate", thetaRate]);
+  const effects = [];
+  if (body.friction) effects.push(`friction_torque = ${number(body.friction)}`);
+  if (body.isVibrated) {
+    effects.push(`vibration_amplitude = ${list([0, 0, body.amplitude])}`, `vibration_rate = ${number(body.vibrationRate)}`);
+  }
   const group = (name, lines) => `&${name}\n${lines.map((line) => `    ${line}\n`).join("")}/\n`;
   return [
     group("study", ["title = 'From the live top'"]),
-    group("top", [...shape, `gravity = ${number(state.gravity)}`]),
+    group("top", top),
     group("initial", start.map(([name, value]) => `${name} = ${number(value)}`)),
-    group("span", [`nutations = ${number(state.nutations)}`]),
+    group("span", [`t_end = ${number(state.t_end)}`]),
+    ...(effects.length ? [group("effects", effects)] : []),
   ].join("\n");
 }

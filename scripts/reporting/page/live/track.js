@@ -1,58 +1,47 @@
-// The exact motion of a state over its span, sampled for what is drawn; and the body that is drawn.
+// The motion of a state over its span, sampled for what is drawn; and the body that is drawn.
 
-import { ExactMotion } from "../exact/exact_motion.js";
-import { toSpace } from "../exact/motion.js";
-import { angularMomentum, kineticEnergy, potentialEnergy, supportForce } from "../exact/quantities.js";
-import { NUMBERS, resolve } from "./scene.js";
+import { times } from "../dynamics/body.js";
+import { Motion } from "../dynamics/motion.js";
+import { describeNutation } from "../dynamics/nutation.js";
+import { extremesOf } from "../plot.js";
+import { resolve } from "./scene.js";
 
-const PER_NUTATION = 60; // points
-const PER_TURN = 60; // of precession
+const PER_TURN = 60; // points, of the fastest turn
 const FEWEST = 240;
 
-/** Points at most: while one changes something, and afterwards. */
-export const [COARSE, FINE] = [300, 900];
-const NO_PERIOD = 2; // natural periods that count as one nutation where the motion has no period
-const BODY_Z = [0, 0, 1];
-
-/** The span that is shown, s: so many nutations; natural periods where the axis never returns. */
-function spanOf({ body, start, nutation }, nutations) {
-  if (Number.isFinite(nutation.period)) return nutations * nutation.period;
-  const rate = Math.sqrt((2 * body.mgl) / body.inertia1 + start.a ** 2 + start.swingSquared);
-  return nutations * NO_PERIOD * (rate > 0 ? (2 * Math.PI) / rate : 1);
-}
-
-/** How many nutations a span (s) of a state has, within what can be shown. */
-export function nutationsIn(state, span) {
-  const { body, start } = resolve(state);
-  const { least, most } = NUMBERS.nutations;
-  const nutations = span / spanOf(new ExactMotion(body, start), 1);
-  return Math.min(Math.max(Number(nutations.toPrecision(6)), least), most);
-}
-
-function countOf({ nutation }, span, most) {
-  const turns = Math.abs(nutation.precessionRate * span) / (2 * Math.PI);
-  const nutations = Number.isFinite(nutation.period) ? span / nutation.period : 4;
-  const wanted = Math.ceil(Math.max(PER_NUTATION * nutations, PER_TURN * turns));
-  return Math.min(Math.max(wanted, FEWEST), most) + 1;
-}
+/** Points and steps at most: while one changes something, and afterwards. */
+export const COARSE = { points: 300, steps: 1500 };
+export const FINE = { points: 1800, steps: 20000 };
+const COLUMNS = ["t", "phi", "theta", "psi", "kinetic", "potential", "energy", "thetaRate"];
+const VECTORS = ["axis", "omega", "omegaBody", "momentum", "force", "torque", "change"];
 
 export class Track {
-  /** @param state as scene.js has it @param most points */
+  /** @param state as scene.js has it @param most points and steps, `COARSE` or `FINE` */
   constructor(state, most = FINE) {
     Object.assign(this, resolve(state));
-    this.exact = new ExactMotion(this.body, this.start);
-    this.nutation = this.exact.nutation;
-    this.span = spanOf(this.exact, state.nutations);
-    this.#sample(countOf(this.exact, this.span, most));
+    this.motion = new Motion(this.body, this.start, most.steps);
+    this.wanted = state.t_end;
+    /** The span that is shown, s: shorter than is wanted where that takes too many steps. */
+    this.span = Math.min(this.motion.reach(state.t_end), state.t_end);
+    this.nutation = this.body.isLagrange ? describeNutation(this.body, this.start) : null;
+    this.isComplete = this.#countWanted() <= most.points && this.span === this.wanted;
+    this.#sample(Math.min(this.#countWanted(), most.points) + 1);
+    [this.thetaMin, this.thetaMax] = this.#rangeOfTilt();
+  }
+
+  /** So many points as the turns need that are seen: of the nutation, of the axis, of the pivot. */
+  #countWanted() {
+    const { body, start, span } = this;
+    const [l1, l2, l3] = times(body.tensor, start.omega);
+    const across = Math.min(body.inertia[0], body.inertia[1]);
+    const rate = Math.hypot(l1, l2, l3) / across + 2 * body.naturalRate + (body.isVibrated ? body.vibrationRate : 0);
+    return Math.max(FEWEST, Math.ceil((PER_TURN * rate * span) / (2 * Math.PI)));
   }
 
   #sample(count) {
-    const column = () => new Float64Array(count);
-    const vectors = () => new Float64Array(3 * count);
-    Object.assign(this, { count, t: column(), phi: column(), theta: column(), psi: column() });
-    Object.assign(this, { kinetic: column(), potential: column(), energy: column(), thetaRate: column() });
-    Object.assign(this, { axis: vectors(), omega: vectors(), omegaBody: vectors(), momentum: vectors() });
-    this.force = vectors();
+    this.count = count;
+    for (const name of COLUMNS) this[name] = new Float64Array(count);
+    for (const name of VECTORS) this[name] = new Float64Array(3 * count);
     for (let i = 0; i < count; i += 1) {
       const moment = this.at((this.span * i) / (count - 1));
       this.t[i] = moment.t;
@@ -66,29 +55,39 @@ export class Track {
       this.omegaBody.set(moment.omega, 3 * i);
       this.momentum.set(moment.momentum, 3 * i);
       this.force.set(moment.force, 3 * i);
+      this.torque.set(moment.torque, 3 * i);
+      this.change.set(moment.change, 3 * i);
     }
   }
 
-  /** The motion at a time, with energies and vectors in space axes. */
+  /** The least and the largest tilt; that of a pendulum goes on beyond the hanging position. */
+  #rangeOfTilt() {
+    const { nutation, theta } = this;
+    if (!nutation) return extremesOf(theta);
+    const { motionClass, thetaMin, thetaMax } = nutation;
+    if (!["libration", "circulation"].includes(motionClass)) return [thetaMin, thetaMax];
+    return [thetaMin, 2 * Math.PI - thetaMin];
+  }
+
+  /** The motion at a time. */
   at(time) {
-    const moment = this.exact.at(time);
-    const { quaternion, omega } = moment;
-    return Object.assign(moment, {
-      kinetic: kineticEnergy(this.body, moment),
-      potential: potentialEnergy(this.body, moment),
-      axis: toSpace(quaternion, BODY_Z),
-      omegaSpace: toSpace(quaternion, omega),
-      momentum: angularMomentum(this.body, moment),
-      force: supportForce(this.body, moment),
-    });
+    return this.motion.at(Math.min(time, this.span));
+  }
+
+  /** The precession in a period of the nutation, rad; NaN if there is none or it takes too long. */
+  get precession() {
+    const { period = Infinity, passesPole } = this.nutation ?? {};
+    if (passesPole || !(this.motion.reach(period === Infinity ? 0 : period) >= period)) return NaN;
+    return this.motion.at(period).angle[0] - this.start.angle[0];
   }
 }
 
+const BODY_Z = [0, 0, 1];
 const THINNEST = 0.04; // no solid is drawn thinner than this part of its largest extent
 const DRAWN = {
   spinning_wheel: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
   ring: (s) => ({
-    kind: "ring", radius: s.radius, inner: Math.min(s.inner_radius, 0.999 * s.radius), height: s.thickness,
+    kind: "ring", radius: s.radius, inner: s.inner_radius, height: s.thickness,
   }),
   sphere: (s) => ({ kind: "sphere", radius: s.radius }),
   cylinder: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
@@ -98,29 +97,42 @@ const NO_SUCH_BODY = "No mass distribution has this inertia about the pivot with
 
 /**
  * The body of a state as the stage draws it, and what to say of it: the shape, or for mass properties the
- * homogeneous cylinder that has them, as in spintop_figures/moving/body.py.
+ * homogeneous solid that has them, as in spintop_figures/moving/body.py.
  */
 export function drawingOf(state, body) {
-  const place = [0, 0, body.length];
+  const place = body.centre;
   const axes = [1, 0, 0, 0, 1, 0, 0, 0, 1];
   const made = (solid, label) => ({
     body: { centre: place, axis: BODY_Z, solids: solid ? [{ ...solid, axes, place }] : [] }, label,
   });
-  if (state.shape !== "inertia") {
+  if (DRAWN[state.shape]) {
     const solid = DRAWN[state.shape](state);
     if (solid.height < THINNEST * solid.radius) solid.height = THINNEST * solid.radius;
     return made(solid, "");
   }
-  const { mass, inertia1, inertia3, length } = body;
-  const central = inertia1 - mass * length ** 2;
-  const exists = inertia3 <= 2 * central * (1 + 1e-12);
-  const across = exists ? central : inertia1;
-  let radius = Math.sqrt((2 * inertia3) / mass);
-  let height = Math.sqrt(Math.max(0, (12 * across) / mass - 3 * radius ** 2));
-  radius = Math.max(radius, (THINNEST * height) / 2);
-  height = Math.max(height, 2 * THINNEST * radius);
-  const name = height < radius / 2 ? "disc" : "cylinder";
-  return made({ kind: "cylinder", radius, height }, exists
-    ? `Drawn: the homogeneous ${name} with this mass and inertia.`
-    : `${NO_SUCH_BODY}Drawn: the homogeneous ${name} with these moments about its centre of mass.`);
+  const { mass, inertia, centre: [x, y, z] } = body;
+  const central = [inertia[0] - mass * (y * y + z * z), inertia[1] - mass * (z * z + x * x), inertia[2] - mass * (x * x + y * y)];
+  const [a, b, c] = central;
+  const exists = Math.min(a + b - c, b + c - a, c + a - b) >= -1e-12 * Math.max(...inertia);
+  const solid = solidOf(mass, exists ? central : inertia);
+  return made(solid, exists
+    ? `Drawn: the homogeneous ${nameOf(solid)} with this mass and inertia.`
+    : `${NO_SUCH_BODY}Drawn: the homogeneous ${nameOf(solid)} with these moments about its centre of mass.`);
+}
+
+/** The homogeneous cylinder with two equal moments across its axis, or the cuboid with three. */
+function solidOf(mass, [a, b, c]) {
+  if (Math.abs(a - b) > 1e-6 * Math.max(a, b)) {
+    const edges = [b + c - a, c + a - b, a + b - c].map((sum) => Math.sqrt(Math.max(0, (6 * sum) / mass)));
+    return { kind: "cuboid", edges: edges.map((edge) => Math.max(edge, THINNEST * Math.max(...edges))) };
+  }
+  const radius = Math.sqrt((2 * c) / mass);
+  const height = Math.sqrt(Math.max(0, (12 * a) / mass - 3 * radius ** 2));
+  const drawn = Math.max(radius, (THINNEST * height) / 2);
+  return { kind: "cylinder", radius: drawn, height: Math.max(height, 2 * THINNEST * drawn) };
+}
+
+function nameOf({ kind, height, radius }) {
+  if (kind === "cuboid") return kind;
+  return height < radius / 2 ? "disc" : "cylinder";
 }

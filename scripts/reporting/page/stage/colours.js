@@ -13,6 +13,8 @@ const NAMES = {
   force: "--force",
   momentum: "--momentum",
   omega: "--omega",
+  torque: "--torque",
+  change: "--torque",
 };
 
 /** The colours that hold for an element now. */

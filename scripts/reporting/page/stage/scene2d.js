@@ -107,6 +107,11 @@ export class Scene2D {
     ];
   }
 
+  /** The same in pixels of CSS. */
+  project(point) {
+    return this.#project(point).map((value) => value / this.ratio);
+  }
+
   #line(points, colour, width) {
     this.pen.beginPath();
     for (const point of points) this.pen.lineTo(...this.#project(point));
@@ -146,7 +151,10 @@ export class Scene2D {
     });
     for (const [name, unit] of Object.entries(view.perUnit)) {
       const vector = this.#isShown(name) && vectors[name];
-      if (vector) this.#line([origin, vector.clone().multiplyScalar(unit)], colours[name], 3);
+      if (!vector) continue;
+      const begin = name === "change" && vectors.momentum
+        ? vectors.momentum.clone().multiplyScalar(view.perUnit.momentum) : origin;
+      this.#line([begin, vector.clone().multiplyScalar(unit).add(begin)], colours[name], 3);
     }
   }
 

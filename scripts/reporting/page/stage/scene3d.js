@@ -44,7 +44,7 @@ export function hasWebGL() {
 /** A line through points, as wide as so many pixels. */
 function makeLine(points, colour, width) {
   const geometry = new LineGeometry().setPositions(points);
-  return new Line2(geometry, new LineMaterial({ color: colour, linewidth: width }));
+  return new Line2(geometry, new LineMaterial({ color: colour, linewidth: width, transparent: true }));
 }
 
 /** A circle in the plane of two vectors, as large as they are long. */
@@ -221,9 +221,22 @@ export class Scene3D {
     });
     this.turning.quaternion.copy(attitudes[0]);
     for (const [name, arrow] of Object.entries(this.arrows)) {
-      arrow.point(vectors[name] ?? null, this.view.perUnit[name]);
+      arrow.point(vectors[name] ?? null, this.view.perUnit[name], this.#originOf(name, vectors));
     }
     this.draw();
+  }
+
+  /** The change of the angular momentum begins at its tip, everything else at the pivot. */
+  #originOf(name, { momentum }) {
+    const origin = new Vector3();
+    return name === "change" && momentum ? origin.addScaledVector(momentum, this.view.perUnit.momentum) : origin;
+  }
+
+  /** Where a point of space is on the canvas, in its pixels of CSS. */
+  project(point) {
+    const { x, y } = point.clone().project(this.camera);
+    const { clientWidth, clientHeight } = this.renderer.domElement;
+    return [((x + 1) * clientWidth) / 2, ((1 - y) * clientHeight) / 2];
   }
 
   draw() {

@@ -187,6 +187,11 @@ export class Stage {
     this.#scene?.draw();
   }
 
+  /** Where a point of space (m) is on the stage, in pixels from its upper left corner; null while it is closed. */
+  project(point) {
+    return this.#scene ? this.#scene.project(point) : null;
+  }
+
   /** The stage as it is now, as the address of a PNG of this size; empty while it is closed. */
   still(width, height) {
     if (!this.#scene || !this.#moment) return "";

@@ -6,7 +6,7 @@ import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 
 /** How strong a trace is at an age, as a part of the whole duration: 1 now, FAINTEST long ago. */
-export const FAINTEST = 0.32;
+export const FAINTEST = 0.5;
 export const FADES_IN = 0.12; // of the duration: the age at which most of its strength is gone
 
 export function strengthAt(age) {
@@ -31,7 +31,7 @@ export function countUpTo(times, time) {
 
 /** A material that fades with age; the red part of a vertex' colour is its time, 0 to 1. */
 function fadingMaterial(colour, ground, width, uniforms) {
-  const material = new LineMaterial({ color: colour, linewidth: width, vertexColors: true });
+  const material = new LineMaterial({ color: colour, linewidth: width, vertexColors: true, transparent: true });
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms, { ground: { value: new Color(ground) } });
     shader.fragmentShader = `uniform float now;\nuniform vec3 ground;\n${shader.fragmentShader}`.replace(

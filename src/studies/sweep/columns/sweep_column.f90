@@ -1,6 +1,7 @@
 !> A column of a sweep table: its description, what it needs, and the procedure that explains its cells.
 module spintop_sweep_column
     use spintop_case, only: case_t
+    use spintop_kinds, only: dp
     use spintop_study_column, only: study_column_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_result, only: kinds_of_work
@@ -28,6 +29,8 @@ module spintop_sweep_column
         integer :: proof_of = 0
         !> Notes why a case lacks it, where nothing else that comes with it does.
         procedure(explain_i), pointer, nopass :: explain => null()
+        !> In a table: the quantity is the number in it times the size of its unit.
+        real(dp) :: size = 1
     end type sweep_column_t
 
     abstract interface

@@ -5,6 +5,7 @@
 !> place in the list of the results of the case (spintop_sweep_result).
 module spintop_sweep_columns
     use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_study_column, only: chosen_column_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_free_columns, only: sweep_free_columns
     use spintop_sweep_proof_columns, only: sweep_proof_columns
@@ -13,7 +14,8 @@ module spintop_sweep_columns
     use spintop_sweep_result, only: of_nutation, of_range, of_whole, of_measured, of_fastest, of_lowest, &
         of_details, of_class, of_nutation_rate, of_force, of_vertical_force, of_fast_top, of_period, of_end, &
         of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, of_singular, of_multiplier, &
-        kinds_of_work, set_of
+        of_threshold, kinds_of_work, set_of
+    use spintop_sweep_stability, only: explain_no_threshold
     implicit none
     private
     public :: sweep_columns, columns_at, work_for
@@ -105,6 +107,12 @@ contains
     function stability_columns() result(columns)
         type(sweep_column_t), allocatable :: columns(:)
         columns = [ &
+            sweep_column_t('critical_omega3', 'rad/s', &
+                           'omega3 from which the sleeping top is stable, 2 sqrt(m g l I1)/I3, for its inertia and weight', &
+                           'sleeping', set_of([of_threshold]), explain=explain_no_threshold), &
+            sweep_column_t('sleeping_ratio', '', &
+                           'magnitude of omega3 at the start, with h/I3 of a rotor, over critical_omega3', &
+                           'sleeping', set_of([of_threshold]), explain=explain_no_threshold), &
             sweep_column_t('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                            'growth', set_of([of_growth])), &
             sweep_column_t('lyapunov_exponent', '1/s', &
@@ -118,13 +126,16 @@ contains
                            'multiplier', set_of([of_multiplier]))]
     end function stability_columns
 
-    !> Columns at some places of the list of all.
-    function columns_at(places) result(columns)
-        integer, intent(in) :: places(:) !! the places
+    !> The columns of a table.
+    function columns_at(chosen) result(columns)
+        type(chosen_column_t), intent(in) :: chosen(:) !! as they were chosen
         type(sweep_column_t), allocatable :: columns(:), known(:)
         ! Not on the stack, which may be small.
         allocate (known, source=sweep_columns())
-        columns = known(places)
+        columns = known(chosen%place)
+        columns%name = chosen%name
+        columns%unit = chosen%unit
+        columns%size = chosen%size
     end function columns_at
 
     !> What columns need, as flags.

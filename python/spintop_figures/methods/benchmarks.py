@@ -1,0 +1,83 @@
+"""Published benchmarks: how far the published numbers are off, and what an equal error costs."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.numbers import write
+from spintop_figures.style.page import new_figure
+from spintop_figures.tables.table import Table
+
+COLUMNS = ("published_error", "error", "truth_error", "time_s")
+WORDS = ("benchmark", "quantity", "published_method")
+
+LEAST = 1e-17
+"""Smaller errors are drawn here."""
+
+ROW = 0.36
+"""Height of a line in inches."""
+
+LETTERS = 44
+"""Of what was published."""
+
+
+def object_to_benchmarks(table: Table) -> str:
+    """A published number has to be there."""
+    known = table.rows["published_error"].notna()
+    return "" if known.any() else "has no published number to compare with"
+
+
+def draw_benchmarks(table: Table) -> Figure:
+    """The errors of all quantities of a publication on a line: published, spintop's, the truth's.
+
+    Spintop's are those of its cheapest run that has at most a hundredth of the published error.
+    """
+    rows = table.rows[table.rows["published_error"].notna()]
+    groups = list(rows.groupby(["benchmark", "published_method"], sort=False))
+    title = "Published benchmarks: errors of the published numbers and of spintop"
+    figure = new_figure(table, title, 1.5 + ROW * len(groups))
+    axes = figure.add_subplot()
+    looks = (
+        ("published_error", "published", {"marker": "D", "color": LINES[1]["color"]}),
+        ("error", "spintop, in this time", {"marker": "o", "color": LINES[0]["color"]}),
+        ("truth_error", "reference", {"marker": "|", "color": GREY}),
+    )
+    labels = []
+    for place, ((benchmark, method), part) in enumerate(groups):
+        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
+        for column, label, look in looks:
+            errors = np.maximum(part[column].dropna().to_numpy(float), LEAST)
+            style = look | {"linestyle": "", "markersize": 5, "alpha": 0.8}
+            axes.plot(errors, np.full(errors.shape, place), **style, label="" if place else label)
+        labels.append(describe(str(benchmark), str(method)))
+        axes.annotate(
+            tell_time(part["time_s"]),
+            (1.01, place),
+            xycoords=axes.get_yaxis_transform(),
+            va="center",
+            fontsize=8.5,
+            color=GREY,
+        )
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(numticks=9))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_yticks(range(len(groups)), labels=labels, fontsize=8)
+    axes.tick_params(axis="y", length=0)
+    axes.set_ylim(len(groups) - 0.5, -0.5)
+    axes.set_xlabel("error of a quantity, in its unit")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.12, 1.0), ncols=3, borderpad=0)
+    return figure
+
+
+def describe(benchmark: str, method: str) -> str:
+    """A benchmark and what was published, in two short lines."""
+    words = method.partition(";")[0]
+    short = words if len(words) <= LETTERS else words[: LETTERS - 1].rstrip() + "…"
+    return f"{benchmark.replace('_', ' ')}\n{short}"
+
+
+def tell_time(times: pd.Series) -> str:
+    """The longest time of the quantities in microseconds; empty if nothing was computed."""
+    return "" if times.isna().all() else f"{write(times.max() * 1e6, 2)} µs"

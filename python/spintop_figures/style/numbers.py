@@ -1,0 +1,71 @@
+"""Numbers in pictures, in one notation: those within texts, and those at ticks that are texts.
+
+A minus is a minus, powers of ten are raised, thousands have separators.
+"""
+
+import math
+import re
+
+from matplotlib.ticker import Formatter, FuncFormatter
+
+MINUS, TIMES, DASH = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}", "\N{EN DASH}"
+RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+DIGITS = 4
+"""Significant digits of a number in a text."""
+
+PLAIN = -3, 6
+"""Powers of ten from and below which a number is written without a power."""
+
+POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
+THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
+
+
+def write(value: float, digits: int = DIGITS) -> str:
+    """A number with so many significant digits, such as 0.25, 12,350 or 1.2 times 10⁻⁹."""
+    if not math.isfinite(value):
+        return DASH if math.isnan(value) else ("∞" if value > 0 else f"{MINUS}∞")
+    if value == 0:
+        return "0"
+    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+    place = int(power)
+    if PLAIN[0] <= place < PLAIN[1]:
+        text = f"{float(f'{value:.{digits - 1}e}'):,.{max(0, digits - 1 - place)}f}"
+        text = text.rstrip("0").rstrip(".") if "." in text else text
+        return text.replace("-", MINUS)
+    return with_power(mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa, place)
+
+
+def with_power(mantissa: str, power: int) -> str:
+    """A mantissa and a power of ten; a mantissa of one is left out."""
+    ten = f"10{str(power).translate(RAISED)}"
+    factor = {"1": "", "-1": MINUS}.get(mantissa, f"{mantissa.replace('-', MINUS)}{TIMES}")
+    return factor + ten
+
+
+def write_count(count: float) -> str:
+    """How many, with separators between thousands."""
+    return f"{round(count):,}"
+
+
+def write_fixed(value: float, decimals: int) -> str:
+    """A number with so many decimals, or with two digits where they would make it zero."""
+    if value == 0:
+        return "0"
+    text = f"{value:,.{decimals}f}"
+    return true_minus(text) if float(text.replace(",", "")) else write(value, 2)
+
+
+def true_minus(text: str) -> str:
+    """A number as text with a minus for its hyphen."""
+    return text.replace("-", MINUS)
+
+
+def with_comma(text: str) -> str:
+    """A text whose numbers have decimal commas, and thin spaces between thousands."""
+    return POINT_OR_SEPARATOR.sub(lambda mark: "," if mark[0] == "." else THIN_SPACE, text)
+
+
+def numbers() -> Formatter:
+    """The labels of an axis, such as a log axis without powers, each as in a text."""
+    return FuncFormatter(lambda value, _: write(value))

@@ -1,0 +1,402 @@
+"""Tests of how figures look to a reader: of all kinds, at the widths of a column, a page, a slide.
+
+No text leaves the page or lies over another, every axis has its numbers and nothing beside them, no
+name is one of the program; and colours differ for all eyes.
+"""
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+import unittest
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image
+
+sys.dont_write_bytecode = True
+TESTS = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
+
+from figure_checks import problems_of  # noqa: E402
+from plot_case import (  # noqa: E402
+    TRAJECTORY,
+    TRIALS,
+    TableCase,
+    a_cloud,
+    a_map,
+    a_precision,
+    a_sweep,
+    a_table,
+    a_trajectory,
+    some_events,
+)
+from spintop_figures import draw, read_table, save_as  # noqa: E402
+from spintop_figures.methods.styles import LOOKS, OTHER_LOOK  # noqa: E402
+from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
+from spintop_figures.style.axes import scale_for  # noqa: E402
+from spintop_figures.style.colours import to_linear, to_oklab  # noqa: E402
+from spintop_figures.style.look import LINES  # noqa: E402
+from spintop_figures.style.numbers import with_comma, write, write_fixed  # noqa: E402
+from spintop_figures.style.options import CENTIMETRE, WIDTHS  # noqa: E402
+from spintop_figures.tables.names import axis_of, name_of, sign_of  # noqa: E402
+from spintop_figures.tables.table import Table, TableError  # noqa: E402
+
+EXE = os.environ["SPINTOP_EXE"]
+INPUTS = TESTS.parent / "input"
+
+RUNS = {
+    "gyrocompass": ("span.samples=200",),
+    "kapitza": ("span.samples=200",),
+    "damped_top": ("span.samples=200",),
+    "separatrix": ("output.columns=all",),
+    "slow_top_events": (),
+    "flip_period": ("sweep.count(1)=9",),
+    "fit": (),
+    "spin_tilt_statistics": ("sweep.cases=500",),
+}
+"""Inputs with numbers that are tiny, huge or alike, and what makes them quick."""
+
+WIDE = {"table1", "verdicts"}
+"""Figures with as many cells as their tables have rows, which fit no column."""
+
+
+def a_stability() -> str:
+    """Two methods on four cases with each reference."""
+    rows = []
+    for reference, i in itertools.product(("exact solution", "quadruple"), range(4)):
+        for method, error in (("rk4", 1e-3), ("crank_nicolson_1", 1e-9)):
+            verdict = "accurate" if error < 1e-6 else "drifts"
+            numbers = [error * 4**i, 1e-15, 100 * 4**i]
+            case = f"hard_case_{reference[0]}{i}"
+            words = [case, method, "space_frame", verdict, *numbers, "ok", reference, ""]
+            rows.append(words)
+    return a_table("stability", TRIALS, rows)
+
+
+def made_up() -> dict[str, str]:
+    """Tables of all kinds that the tests make up."""
+    precision = a_precision({"slow_top": 1.0, "fast_top": 3.0}).split("\n")
+    grid = itertools.product((1.0, 2.0, 4.0), (0.1, 0.2, 0.3))
+    problems = {f"top.{i}/{x}/{y}": 0.5 + x * y / 30 for i, (x, y) in enumerate(grid)}
+    return {
+        "motion": a_trajectory([*TRAJECTORY, "energy_error"], energy_error=1e-9),
+        "sweep": a_sweep(),
+        "map": a_map(),
+        "plane": a_cloud(2),
+        "cloud": a_cloud(4, cases=2000),
+        "stability": a_stability(),
+        "precision": "\n".join(line for line in precision if ",heyoka," not in line),
+        "tolerances": a_precision(problems, ("initial.spin_ratio", "initial.theta")),
+        "events": some_events(400),
+    }
+
+
+class LookTest(TableCase):
+    """What a reader of any figure would complain of."""
+
+    def tables(self) -> Iterator[Table]:
+        """Made-up tables, and those of inputs."""
+        for name, text in made_up().items():
+            yield read_table(self.put(f"{name}.csv", text))
+        for name, settings in RUNS.items():
+            words = [word for setting in settings for word in ("--set", setting)]
+            command = [EXE, "--quiet", "--restart", "-o", self.folder, *words]
+            subprocess.run([*command, INPUTS / f"{name}.nml"], check=False, capture_output=True)
+            for path in sorted(self.folder.glob(f"{name}*.csv")):
+                if "histogram" not in path.name:
+                    yield read_table(path)
+
+    def test_look(self) -> None:
+        """No figure has a fault, on a page and in a column; nearly all kinds are there."""
+        seen = set()
+        warnings.simplefilter("ignore")
+        for table in self.tables():
+            for kind in choose_figures(table)[0]:
+                seen.add(kind.name)
+                for width in (None, "column") if kind.name not in WIDE else (None,):
+                    with self.subTest(table=table.path.stem, kind=kind.name, width=width):
+                        figure = draw(table, kind.name, width=width)
+                        self.assertEqual(problems_of(figure), [])
+        missing = {kind.name for kind in FIGURES} - seen
+        self.assertLessEqual(
+            missing, {"account", "residuals", "peers", "indices", "choice", "benchmarks"}
+        )
+
+    def test_faults_are_found(self) -> None:
+        """The checks find each fault that they are for."""
+
+        table = read_table(self.put("a.csv", a_trajectory()))
+
+        def fault(change: object) -> str:
+            figure = draw(table, y="phi")
+            change(figure, figure.axes[0])
+            return " ".join(problems_of(figure))
+
+        self.assertIn("leaves the page", fault(lambda f, axes: axes.text(-9, 0, "far away")))
+        self.assertIn("lies over", fault(lambda f, axes: [f.text(0.5, 0.5, "one") for _ in "12"]))
+        self.assertIn("'at_rest'", fault(lambda f, axes: f.text(0.5, 0.5, "is at_rest")))
+        self.assertIn("'top.mass'", fault(lambda f, axes: axes.set_title("of top.mass")))
+        self.assertIn("'1e-0", fault(lambda f, axes: f.text(0.5, 0.5, "1e-09")) + "'1e-0")
+        self.assertIn("points of", fault(lambda f, axes: f.text(0.5, 0.5, "tiny", size=5)))
+        self.assertIn("no numbers", fault(lambda f, axes: axes.yaxis.set_major_formatter("")))
+        self.assertIn("equal", fault(lambda f, axes: axes.yaxis.set_major_formatter("0")))
+
+        def shift(_: Figure, axes: mpl.axes.Axes) -> None:
+            axes.yaxis.set_major_formatter(mpl.ticker.ScalarFormatter(useOffset=1e3))
+
+        self.assertIn("beside", fault(shift))
+
+
+class OptionsTest(TableCase):
+    """What a user asks of a figure."""
+
+    def motion(self, **other: object) -> Table:
+        """A made-up motion."""
+        return read_table(self.put("a.csv", a_trajectory(**other)))
+
+    def test_widths(self) -> None:
+        """A figure is as wide as it should be, and its letters suit that."""
+        table = self.motion()
+        sizes = {}
+        for width in (*WIDTHS, 12):
+            figure = draw(table, "angles", width=width)
+            inches = WIDTHS.get(width, width) * CENTIMETRE
+            self.assertAlmostEqual(figure.get_size_inches()[0], inches)
+            sizes[width] = figure.axes[0].yaxis.label.get_fontsize()
+        self.assertAlmostEqual(sizes["column"], 8)
+        self.assertGreater(sizes["slide"], 13)
+        letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
+        self.assertAlmostEqual(letters, 12)
+        page = read_table(self.put("b.csv", a_sweep()))
+        with self.assertRaisesRegex(TableError, r"needs a width of \d+ cm: no table1 figure"):
+            draw(page, "table1", width="column")
+
+    def test_wrong_options(self) -> None:
+        """Each has a reason."""
+        table = self.motion()
+        for options, reason in (
+            ({"width": "wide"}, "a width is column, page, slide or centimetres, not 'wide'"),
+            ({"width": 3}, "a width is 6 to 100 centimetres, not 3"),
+            ({"font_size": 3}, "letters have 6.5 to 72 points, not 3"),
+            ({"style": "nowhere"}, "there is no style sheet nowhere"),
+            ({"log": "x"}, "name them by y"),
+            ({"y": "theta", "log": "z"}, "log axes are x, y or xy"),
+            ({"y": "theta", "range": {"x": (2, 1)}}, "has to end above its begin"),
+        ):
+            with self.assertRaisesRegex(ValueError, reason):
+                draw(table, "" if "y" in options else "angles", **options)
+        with self.assertRaisesRegex(TableError, "has no column nowhere: no columns figure"):
+            draw(table, y="nowhere")
+        with self.assertRaises(TypeError):
+            draw(table, "angles", size=3)
+
+    def test_titles(self) -> None:
+        """Another title, and none at all."""
+        table = self.motion()
+        self.assertEqual(draw(table, "angles", title="Mine").get_suptitle(), "Mine")
+        bare = draw(table, "angles", title="")
+        self.assertEqual((bare.get_suptitle(), bare.get_supxlabel()), ("", ""))
+
+    def test_decimal_comma(self) -> None:
+        """At ticks, and in texts."""
+        figure = draw(self.motion(), "angles", decimal_comma=True)
+        self.assertEqual(problems_of(figure), [])
+        height = figure.axes[3]
+        shown = [label.get_text() for label in height.yaxis.get_ticklabels()]
+        self.assertTrue(any("," in text for text in shown))
+        self.assertFalse(any("." in text for text in shown))
+        self.assertEqual(with_comma("12,345.5"), "12\N{NARROW NO-BREAK SPACE}345,5")
+
+    def test_dark(self) -> None:
+        """All letters and lines can be seen on the dark ground."""
+        for options in ({"dark": True}, {"style": "dark_background"}):
+            figure = draw(self.motion(), "forces", **options)
+            ground = to_oklab(figure.get_facecolor())[0]
+            self.assertLess(ground, 0.3)
+            for text in figure.findobj(Text):
+                self.assertGreater(to_oklab(text.get_color())[0], 0.5)
+            lines = [
+                line for axes in figure.axes for line in axes.lines if len(line.get_xdata()) > 9
+            ]
+            for line in lines:
+                self.assertGreater(to_oklab(line.get_color())[0], 0.6)
+
+    def test_style(self) -> None:
+        """The colours of a style sheet are those of the lines."""
+        cycle = self.put("my.mplstyle", "axes.prop_cycle: cycler('color', ['ff0000', '00ff00'])\n")
+        lines = draw(self.motion(), "forces", style=cycle).axes[3].lines
+        self.assertEqual(to_hex(lines[0].get_color()), "#ff0000")
+
+    def test_columns(self) -> None:
+        """Columns of choice of two tables, each with a line and a name, in ranges, on log axes."""
+        tables = [self.motion(), read_table(self.put("b.csv", a_trajectory(theta=0.7)))]
+        figure = draw(tables, y=["theta", "phi"], range={"y": (0.1, None)})
+        self.assertEqual(problems_of(figure), [])
+        upper, lower = figure.axes
+        self.assertEqual([len(axes.lines) for axes in figure.axes], [2, 2])
+        self.assertEqual(upper.get_ylim()[0], 0.1)
+        self.assertAlmostEqual(upper.lines[1].get_ydata()[0], 0.7)
+        self.assertEqual([t.get_text() for t in upper.get_legend().get_texts()], ["a", "b"])
+        self.assertIn("precession", lower.get_ylabel())
+        self.assertEqual(draw(tables[0], x="phi", y="R4", log="y").axes[0].get_yscale(), "log")
+        with self.assertRaisesRegex(TableError, "nothing above zero in column R3"):
+            draw(tables[0], y="R3", log="y")
+
+    def test_files(self) -> None:
+        """Any ending that matplotlib knows; others have a reason."""
+        figure = draw(self.motion(), "angles", width="column")
+        endings = ("pdf", "png", "jpg")
+        paths = save_as(figure, self.folder / "a", endings)
+        heads = (b"%PDF", b"\x89PNG", b"\xff\xd8")
+        for path, head in zip(paths, heads, strict=True):
+            self.assertTrue(path.read_bytes().startswith(head))
+        with Image.open(self.folder / "a.png") as picture:
+            self.assertGreater(picture.width, 1000)
+        with self.assertRaisesRegex(ValueError, "not in 'doc'"):
+            save_as(figure, self.folder / "a", ("doc",))
+
+    def test_script(self) -> None:
+        """The same on the command line, with errors in one line."""
+        one, other = (self.put(f"{name}.csv", a_trajectory()) for name in "ab")
+        looks = ("--width", "12", "--format", "pdf,png", "--no-title", "--font-size", "9")
+        self.assertEqual(self.call("--figure", "angles", *looks, one), (0, ""))
+        self.assertTrue((self.folder / "a_angles.pdf").exists())
+        chosen = ("--y", "theta,phi", "--range", "x=0:3", "--log", "y", "--dark")
+        self.assertEqual(self.call(*chosen, "--decimal-comma", one, other), (0, ""))
+        self.assertTrue((self.folder / "columns.svg").exists())
+        for wrong, reason in (
+            (("--format", "doc"), "there is no 'doc'; there are"),
+            (("--width", "x"), "a width is column"),
+            (("--range", "x"), "'x' is not like x=0:5"),
+        ):
+            code, told = self.call(*wrong, one)
+            self.assertEqual(code, 2)
+            self.assertIn(reason, told)
+
+
+class WordsTest(unittest.TestCase):
+    """Numbers and names as a reader has them."""
+
+    def test_numbers(self) -> None:
+        """One notation: a true minus, raised powers, separators, no false zero."""
+        times, minus = "\N{MULTIPLICATION SIGN}", "\N{MINUS SIGN}"
+        expected = {
+            0.25: "0.25",
+            -3.0: f"{minus}3",
+            12346.0: "12,350",
+            1.182e-16: f"1.182{times}10⁻¹⁶",
+            1e-9: "10⁻⁹",
+            -2e7: f"{minus}2{times}10⁷",
+            0.0: "0",
+            9.9999e-4: "0.001",
+        }
+        for value, text in expected.items():
+            self.assertEqual(write(value), text)
+        self.assertEqual(write_fixed(1e-9, 2), "10⁻⁹")
+        self.assertEqual(write_fixed(-12345.678, 1), f"{minus}12,345.7")
+
+    def test_scales(self) -> None:
+        """Tiny and huge numbers have a prefix, degrees turns, what differs little an origin."""
+        self.assertEqual(scale_for(0, 3e-6, "m")[:2], (1e6, "µm"))
+        self.assertEqual(scale_for(0, 5e4, "N")[:2], (1e-3, "kN"))
+        self.assertEqual(scale_for(0, 5e4, "s").unit, "s")
+        self.assertEqual(scale_for(0, 72000, "degrees").unit, "turns")
+        self.assertEqual(scale_for(0, 1e-3, "degrees").unit, "µrad")
+        self.assertEqual(scale_for(0, 90, "degrees"), (1.0, "degrees", 0.0))
+        near = scale_for(-0.01 + 1e-10, -0.01 + 3e-10, "m")
+        self.assertEqual((near.unit, near.origin), ("pm", -0.0099999998))
+
+    def test_names(self) -> None:
+        """Methods, keys of the input, columns and statuses have names without underscores."""
+        expected = {
+            "rk4": "RK4",
+            "crank_nicolson_1": "Crank-Nicolson 1",
+            "arkode_dormand_prince_7_4_5": "Dormand-Prince 7-4-5",
+            "initial.psi_rate": "initial spin rate",
+            "initial.theta_deg": "initial inclination",
+            "top.inertia(1)": "moment of inertia I₁",
+            "initial.quaternion(1)": "initial quaternion q₀",
+            "part(2).mass": "mass of part 2",
+            "theta_end__top.mass": "change of inclination at the end with mass",
+            "at_rest": "at rest",
+            "work_friction": "work of friction",
+            "work_precision": "work-precision study",
+        }
+        for key, name in expected.items():
+            self.assertEqual(name_of(key), name)
+        self.assertEqual(sign_of("theta"), "θ")
+        self.assertEqual(axis_of("top.mass", "kg m^2"), "mass $m$ (kg m²)")
+
+    def test_all_names(self) -> None:
+        """Nothing that the program lists has a raw name."""
+        for topic in ("methods", "formulations", "columns", "statuses", "studies", "parameters"):
+            for entry in listed_names(topic):
+                self.assertNotRegex(name_of(entry), r"[_.]")
+
+
+def listed_names(topic: str) -> list[str]:
+    """The names that the program lists."""
+    answer = subprocess.run([EXE, "list", topic, "--json"], capture_output=True, check=True)
+    return [entry["name"] for entry in json.loads(answer.stdout)[topic]]
+
+
+DEUTERANOPE = (
+    (0.367322, 0.860646, -0.227968),
+    (0.280085, 0.672501, 0.047413),
+    (-0.011820, 0.042940, 0.968881),
+)
+PROTANOPE = (
+    (0.152286, 1.052583, -0.204868),
+    (0.114503, 0.786281, 0.099216),
+    (-0.003882, -0.048116, 1.051998),
+)
+"""G. M. Machado, M. M. Oliveira, L. A. F. Fernandes (2009), of linear light, at full severity."""
+
+TO_XYZ = np.array(
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.1191920, 0.9503041],
+    ]
+)
+WHITE = np.array([0.95047, 1.0, 1.08883])
+
+
+def lab_of(colour: str, eye: object) -> np.ndarray:
+    """CIELAB of a colour as an eye sees it."""
+    light = np.clip(np.array(eye) @ to_linear(colour), 0, 1)
+    ratio = TO_XYZ @ light / WHITE
+    x, y, z = np.where(ratio > 0.008856, np.cbrt(ratio), 7.787 * ratio + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+class ColourTest(unittest.TestCase):
+    """Colours that have a meaning."""
+
+    FAMILIES = (*(look.colour for look in LOOKS), OTHER_LOOK.colour)
+
+    def test_apart(self) -> None:
+        """Those of families, and of lines, differ for all eyes."""
+        for eye in (np.eye(3), DEUTERANOPE, PROTANOPE):
+            for colours in (self.FAMILIES, [line["color"] for line in LINES]):
+                for one, other in itertools.combinations(colours, 2):
+                    apart = np.linalg.norm(lab_of(one, eye) - lab_of(other, eye))
+                    self.assertGreater(apart, 8, (one, other))
+
+    def test_contrast(self) -> None:
+        """They are seen on white at a contrast of 3 to 1."""
+        for colour in (*self.FAMILIES, *(line["color"] for line in LINES)):
+            luminance = TO_XYZ[1] @ to_linear(to_rgb(colour))
+            self.assertGreater(1.05 / (luminance + 0.05), 3, colour)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,159 @@
+"""Tests of the recipes of packages and of the workflows: their syntax, versions and sources."""
+
+import ast
+import contextlib
+import importlib.machinery
+import importlib.util
+import io
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import unittest
+import unittest.mock
+from pathlib import Path
+
+import jinja2
+import pytest
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parent.parent.parent
+PACKAGING = ROOT / "packaging"
+META = PACKAGING / "conda" / "recipe" / "meta.yaml"
+RECIPES = (
+    META,
+    PACKAGING / "spack" / "package.py",
+    PACKAGING / "homebrew" / "spintop.rb",
+    next((PACKAGING / "easybuild").glob("*.eb")),
+)
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+STEP = re.compile(r"^( +)(?:- )?run: (\|\n(?:\1 +.*\n|\n)+|>-\n(?:\1 +.*\n)+|.+\n)", re.MULTILINE)
+EXPRESSION = re.compile(r"\$\{\{.*?\}\}")
+
+
+def load_filler() -> object:
+    """packaging/fill_recipes as a module."""
+    path = str(PACKAGING / "fill_recipes")
+    loader = importlib.machinery.SourceFileLoader("fill_recipes", path)
+    module = importlib.util.module_from_spec(
+        importlib.util.spec_from_loader("fill_recipes", loader)
+    )
+    loader.exec_module(module)
+    return module
+
+
+def meta() -> str:
+    """The recipe of conda after its templates."""
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False)
+    functions = {"compiler": "{}_linux-64".format, "stdlib": "{}_stdlib".format}
+    return environment.from_string(META.read_text(encoding="utf-8")).render(**functions)
+
+
+@pytest.mark.usefixtures("folder")
+class RecipesTest(unittest.TestCase):
+    """Recipes, as far as they can be checked without their package managers."""
+
+    folder: Path
+
+    def check(self, *words: str | Path) -> None:
+        """A program finds nothing wrong; skipped where it is not installed."""
+        if not shutil.which(words[0]):
+            return
+        done = subprocess.run(words, check=False, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_syntax(self) -> None:
+        """Python, Ruby, shell and YAML can be read."""
+        for path in (RECIPES[1], RECIPES[3], PACKAGING / "fill_recipes"):
+            ast.parse(path.read_text(encoding="utf-8"), str(path))
+        self.check("ruby", "-c", RECIPES[2])
+        self.check("luac", "-p", PACKAGING / "modulefiles" / "spintop.lua")
+        for path in (META.with_name("build.sh"), PACKAGING / "from_sources"):
+            self.check("bash", "-n", path)
+            self.assertTrue(path.stat().st_mode & 0o100, path)
+        texts = {path.name: path.read_text(encoding="utf-8") for path in WORKFLOWS}
+        texts |= {"meta.yaml": meta(), "citation": (ROOT / "CITATION.cff").read_text("utf-8")}
+        try:
+            import yaml
+        except ImportError:
+            yaml = None
+        for name, text in texts.items():
+            self.assertNotIn("\t", text, name)
+            if yaml:
+                self.assertIsInstance(yaml.safe_load(text), dict, name)
+
+    def test_steps_of_workflows(self) -> None:
+        """The commands of every step are a script of bash; actions are named by their commits."""
+        for path in WORKFLOWS:
+            text = path.read_text(encoding="utf-8")
+            steps = [match[2] for match in STEP.finditer(text)]
+            self.assertEqual(len(steps), len(re.findall(r"\brun: ", text)), path.name)
+            for step in steps:
+                script = EXPRESSION.sub("x", re.sub(r"^(\||>-)\n", "", step))
+                words = ["bash", "-n", "-c", script]
+                done = subprocess.run(words, check=False, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, f"{script}{done.stderr}")
+            for action in re.findall(r"uses: (\S+)", text):
+                self.assertRegex(action, r"^actions/[\w-]+@[0-9a-f]{40}$")
+
+    def test_one_release(self) -> None:
+        """All recipes take the same sources, and the version of the project."""
+        version = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))["version"]
+        self.assertTrue(RECIPES[3].name.startswith(f"spintop-{version}-"))
+        for path in RECIPES:
+            text = meta() if path == META else path.read_text(encoding="utf-8")
+            text = text.replace("%(version)s", version)
+            for part in (
+                f"spintop-{version}.tar.gz",
+                "sundials-7.1.1.tar.gz",
+                "v2.0.0-rc.1.tar.gz",
+            ):
+                self.assertIn(part, text, path.name)
+            script = META.with_name("build.sh").read_text("utf-8") if path == META else text
+            self.assertIn("packaging/from_sources", script, path.name)
+        release = (ROOT / ".github" / "workflows" / "release.yml").read_text(encoding="utf-8")
+        self.assertIn("sundials-7.1.1.tar.gz", release)
+        done = subprocess.run([ROOT / "scripts" / "check_version.py"], check=False)
+        self.assertEqual(done.returncode, 0)
+
+    def test_fill(self) -> None:
+        """Address, maintainer and checksums of a release; what is wrong is said."""
+        files = [self.folder / name for name in ("a", "b", "c")]
+        for path in files:
+            path.write_bytes(path.name.encode())
+        filler = load_filler()
+
+        def fill(*arguments: str | Path) -> tuple[int, str]:
+            words = ["fill_recipes", *map(str, arguments)]
+            said = io.StringIO()
+            with (
+                unittest.mock.patch.object(sys, "argv", words),
+                contextlib.redirect_stdout(io.StringIO()),
+                contextlib.redirect_stderr(said),
+            ):
+                return filler.main(), said.getvalue()
+
+        target = self.folder / "recipes"
+        self.assertEqual(fill("https://a.org/top/", "me", *files, target), (0, ""))
+        made = [path for path in target.rglob("*") if path.is_file()]
+        self.assertEqual(len(made), 5)
+        for path in made:
+            text = path.read_text(encoding="utf-8")
+            for word in ("0" * 64, "example.org", "MAINTAINER"):
+                self.assertNotIn(word, text)
+        digest = "ca978112ca1bbdcafac231b39a23dc4da786eff8147c4e72b9807785afee48bb"
+        self.assertIn(
+            'url "https://a.org/top/releases', (target / "homebrew/spintop.rb").read_text()
+        )
+        self.assertLess(
+            (target / "spack/package.py").read_text().index(digest),
+            (target / "spack/package.py").read_text().index("resource("),
+        )
+        self.assertEqual(fill("https://a.org", "me")[0], 2)
+        code, said = fill("https://a.org", "me", self.folder / "none", *files[:2], target)
+        self.assertEqual((code, "No such file" in said), (4, True))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -348,23 +348,24 @@ class RefusedTest(IndicesCase):
 
 
 class FigureTest(IndicesCase):
-    """The bars of the indices."""
+    """The dots of the indices."""
 
     kind = next(kind for kind in FIGURES if kind.name == "indices")
 
-    def test_bars(self) -> None:
-        """A bar for each index, with its interval, and the groups that were left out."""
+    def test_dots(self) -> None:
+        """A dot for each index, with its interval, and the groups that were left out."""
         self.run_well(self.write_input(FAILING))
         table = read_table(self.folder / "output/map.statistics.csv")
         self.assertEqual(self.kind.refusal(table), "")
         figure = self.kind.draw(table)
-        panels = [axes for axes in figure.axes if axes.patches]
+        panels = figure.axes
         self.assertEqual(len(panels), 3)
         expected = indices_of(table)
         for column, axes in zip(expected["column"].unique(), panels, strict=True):
             rows = expected[expected["column"] == column]
-            heights = [bar.get_height() for bar in axes.patches]
-            self.assertEqual(heights, rows["first_order"].tolist() + rows["total"].tolist())
+            for label, index in (("first order", "first_order"), ("total", "total")):
+                (dots,) = [line for line in axes.lines if line.get_label() == label]
+                np.testing.assert_array_equal(dots.get_xdata(), rows[index])
             self.assertIn("groups left out", axes.get_title(loc="right"))
         (self.folder / "output/map.indices.csv").unlink()
         self.assertIn("has no map.indices.csv beside it", self.kind.refusal(table))

@@ -270,10 +270,9 @@ contains
         integer :: wanted, below
 
         call plan%fit_steps(case%t_end)
-        if (plan%stepper%controls%steps > plan%stepper%controls%max_steps) then
-            call problems%add('integration.max_steps', 'a case needs ' // &
-                to_text(plan%stepper%controls%steps) // ' steps, more than max_steps = ' // &
-                to_text(plan%stepper%controls%max_steps), 'increase max_steps or use fewer steps')
+        if (plan%has_too_many_steps(case%t_end)) then
+            call problems%add('integration.step', 'the span has more than ' // to_text(plan%stepper%controls%steps) // &
+                              ' steps of this size', 'increase step')
         end if
         if (plan%is_adaptive()) then
             if (scene%samples /= unset_integer) plan%samples = scene%samples

@@ -12,6 +12,9 @@ module spintop_run_plan
     integer, parameter :: default_samples = 1001
     !> Maximum number of fixed steps.
     real(dp), parameter :: most_steps = 1.0e9_dp
+    !> The limit on the work of a case grows by so much for each step of fixed size: the step, and evaluations within it. The
+    !> input has asked for these steps.
+    integer(int64), parameter :: work_of_step = 64
     !> A span that is this close to an integer number of steps has that number.
     real(dp), parameter :: step_slack = 1.0e-9_dp
 
@@ -31,13 +34,15 @@ module spintop_run_plan
         character(:), allocatable :: model, method, reason
     contains
         procedure :: fit_steps
+        procedure :: has_too_many_steps
         procedure :: is_adaptive
         procedure :: formulation_name
     end type plan_t
 
 contains
 
-    !> Number of steps of fixed size in a span, if their largest size is given.
+    !> Number of steps of fixed size in a span, if their largest size is given, and the limit on the work of a case. Where they
+    !> are too many, the limit stays that of adaptive methods, and ends the case.
     pure subroutine fit_steps(self, t_end)
         class(plan_t), intent(inout) :: self
         real(dp), intent(in) :: t_end !! length of the span, s
@@ -45,7 +50,18 @@ contains
             self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
                                                              most_steps)))
         end if
+        associate (controls => self%stepper%controls)
+            controls%max_steps = self%max_steps
+            if (.not. self%has_too_many_steps(t_end)) controls%max_steps = self%max_steps + work_of_step * controls%steps
+        end associate
     end subroutine fit_steps
+
+    !> Whether a span has more steps of the given size than any run takes.
+    pure logical function has_too_many_steps(self, t_end)
+        class(plan_t), intent(in) :: self
+        real(dp), intent(in) :: t_end !! length of the span, s
+        has_too_many_steps = self%step > 0 .and. t_end > most_steps * self%step
+    end function has_too_many_steps
 
     !> Whether rows may lie between steps.
     pure logical function is_adaptive(self)

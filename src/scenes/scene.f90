@@ -23,11 +23,11 @@ module spintop_scene
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, max_axes, max_grid_axes, max_axis_values, max_over, event_length
+    public :: scene_t, describe_scene, max_axes, max_axis_values, max_over, event_length
 
     !> Maximum number of axes of a sweep, of a grid and of those with listed values, and of listed values of an axis. (More
     !> lists would make scenes too large for small stacks.)
-    integer, parameter :: max_axes = 16, max_grid_axes = 4, max_axis_values = 1000
+    integer, parameter :: max_axes = 16, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
     !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
     integer, parameter :: column_length = 56
@@ -99,7 +99,7 @@ module spintop_scene
         type(uncertainty_scene_t) :: uncertainty
         ! &sweep
         character(word) :: parameter(max_axes) = ''
-        real(dp) :: values(max_grid_axes, max_axis_values) = unset
+        real(dp) :: values(max_axes, max_axis_values) = unset
         real(dp) :: from(max_axes) = unset
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
@@ -257,7 +257,7 @@ contains
                        'absolute error per step, in radians and in units of the largest rate or momentum ' // &
                        '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
         call table%add('integration.max_steps', scene%max_steps, '', '>= 1', &
-                       'maximum number of steps per case')
+                       'maximum number of steps per case, where steps and step do not determine it')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'solver of the equations of implicit steps')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &
@@ -290,7 +290,7 @@ contains
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
-        call table%add('sweep.values', scene%values, '', '', 'values of one of the first axes, one by one')
+        call table%add('sweep.values', scene%values, '', '', 'values of an axis, one by one')
         call table%add('sweep.from', scene%from, '', '', 'first value of an axis', elements=any_elements)
         call table%add('sweep.to', scene%to, '', '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &

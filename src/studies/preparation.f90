@@ -86,6 +86,7 @@ contains
         call read_torques(input, job%scene%effects, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()
+        job%has_case = info%has_case
         call check_job(study, job, problems, diagnostics)
         call refuse_parts(info, options, problems)
         call refuse_netcdf(info, job, problems)

@@ -48,7 +48,7 @@ contains
     !> The resolved input, which can be run, and below it a description of the computation and its reasons.
     subroutine explain_job(study, job, options, lines)
         class(study_t), intent(in) :: study !! the kind of study
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(summary_t) :: summary

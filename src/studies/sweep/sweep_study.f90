@@ -283,7 +283,7 @@ contains
     !> The table, memory and time, from a sample of the cases.
     subroutine forecast(self, job, options, summary)
         class(sweep_study_t), intent(in) :: self
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
         associate (unused => self)

@@ -17,6 +17,7 @@ module spintop_plan
     use spintop_status, only: is_ok, status_meaning
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns
+    use spintop_tables_of_scene, only: create_method
     use spintop_text, only: to_text, join
     implicit none
     private
@@ -109,7 +110,7 @@ contains
                 end if
             end if
         case default
-            call create_stepper(trim(scene%method), plan%stepper)
+            call create_method(scene, plan%stepper)
             plan%reason = 'The input names method ' // trim(scene%method) // '.'
         end select
         if (allocated(plan%stepper)) then

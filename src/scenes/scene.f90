@@ -20,15 +20,18 @@ module spintop_scene
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
         study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_tableau, only: tableau_t
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, max_axes, max_axis_values, max_over, event_length
+    public :: scene_t, describe_scene, table_prefix, max_axes, max_axis_values, max_over, event_length
 
     !> Maximum number of axes of a sweep, of a grid and of those with listed values, and of listed values of an axis. (More
     !> lists would make scenes too large for small stacks.)
     integer, parameter :: max_axes = 16, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
+    !> What precedes the file of a Butcher table in place of the name of a method.
+    character(*), parameter :: table_prefix = 'table:'
     !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
     integer, parameter :: column_length = 56
     !> Maximum number of quantities over which statistics have bins.
@@ -78,7 +81,9 @@ module spintop_scene
         integer :: stop_after = unset_integer
         ! &integration
         character(word) :: formulation = 'auto'
-        character(word) :: method = 'auto'
+        character(line) :: method = 'auto'
+        !> The Butcher tables in files that are named as methods.
+        type(tableau_t), allocatable :: tableaus(:)
         character(word) :: table = ''
         integer :: steps = unset_integer
         real(dp) :: step = unset
@@ -124,7 +129,7 @@ module spintop_scene
         character(word) :: quantiles_of = ''
         character(word) :: indices = ''
         ! &work_precision
-        character(2 * word) :: precision_methods(64) = ''
+        character(line) :: precision_methods(64) = ''
         character(word) :: precision_formulations(16) = ''
         real(dp) :: precision_tolerances(64) = unset
         integer :: precision_steps(64) = unset_integer
@@ -244,8 +249,8 @@ contains
             call table%add('integration.formulation', scene%formulation, &
                            'auto|' // join(forms%name, '|'), 'form of the equations of motion')
             call table%add('integration.method', scene%method, &
-                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact solution', &
-                           aliases=method_aliases)
+                           'auto|exact|' // join(methods%name, '|') // '|' // table_prefix // 'FILE', &
+                           'integrator, or the exact solution', aliases=method_aliases)
         end associate
         call table%add('integration.table', scene%table, what='Butcher table of an ARKODE method')
         call table%add('integration.steps', scene%steps, '', '>= 1', 'number of steps of fixed size')

@@ -19,6 +19,7 @@ module spintop_preparation
     use spintop_table_file, only: refuse_to_discard_idle
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
+    use spintop_tables_of_scene, only: read_tables
     use spintop_torques_of_scene, only: read_torques
     implicit none
     private
@@ -84,6 +85,7 @@ contains
         call read_namelist(input, options%overrides, job%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
         call read_torques(input, job%scene%effects, problems)
+        call read_tables(input, job%scene, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()
         job%has_case = info%has_case

@@ -91,7 +91,8 @@ if [ "${1:-}" = --task ]; then
         first=$(table_of --shard "1/$parts")
         tables=()
         for ((part = 1; part <= parts; ++part)); do tables+=("${first/".1-of-$parts."/".$part-of-$parts."}"); done
-        exec "$program" merge "$(table_of)" "${tables[@]}"
+        # The check of the first part has printed the warnings.
+        exec "$program" merge "$(table_of 2>/dev/null)" "${tables[@]}"
         ;;
     esac
     echo "slurm_sweep.sh: there is no task '$task'" >&2

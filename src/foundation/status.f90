@@ -10,7 +10,7 @@ module spintop_status
     public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
     public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
-    public :: status_at_rest, last_status, is_good_end, is_ok, is_refusal, code_of
+    public :: status_at_rest, last_status, is_good_end, is_ok, is_refusal, code_of, count_failed
 
     !> Outcomes of a computation. `status_meaning` gives a sentence for each.
     integer, parameter :: status_ok = 0
@@ -118,6 +118,13 @@ contains
             if (counts(i) > 0) code = max(code, code_of_end(i))
         end do
     end function code_of_counts
+
+    !> Number of cases that did not have a good end.
+    pure integer(int64) function count_failed(counts) result(count)
+        integer(int64), intent(in) :: counts(0:last_status) !! number of cases with each status
+        integer :: i
+        count = sum(counts, mask=.not. is_good_end([(i, i=0, last_status)]))
+    end function count_failed
 
     !> Number of a status by its name in tables; -1 if there is none of that name.
     pure integer function status_number(name) result(number)

@@ -10,7 +10,7 @@ module spintop_assignment
     use spintop_quantity_text, only: has_unit, read_quantity
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
-    use spintop_suggestions, only: suggest_word
+    use spintop_suggestions, only: names_file, suggest_word
     use spintop_text, only: abbreviate, lower_case, to_text
     use spintop_units, only: is_unit_word
     implicit none
@@ -336,7 +336,9 @@ contains
             do i = size(parameter%choices), 1, -1
                 if (parameter%choices(i)%text == lower_case(trim(text))) exit
             end do
-            if (i > 0) then
+            if (names_file(parameter%choices, trim(text))) then
+                word = text
+            else if (i > 0) then
                 word = parameter%choices(i)%text
             else
                 call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &

@@ -5,9 +5,21 @@ module spintop_suggestions
     use spintop_text, only: join, lower_case, nearest_word, string_t
     implicit none
     private
-    public :: suggest_group, suggest_key, suggest_word, own_name, homes_of
+    public :: suggest_group, suggest_key, suggest_word, own_name, homes_of, names_file
 
 contains
+
+    !> Whether a text names a file by one of the choices, such as `table:FILE`.
+    pure logical function names_file(choices, text)
+        type(string_t), intent(in) :: choices(:) !! the choices
+        character(*), intent(in) :: text !! a value of the input
+        integer :: i, colon
+        names_file = .false.
+        do i = 1, size(choices)
+            colon = index(choices(i)%text, ':')
+            if (colon > 0 .and. len(text) > colon) names_file = names_file .or. text(:colon) == choices(i)%text(:colon)
+        end do
+    end function names_file
 
     !> The most similar group, or the list of all groups.
     function suggest_group(table, name) result(hint)

@@ -17,6 +17,7 @@ module spintop_plan
     use spintop_status, only: is_ok, status_meaning
     use spintop_stepper, only: controls_t, method_info_t
     use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns
+    use spintop_tables_of_scene, only: create_method
     use spintop_text, only: to_text, join
     implicit none
     private
@@ -109,7 +110,7 @@ contains
                 end if
             end if
         case default
-            call create_stepper(trim(scene%method), plan%stepper)
+            call create_method(scene, plan%stepper)
             plan%reason = 'The input names method ' // trim(scene%method) // '.'
         end select
         if (allocated(plan%stepper)) then
@@ -270,10 +271,9 @@ contains
         integer :: wanted, below
 
         call plan%fit_steps(case%t_end)
-        if (plan%stepper%controls%steps > plan%stepper%controls%max_steps) then
-            call problems%add('integration.max_steps', 'a case needs ' // &
-                to_text(plan%stepper%controls%steps) // ' steps, more than max_steps = ' // &
-                to_text(plan%stepper%controls%max_steps), 'increase max_steps or use fewer steps')
+        if (plan%has_too_many_steps(case%t_end)) then
+            call problems%add('integration.step', 'the span has more than ' // to_text(plan%stepper%controls%steps) // &
+                              ' steps of this size', 'increase step')
         end if
         if (plan%is_adaptive()) then
             if (scene%samples /= unset_integer) plan%samples = scene%samples

@@ -84,20 +84,16 @@ contains
         end do
     end subroutine add_all
 
-    !> Adds the warnings among other problems, with a prefix for each message; `found` reports whether there
-    !> are any.
-    subroutine add_warnings(self, other, before, found)
+    !> Adds the warnings among other problems, with a prefix and a suffix for each message.
+    subroutine add_warnings(self, other, before, after)
         class(problems_t), intent(inout) :: self
         class(problems_t), intent(in) :: other !! their warnings are added
-        character(*), intent(in) :: before !! prefix of each message
-        logical, intent(out) :: found !! whether there are warnings
+        character(*), intent(in) :: before, after !! prefix and suffix of each message
         integer :: i
-        found = .false.
         if (.not. allocated(other%list)) return
         do i = 1, size(other%list)
             if (other%list(i)%is_error) cycle
-            found = .true.
-            call self%warn(other%list(i)%name, before // other%list(i)%message, other%list(i)%hint)
+            call self%warn(other%list(i)%name, before // other%list(i)%message // after, other%list(i)%hint)
         end do
     end subroutine add_warnings
 

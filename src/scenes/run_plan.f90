@@ -31,13 +31,15 @@ module spintop_run_plan
         character(:), allocatable :: model, method, reason
     contains
         procedure :: fit_steps
+        procedure :: has_too_many_steps
         procedure :: is_adaptive
         procedure :: formulation_name
     end type plan_t
 
 contains
 
-    !> Number of steps of fixed size in a span, if their largest size is given.
+    !> Number of steps of fixed size in a span, if their largest size is given, and the limit on the work of a case, which does not count them.
+    !> Where they are too many, the limit stays that of adaptive methods, and ends the case.
     pure subroutine fit_steps(self, t_end)
         class(plan_t), intent(inout) :: self
         real(dp), intent(in) :: t_end !! length of the span, s
@@ -45,7 +47,18 @@ contains
             self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
                                                              most_steps)))
         end if
+        associate (controls => self%stepper%controls)
+            controls%max_steps = self%max_steps
+            if (.not. self%has_too_many_steps(t_end)) controls%max_steps = self%max_steps + controls%steps
+        end associate
     end subroutine fit_steps
+
+    !> Whether a span has more steps of the given size than any run takes.
+    pure logical function has_too_many_steps(self, t_end)
+        class(plan_t), intent(in) :: self
+        real(dp), intent(in) :: t_end !! length of the span, s
+        has_too_many_steps = self%step > 0 .and. t_end > most_steps * self%step
+    end function has_too_many_steps
 
     !> Whether rows may lie between steps.
     pure logical function is_adaptive(self)

@@ -20,15 +20,18 @@ module spintop_scene
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
         study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_tableau, only: tableau_t
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, max_axes, max_grid_axes, max_axis_values, max_over, event_length
+    public :: scene_t, describe_scene, table_prefix, max_axes, max_axis_values, max_over, event_length
 
     !> Maximum number of axes of a sweep, of a grid and of those with listed values, and of listed values of an axis. (More
     !> lists would make scenes too large for small stacks.)
-    integer, parameter :: max_axes = 16, max_grid_axes = 4, max_axis_values = 1000
+    integer, parameter :: max_axes = 16, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
+    !> What precedes the file of a Butcher table in place of the name of a method.
+    character(*), parameter :: table_prefix = 'table:'
     !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
     integer, parameter :: column_length = 56
     !> Maximum number of quantities over which statistics have bins.
@@ -78,7 +81,9 @@ module spintop_scene
         integer :: stop_after = unset_integer
         ! &integration
         character(word) :: formulation = 'auto'
-        character(word) :: method = 'auto'
+        character(line) :: method = 'auto'
+        !> The Butcher tables in files that are named as methods.
+        type(tableau_t), allocatable :: tableaus(:)
         character(word) :: table = ''
         integer :: steps = unset_integer
         real(dp) :: step = unset
@@ -99,7 +104,7 @@ module spintop_scene
         type(uncertainty_scene_t) :: uncertainty
         ! &sweep
         character(word) :: parameter(max_axes) = ''
-        real(dp) :: values(max_grid_axes, max_axis_values) = unset
+        real(dp) :: values(max_axes, max_axis_values) = unset
         real(dp) :: from(max_axes) = unset
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
@@ -124,7 +129,7 @@ module spintop_scene
         character(word) :: quantiles_of = ''
         character(word) :: indices = ''
         ! &work_precision
-        character(2 * word) :: precision_methods(64) = ''
+        character(line) :: precision_methods(64) = ''
         character(word) :: precision_formulations(16) = ''
         real(dp) :: precision_tolerances(64) = unset
         integer :: precision_steps(64) = unset_integer
@@ -244,8 +249,8 @@ contains
             call table%add('integration.formulation', scene%formulation, &
                            'auto|' // join(forms%name, '|'), 'form of the equations of motion')
             call table%add('integration.method', scene%method, &
-                           'auto|exact|' // join(methods%name, '|'), 'integrator, or the exact solution', &
-                           aliases=method_aliases)
+                           'auto|exact|' // join(methods%name, '|') // '|' // table_prefix // 'FILE', &
+                           'integrator, or the exact solution', aliases=method_aliases)
         end associate
         call table%add('integration.table', scene%table, what='Butcher table of an ARKODE method')
         call table%add('integration.steps', scene%steps, '', '>= 1', 'number of steps of fixed size')
@@ -257,7 +262,7 @@ contains
                        'absolute error per step, in radians and in units of the largest rate or momentum ' // &
                        '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')
         call table%add('integration.max_steps', scene%max_steps, '', '>= 1', &
-                       'maximum number of steps per case')
+                       'maximum number of steps per case, where steps and step do not determine it')
         call table%add('integration.solver', scene%solver, 'newton|fixed_point', &
                        'solver of the equations of implicit steps')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &
@@ -292,7 +297,7 @@ contains
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
-        call table%add('sweep.values', scene%values, of_parameter, '', 'values of one of the first axes, one by one')
+        call table%add('sweep.values', scene%values, of_parameter, '', 'values of an axis, one by one')
         call table%add('sweep.from', scene%from, of_parameter, '', 'first value of an axis', elements=any_elements)
         call table%add('sweep.to', scene%to, of_parameter, '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &

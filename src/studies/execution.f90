@@ -4,8 +4,8 @@ module spintop_execution
     use spintop_job, only: job_t
     use spintop_line_list, only: line_list_t, line_width
     use spintop_options, only: options_t
-    use spintop_parameter_print, only: given_groups, print_namelist
     use spintop_study, only: study_info_t, study_t
+    use spintop_study_head, only: print_input
     use spintop_summary, only: summary_t, text_column
     use spintop_terminal, only: output_width
     use spintop_files, only: make_folder
@@ -14,9 +14,6 @@ module spintop_execution
     implicit none
     private
     public :: run_job, explain_job
-
-    !> Groups that matter where the case of the input is computed, given or not.
-    character(*), parameter :: groups_of_a_case = 'study|top|initial|span|integration|output'
 
 contains
 
@@ -48,24 +45,21 @@ contains
         call text%get(lines)
     end subroutine run_job
 
-    !> The resolved input, which can be run, and below it a description of the computation and its reasons. Of
-    !> the groups there are those of the study, and those in which the input gives something.
+    !> The resolved input, which can be run, and below it a description of the computation and its reasons.
     subroutine explain_job(study, job, options, lines)
         class(study_t), intent(in) :: study !! the kind of study
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(summary_t) :: summary
         type(study_info_t) :: info
         type(string_t), allocatable :: input(:)
         type(line_list_t) :: text
-        character(:), allocatable :: groups, outputs
+        character(:), allocatable :: outputs
         integer :: i
 
         info = study%info()
-        groups = given_groups(job%table)
-        if (info%has_case) groups = groups // '|' // groups_of_a_case
-        call print_namelist(job%table, input, groups)
+        call print_input(job, input)
         do i = 1, size(input)
             call text%add(input(i)%text)
         end do

@@ -43,6 +43,8 @@ module spintop_job
         character(:), allocatable :: event_output
         type(scene_t) :: scene
         type(parameter_table_t) :: table
+        !> Whether the study computes the case of the input (`study_info_t`).
+        logical :: has_case = .true.
         !> The case of the input; for a sweep the first case that can be computed, and its number.
         type(case_t) :: case
         integer(int64) :: first = 1
@@ -205,36 +207,56 @@ contains
         end associate
     end function axis_column
 
-    !> Adds a warning for the body of a later case: the first such case of all cases or, if there are very
+    !> Adds a warning for the body of a later case, with the share of such cases: the first of all cases or, if there are very
     !> many, of a regular sample of them.
     subroutine warn_of_bodies(self, problems)
         class(job_t), target, intent(in) :: self
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        integer(int64), parameter :: most_looked_at = 1000000
+        integer(int64), parameter :: most_looked_at = 1000000, most_counted = 1000
         type(swept_scene_t), allocatable, target :: swept
-        type(problems_t) :: of_case
-        type(body_t) :: body
-        integer(int64) :: number
-        logical :: found
+        type(problems_t) :: of_case, of_other
+        real(dp), parameter :: golden_section = (sqrt(5.0_dp) - 1) / 2
+        integer(int64) :: number, i, counted, looked_at
+        character(:), allocatable :: share
 
         if (.not. (self%axes%varies('top') .or. self%axes%varies('part'))) return
         allocate (swept)
         call swept%copy(self%scene, self%axes)
         do number = 1, self%axes%cases, max(1_int64, self%axes%cases / most_looked_at)
+            call look_at(number, of_case)
+            if (of_case%any_warning()) exit
+        end do
+        ! The warnings of the first case were reported when it was made.
+        if (number > self%axes%cases .or. number == self%first) return
+        counted = 0
+        looked_at = min(self%axes%cases, most_counted)
+        do i = 1, looked_at
+            ! All cases, or a sample that no period of a grid can deceive.
+            if (looked_at == self%axes%cases) then
+                call look_at(i, of_other)
+            else
+                call look_at(1 + int(modulo(i * golden_section, 1.0_dp) * self%axes%cases, int64), of_other)
+            end if
+            if (of_other%any_warning()) counted = counted + 1
+        end do
+        share = to_text(counted) // ' of ' // to_text(looked_at)
+        if (looked_at < self%axes%cases) share = 'about ' // to_text(nint(100 * real(counted, dp) / looked_at)) // ' % of the'
+        call problems%add_warnings(of_case, 'case ' // to_text(number) // ': ', '; ' // share // ' cases')
+
+    contains
+
+        !> The problems of the body of a case; none if its values are out of range.
+        subroutine look_at(number, found)
+            integer(int64), intent(in) :: number
+            type(problems_t), intent(out) :: found
+            type(body_t) :: body
             associate (values => self%axes%values_of(number))
-                if (self%axes%out_of_range(values) > 0) cycle
+                if (self%axes%out_of_range(values) > 0) return
                 call swept%set_values(values)
             end associate
-            of_case = problems_t()
-            call make_body(swept%scene, body, of_case)
-            if (number == self%first) then
-                ! Its warnings were reported when it was made.
-                if (of_case%any_warning()) return
-                cycle
-            end if
-            call problems%add_warnings(of_case, 'case ' // to_text(number) // ': ', found)
-            if (found) return
-        end do
+            call make_body(swept%scene, body, found)
+        end subroutine look_at
+
     end subroutine warn_of_bodies
 
 end module spintop_job

@@ -9,6 +9,7 @@ module spintop_job_files
     use spintop_scene_words, only: reference_names
     use spintop_statistics_csv, only: path_beside
     use spintop_table_file, only: stem_of
+    use spintop_tables_of_scene, only: path_of_table
     use spintop_text, only: string_t
     implicit none
     private
@@ -17,7 +18,7 @@ module spintop_job_files
     !> Paths of files of a job.
     type :: files_t
         integer :: n = 0
-        type(string_t) :: path(8)
+        type(string_t) :: path(80)
     contains
         procedure :: add
     end type files_t
@@ -125,10 +126,14 @@ contains
     !> The files that a job reads.
     type(files_t) function files_read(job) result(files)
         type(job_t), intent(in) :: job
+        integer :: i
         associate (scene => job%scene)
             call files%add(job%input)
             if (scene%sweep_table /= '') call files%add(path_from(job%input, scene%sweep_table))
             if (scene%effects%torque_table /= '') call files%add(path_from(job%input, scene%effects%torque_table))
+            do i = 1, size(scene%tableaus)
+                call files%add(path_from(job%input, path_of_table(scene%tableaus(i)%key)))
+            end do
             if (scene%fit%data /= '') call files%add(path_from(job%input, scene%fit%data))
             if (all(reference_names /= scene%precision_reference)) then
                 call files%add(path_from(job%input, scene%precision_reference))

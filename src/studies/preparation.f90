@@ -20,6 +20,7 @@ module spintop_preparation
     use spintop_table_file, only: refuse_to_discard_idle
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
+    use spintop_tables_of_scene, only: read_tables
     use spintop_torques_of_scene, only: read_torques
     implicit none
     private
@@ -86,8 +87,10 @@ contains
         if (allocated(error)) return
         call convert_named_units(job%scene, job%table, diagnostics)
         call read_torques(input, job%scene%effects, problems)
+        call read_tables(input, job%scene, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()
+        job%has_case = info%has_case
         call check_job(study, job, problems, diagnostics)
         call refuse_parts(info, options, problems)
         call refuse_netcdf(info, job, problems)

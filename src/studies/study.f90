@@ -138,7 +138,7 @@ contains
     !> Adds lines on what the computation will need to the output of --check; none unless the kind overrides this.
     subroutine forecast(self, job, options, summary)
         class(study_t), intent(in) :: self
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
         associate (unused_study => self, unused_job => job, unused_options => options, unused_lines => summary)

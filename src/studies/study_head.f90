@@ -3,14 +3,17 @@ module spintop_study_head
     use spintop_body, only: body_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_parameter_print, only: print_namelist
+    use spintop_parameter_print, only: given_groups, print_namelist
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_table_column, only: column_t
     use spintop_table_head, only: table_head
     use spintop_text, only: append, string_t, to_text
     implicit none
     private
-    public :: study_head, study_facts
+    public :: study_head, study_facts, print_input
+
+    !> Groups that every study reads, and those of a case, given or not.
+    character(*), parameter :: groups_of_all = 'study|integration|output', groups_of_a_case = 'top|initial|span'
 
 contains
 
@@ -49,8 +52,19 @@ contains
             call gather_facts(job%scene%title, 'those of the column formulation', 'those of the column method', &
                               dated=.true., facts=facts)
         end if
-        call print_namelist(job%table, input)
+        call print_input(job, input)
     end subroutine study_facts
+
+    !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
+    !> input gives something.
+    subroutine print_input(job, lines)
+        type(job_t), intent(in) :: job !! the job
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        character(:), allocatable :: groups
+        groups = given_groups(job%table) // '|' // groups_of_all // '|' // trim(job%scene%kind)
+        if (job%has_case) groups = groups // '|' // groups_of_a_case
+        call print_namelist(job%table, lines, groups)
+    end subroutine print_input
 
     !> The mass properties of a body, in the axes in which they were given.
     function body_in_words(body) result(text)

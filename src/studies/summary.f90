@@ -12,7 +12,7 @@ module spintop_summary
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3
     use spintop_statistics_plan, only: statistics_plan_t
-    use spintop_status, only: is_ok
+    use spintop_status, only: count_failed, is_good_end, is_ok, last_status, status_meaning, status_name, status_step_limit
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
     use spintop_text, only: append, to_text, string_t
@@ -32,6 +32,7 @@ module spintop_summary
     contains
         procedure :: headline
         procedure :: add
+        procedure :: add_failures
         procedure :: sentence
         procedure :: describe_plan
         procedure :: describe_motion
@@ -58,6 +59,32 @@ contains
         column = keyword
         call append(self%lines, indent // column // escaped(text))
     end subroutine add
+
+    !> Says below the first line how many of the cases failed, with which statuses, and what helps; nothing where none failed.
+    subroutine add_failures(self, what, counts)
+        class(summary_t), intent(inout) :: self
+        character(*), intent(in) :: what !! what was counted, in the plural
+        integer(int64), intent(in) :: counts(0:last_status) !! number of them with each status
+        type(string_t), allocatable :: others(:)
+        character(:), allocatable :: text
+        character(2) :: separator
+        integer :: i
+
+        if (count_failed(counts) == 0) return
+        text = to_text(count_failed(counts)) // ' of ' // to_text(sum(counts)) // ' ' // what
+        if (count_failed(counts) == sum(counts)) text = 'all ' // to_text(sum(counts)) // ' ' // what
+        separator = ': '
+        do i = 0, last_status
+            if (counts(i) == 0 .or. is_good_end(i)) cycle
+            text = text // separator // to_text(counts(i)) // ' ' // status_name(i) // ' (' // status_meaning(i) // ')'
+            separator = ', '
+        end do
+        if (counts(status_step_limit) > 0) text = text // '; increase integration.max_steps'
+        allocate (others, source=self%lines(2:))
+        self%lines = self%lines(:1)
+        call self%add('failed', text)
+        self%lines = [self%lines, others]
+    end subroutine add_failures
 
     !> A line without indentation, with a colon after its keyword.
     function sentence(self, i) result(text)

@@ -287,6 +287,10 @@ class CombinationTest(ProgramCase):
         self.assertRegex(result.stdout, r"! +memory +about \S+ MB\n")
         time = r"! +time +about \S+ \w+ on 2 threads, from (200|4608) cases in \S+ m?s\n"
         self.assertRegex(result.stdout, time)
+        self.assertNotIn("a case takes", result.stdout)
+        columns = "output.columns=theta_min,lyapunov_exponent,theta_max"
+        dear = self.run_program(scene, "--check", "--set", columns).stdout
+        self.assertRegex(dear, r"! +columns +with lyapunov_exponent a case takes \S+ times as long")
         self.compute(scene)
         size = (self.folder / "output/scene.csv").stat().st_size
         self.assertAlmostEqual(float(found[1]) * 1000, size, delta=0.1 * size)

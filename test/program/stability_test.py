@@ -102,7 +102,7 @@ class StabilityTest(unittest.TestCase):
             "&stability cases = 'input', 'slow_top', methods = 'dop853', 'taylor' /\n"
         )
         result = self.run_program(str(scene))
-        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.returncode, 3, result.stderr)
         with (self.folder / "own.csv").open() as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
         self.assertEqual([row["case"] for row in rows], ["input", "input", "slow_top", "slow_top"])
@@ -124,7 +124,8 @@ class StabilityTest(unittest.TestCase):
         )
         for steps, has_one in (("1000", True), ("15", False)):
             result = self.run_program(str(scene), f"--set=integration.max_steps={steps}")
-            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.returncode, 0 if has_one else 3, result.stderr)
+            self.assertEqual("failed    all 1 runs: 1 step_limit" in result.stdout, not has_one)
             with (self.folder / "long.csv").open() as file:
                 rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
             self.assertEqual(rows[0]["lyapunov_exponent"] != "nan", has_one)

@@ -108,6 +108,29 @@ class TableTest(WorkPrecisionCase):
         coarse, fine = (float(of(rows, "dop853")[f"steps {n}"]["error_max"]) for n in (200, 400))
         self.assertGreater(coarse / fine, 2**4)
 
+    def test_runs_that_fail(self) -> None:
+        """Where all do, or some, the summary begins with it; steps that are given need no limit."""
+        scene = self.write(
+            "&study kind = 'work_precision' /\n"
+            "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.866 /\n"
+            "&initial theta_deg = 10, omega3 = 20 /\n&span nutations = 20 /\n"
+            "&integration max_steps = 300 /\n"
+        )
+        for tolerances, methods, code, failed in (
+            ("1e-12,1e-13", "dop853", 3, "all 2 runs: 2"),
+            ("1e-3,1e-12", "dop853", 0, "1 of 2 runs: 1"),
+            ("1e-12,1e-13", "dop853,rk4", 0, "2 of 3 runs: 2"),
+        ):
+            with self.subTest(tolerances, methods=methods):
+                rows = self.study(
+                    scene, methods, f"tolerances={tolerances}", "steps=4000", code=code
+                )
+                second = self.summary.splitlines()[1]
+                self.assertTrue(second.startswith(f"  failed    {failed} step_limit"), second)
+                self.assertIn("; increase integration.max_steps", second)
+                status = {row["setting"]: row["status"] for row in rows}
+                self.assertEqual(status.get("steps 4000", "ok"), "ok")
+
     def test_front(self) -> None:
         """A row is on the front if no stepping method is as fast and as exact."""
         rows = self.study(SLOW_TOP, "taylor,rk4,splitting_4,dop853", "steps=100,400,1600")
@@ -266,7 +289,7 @@ class TableTest(WorkPrecisionCase):
         """The exact motion of a long span is there though no method comes to the end of it."""
         scene = Path(SLOW_TOP).read_text().replace("t_end = 6.66 ", "t_end = 1e9 ")
         scene += "&integration max_steps = 1000 /\n"
-        rows = self.study(self.write(scene), "taylor", "tolerances=1e-9", "reference=exact")
+        rows = self.study(self.write(scene), "taylor", "tolerances=1e-9", "reference=exact", code=3)
         self.assertEqual([row["status"] for row in rows], ["step_limit"])
         self.assertEqual(rows[0]["reference_check"], "nan")
         self.assertIn("could not be checked", self.summary)

@@ -7,6 +7,7 @@ module spintop_arkode
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
+    use spintop_tableau, only: tableau_t
     use spintop_compare, only: is_equal
     use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
     use spintop_formulation, only: formulation_t, max_states
@@ -22,7 +23,10 @@ module spintop_arkode
     type, extends(grid_stepper_t) :: arkode_t
         type(arkode_memory_t), pointer :: memory => null()
         type(memory_owner_t), allocatable :: owner
+        !> A table that is not of ARKODE's own.
+        type(tableau_t), allocatable :: own
     contains
+        procedure, private :: find_table
         procedure :: begin
         procedure :: advance
         procedure :: try_step
@@ -56,9 +60,22 @@ contains
         class(arkode_t), intent(in) :: self
         type(arkode_table_t) :: table
         logical :: found
-        call find_arkode_table(self%controls%table, self%info%implicit, table, found)
+        call self%find_table(table, found)
         order = table%order
     end function order
+
+    !> The selected table, or what ARKODE has to know about one that is given.
+    subroutine find_table(self, table, found)
+        class(arkode_t), intent(in) :: self
+        type(arkode_table_t), intent(out) :: table !! the table, if it was found
+        logical, intent(out) :: found !! whether it exists
+        if (allocated(self%own)) then
+            table = arkode_table_t(self%own%name, 0, self%info%implicit, self%own%stages, self%own%order, self%own%embedded_order)
+            found = .true.
+        else
+            call find_arkode_table(self%controls%table, self%info%implicit, table, found)
+        end if
+    end subroutine find_table
 
     !> First slope, and a new memory of ARKODE. It is created for every run, because the result of a run must
     !> not depend on earlier runs.
@@ -72,13 +89,13 @@ contains
         self%steps_of_memory = steps_of_arkode
         call begin_on_grid(self, formulation, status)
         if (.not. is_ok(status)) return
-        call find_arkode_table(self%controls%table, self%info%implicit, table, found)
+        call self%find_table(table, found)
         status = status_integrator
         if (.not. found) return
         if (allocated(self%owner)) deallocate (self%owner)
         allocate (self%memory, self%owner)
         self%owner%memory => self%memory
-        call self%memory%create(formulation, self%run_state_t, table, self%controls)
+        call self%memory%create(formulation, self%run_state_t, table, self%controls, self%own)
         status = status_ok
     end subroutine begin
 

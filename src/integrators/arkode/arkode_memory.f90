@@ -24,7 +24,7 @@ module spintop_arkode_memory
     use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
     use fsunnonlinsol_newton_mod, only: FSUNNonlinSol_Newton
     use spintop_arkode_stages, only: judge_correction, stage_history_t
-    use spintop_arkode_tables, only: arkode_table_t
+    use spintop_arkode_tables, only: arkode_table_t, set_own_table
     use spintop_compare, only: is_equal, is_finite
     use spintop_error_weight, only: error_weight_t
     use spintop_dense_output, only: dense_output_t
@@ -32,6 +32,7 @@ module spintop_arkode_memory
     use spintop_kinds, only: dp
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_outside
     use spintop_stepper, only: controls_t, counts_t, run_state_t
+    use spintop_tableau, only: tableau_t
     use spintop_sundials, only: FN_VDestroy, FN_VGetArrayPointer, FSUNContext_Free, FSUNLinSolFree, FSUNMatDestroy, &
         FSUNNonlinSolFree, FSUNNonlinSolSetConvTestFn, N_Vector, SUNLinearSolver, SUNMatrix, SUNNonlinearSolver, &
         create_context, index_kind, silence
@@ -99,12 +100,13 @@ contains
 
     !> Prepares ARKODE for a run from `run%t`, `run%y` and `run%slope`. A failure is reported by the first
     !> step.
-    subroutine create(self, formulation, run, table, controls)
+    subroutine create(self, formulation, run, table, controls, own)
         class(arkode_memory_t), intent(inout), target :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(run_state_t), intent(in) :: run !! span, time, state and slope at the start of the run
-        type(arkode_table_t), intent(in) :: table !! Butcher table of ARKODE
+        type(arkode_table_t), intent(in) :: table !! Butcher table of ARKODE, or what it has to know of another one
         type(controls_t), intent(in) :: controls !! settings of the method
+        type(tableau_t), intent(in), optional :: own !! a table that is not of ARKODE's own
         type(formulation_info_t) :: info
         integer(index_kind) :: n
 
@@ -134,7 +136,16 @@ contains
         end if
         if (.not. c_associated(self%integrator)) call self%keep(ARK_MEM_FAIL)
         if (self%flag < 0) return
-        call set_options(self, table, controls)
+        ! This comes first, so that no later call prints.
+        call self%keep(silence(self%integrator))
+        if (present(own)) then
+            call self%keep(set_own_table(self%integrator, own))
+        else if (table%implicit) then
+            call self%keep(FARKStepSetTableNum(self%integrator, table%id, ARKODE_ERK_NONE))
+        else
+            call self%keep(FARKStepSetTableNum(self%integrator, ARKODE_DIRK_NONE, table%id))
+        end if
+        call set_options(self, controls)
         if (table%implicit) call set_implicit_options(self, controls)
     end subroutine create
 
@@ -146,21 +157,13 @@ contains
     end subroutine keep
 
     !> Options of every run.
-    subroutine set_options(self, table, controls)
+    subroutine set_options(self, controls)
         type(arkode_memory_t), intent(inout), target :: self
-        type(arkode_table_t), intent(in) :: table
         type(controls_t), intent(in) :: controls
         real(c_double) :: relative, absolute, unused(3)
 
         associate (ark => self%integrator)
-            ! This comes first, so that no later call prints.
-            call self%keep(silence(ark))
             call self%keep(FARKStepSetUserData(ark, c_loc(self)))
-            if (table%implicit) then
-                call self%keep(FARKStepSetTableNum(ark, table%id, ARKODE_ERK_NONE))
-            else
-                call self%keep(FARKStepSetTableNum(ark, ARKODE_DIRK_NONE, table%id))
-            end if
             relative = fixed_step_tolerance
             absolute = fixed_step_tolerance
             if (self%adaptive) then

@@ -1,6 +1,9 @@
 !> The Butcher tables of SUNDIALS ARKODE, by name.
 module spintop_arkode_tables
-    use, intrinsic :: iso_c_binding, only: c_int
+    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_ptr, c_ptr
+    use farkode_arkstep_mod, only: FARKStepSetTables
+    use farkode_mod, only: FARKodeButcherTable_Create, FARKodeButcherTable_Free
+    use spintop_tableau, only: tableau_t
     use spintop_text, only: string_t
     use farkode_mod, only: &
         ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ARK324L2SA_ERK_4_2_3, &
@@ -18,7 +21,7 @@ module spintop_arkode_tables
     implicit none
     private
     public :: arkode_table_t, arkode_tables, arkode_table_names, find_arkode_table
-    public :: default_arkode_table
+    public :: default_arkode_table, set_own_table
 
     !> Length of the longest name.
     integer, parameter :: name_length = 32
@@ -122,5 +125,28 @@ contains
             return
         end do
     end subroutine find_arkode_table
+
+    !> Gives ARKODE a copy of a table that is not of its own.
+    integer(c_int) function set_own_table(integrator, own) result(flag)
+        type(c_ptr), intent(in) :: integrator !! memory of ARKStep
+        type(tableau_t), intent(in) :: own !! the table, explicit or diagonally implicit
+        type(c_ptr) :: table, tables(2)
+        real(c_double), dimension(own%stages) :: b, embedded, c
+        real(c_double) :: a(own%stages, own%stages)
+        integer(c_int) :: order, lower_order
+
+        order = int(own%order, c_int)
+        lower_order = int(own%embedded_order, c_int)
+        ! Row by row, as C has it.
+        a = transpose(own%a(:own%stages, :own%stages))
+        b = own%b(:own%stages)
+        c = own%c(:own%stages)
+        embedded = own%embedded(:own%stages)
+        table = FARKodeButcherTable_Create(int(own%stages, c_int), order, lower_order, c, a, b, embedded)
+        tables = [c_null_ptr, table]
+        if (.not. own%is_explicit()) tables = [table, c_null_ptr]
+        flag = FARKStepSetTables(integrator, order, lower_order, tables(1), tables(2))
+        call FARKodeButcherTable_Free(table)
+    end function set_own_table
 
 end module spintop_arkode_tables

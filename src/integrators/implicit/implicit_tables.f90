@@ -1,10 +1,10 @@
 !> Coefficients of the implicit methods: Gauss-Legendre methods of any order, and theta methods.
 module spintop_implicit_tables
     use spintop_kinds, only: dp, xp
-    use spintop_lapack, only: dgeev
+    use spintop_lapack, only: dgeev, dgetrf, dgetrs
     implicit none
     private
-    public :: implicit_table_t, max_implicit_stages, max_modes, gauss_table, theta_table
+    public :: implicit_table_t, max_implicit_stages, max_modes, gauss_table, theta_table, general_table
 
     !> Maximum number of stages of a table.
     integer, parameter :: max_implicit_stages = 4
@@ -75,6 +75,34 @@ contains
         call lay_polynomial(table, [1.0_xp])
         call find_modes(table)
     end function theta_table
+
+    !> Any implicit method. The first guess of its stages is on a straight line, because nodes may be equal or zero.
+    subroutine general_table(a, b, c, table, is_regular)
+        real(dp), intent(in) :: a(:, :), b(:), c(:) !! coefficients, weights and nodes; as many rows and columns as stages
+        type(implicit_table_t), intent(out) :: table !! the table, if it is regular
+        logical, intent(out) :: is_regular !! whether a can be inverted, and has as many eigenvectors as stages
+        real(dp) :: factors(size(b), size(b)), weights(size(b), 1)
+        integer :: pivots(size(b)), failure, i, n
+        !> Smaller pivots, and eigenvectors that are closer to each other, are taken for rounding.
+        real(dp), parameter :: smallest = 1.0e-10_dp
+
+        n = size(b)
+        factors = a
+        weights(:, 1) = b
+        is_regular = .false.
+        call dgetrf(n, n, factors, n, pivots, failure)
+        if (failure /= 0 .or. any(abs([(factors(i, i), i=1, n)]) < smallest)) return
+        call dgetrs('T', n, 1, factors, n, pivots, weights, n, failure)
+        table%stages = n
+        table%node(:n) = c
+        table%a(:n, :n) = a
+        table%last(:n) = weights(:, 1)
+        do i = 1, n
+            table%ahead(:n, i) = c(i) * table%last(:n)
+        end do
+        call find_modes(table)
+        is_regular = maxval(abs(table%to_modes)) < 1 / smallest
+    end subroutine general_table
 
     !> Computes the polynomial that is zero at the beginning of the step and interpolates the stages.
     pure subroutine lay_polynomial(table, node)

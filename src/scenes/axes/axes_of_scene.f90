@@ -9,7 +9,7 @@ module spintop_axes_of_scene
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
-    use spintop_scene, only: scene_t, max_grid_axes
+    use spintop_scene, only: scene_t
     use spintop_scene_words, only: combination_names, combine_grid, combine_saltelli, combine_sobol, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_text, only: to_text
@@ -38,11 +38,6 @@ contains
             return
         end if
         combination = findloc(combination_names, scene%combine, dim=1)
-        if (combination == combine_grid .and. count_axes(scene) > max_grid_axes) then
-            call problems%add('sweep.combine', 'a grid has at most ' // to_text(max_grid_axes) // ' axes', &
-                              "use another way to combine them, as 'zip' or 'sobol'")
-            return
-        end if
         call check_cases(scene, problems)
         call make_each(scene, table, axes%axis, problems)
         call read_covariance(scene, count_axes(scene), combination == combine_saltelli, factor, problems)
@@ -52,7 +47,7 @@ contains
         call axes%combine(combination, scene%cases, int(scene%seed, int64))
         if (size(factor) > 0) call axes%correlate(factor)
         if (axes%cases == 0) then
-            call problems%add('sweep.count', 'the grid has more cases than can be counted', 'use fewer values')
+            call problems%add('sweep.count', 'the grid has more than 1e15 cases', 'use fewer values')
         end if
     end subroutine make_axes
 

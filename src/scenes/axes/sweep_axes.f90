@@ -26,6 +26,9 @@ module spintop_sweep_axes
     integer, parameter :: designs(combine_random:combine_saltelli) = [design_random, design_latin_hypercube, design_sobol, &
         design_saltelli]
 
+    !> Largest number of cases: every number of a case is exact as a real number.
+    real(dp), parameter :: most_cases = 1.0e15_dp
+
     !> Points of a sample that are found together.
     integer, parameter :: strip = 64
 
@@ -80,7 +83,7 @@ contains
         select case (combination)
         case (combine_grid)
             self%cases = 0
-            if (product(real(self%axis%count, dp)) < real(huge(cases), dp)) then
+            if (product(real(self%axis%count, dp)) <= most_cases) then
                 self%cases = product(int(self%axis%count, int64))
             end if
         case (combine_zip)

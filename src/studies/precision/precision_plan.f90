@@ -14,6 +14,7 @@ module spintop_precision_plan
     use spintop_scene, only: scene_t
     use spintop_stepper, only: method_info_t
     use spintop_stored_motion, only: read_motion
+    use spintop_tables_of_scene, only: infos_of_tables, names_of_methods
     use spintop_text, only: to_text
     implicit none
     private
@@ -58,7 +59,7 @@ contains
         character(len(scene%formulation)), allocatable :: formulations(:)
         integer :: i
 
-        allocate (known, source=[exact_info, method_infos()])
+        allocate (known, source=[exact_info, method_infos(), infos_of_tables(scene)])
         formulations = pack(scene%precision_formulations, scene%precision_formulations /= '')
         if (size(formulations) == 0) formulations = ['auto']
         allocate (plan%choices(0))
@@ -66,7 +67,8 @@ contains
             call add_methods('work_precision.methods', pack(known%name, known%needs /= structure_quadruple), known, &
                              formulations, plan%choices, problems)
         else
-            call add_methods('work_precision.methods', scene%precision_methods, known, formulations, plan%choices, problems)
+            call add_methods('work_precision.methods', names_of_methods(scene, scene%precision_methods), known, formulations, &
+                             plan%choices, problems)
         end if
         plan%tolerances = pack(scene%precision_tolerances, is_set(scene%precision_tolerances))
         if (size(plan%tolerances) == 0) plan%tolerances = default_tolerances

@@ -23,7 +23,7 @@ module spintop_precision_study
     use spintop_reference_motion, only: check_reference, find_reference, reference_t
     use spintop_scene, only: scene_t
     use spintop_scene_words, only: kind_precision, study_kinds
-    use spintop_status, only: is_ok, status_meaning, status_ok
+    use spintop_status, only: is_ok, last_status, status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -116,7 +116,8 @@ contains
                  // ' methods and settings'
     end function explain
 
-    !> Runs all trials, or those of a part, and writes the table; the study fails if a problem has no rows.
+    !> Runs all trials, or those of a part, and writes the table; the study fails if no run on a problem reaches the
+    !> end, as where the problem has no reference.
     subroutine run(self, job, options, summary, code, error)
         class(precision_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job
@@ -132,12 +133,13 @@ contains
         real(dp), allocatable :: values(:)
         real(dp) :: began
         integer(int64) :: first, last, k, trials
-        integer :: rows, failures
+        integer(int64) :: ends(0:last_status)
+        integer :: failures
 
         began = seconds()
         code = exit_ok
         failures = 0
-        rows = 0
+        ends = 0
         first = options%shard%first(self%cases(job))
         last = options%shard%last(self%cases(job))
         call begin_table(job, options%shard%beginning(self%cases(job)), file, error)
@@ -152,10 +154,11 @@ contains
             if (size(values) > 0) values = job%axes%values_of(k)
             call swept%set_values(values)
             call run_problem(job, self%plan, swept%scene, name_of_problem(job, k), values, trials * (k - 1), file, &
-                             progress, rows, failures, tally, summary, error)
+                             progress, ends, failures, tally, summary, error)
             if (allocated(error)) exit
         end do
         call progress%finish()
+        call summary%add_failures('runs', ends)
         words = in_words(summary)
         if (self%cases(job) > 1) call tally%summarize(summary)
         if (.not. allocated(error)) call file%finish(words, error)
@@ -165,7 +168,7 @@ contains
             return
         end if
         if (failures > 0) code = exit_failed
-        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(rows) // ' rows -> ' // job%output)
+        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(sum(ends)) // ' rows -> ' // job%output)
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(self%cases(job)))
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run
@@ -202,7 +205,7 @@ contains
     end function name_of_problem
 
     !> Runs all methods on the problem of a scene.
-    subroutine run_problem(job, study, scene, name, values, done, file, progress, rows, failures, tally, &
+    subroutine run_problem(job, study, scene, name, values, done, file, progress, ends, failures, tally, &
                            summary, error)
         type(job_t), intent(in) :: job
         type(precision_plan_t), intent(in) :: study !! methods and settings
@@ -212,7 +215,8 @@ contains
         integer(int64), intent(in) :: done !! number of earlier trials
         type(table_file_t), intent(inout) :: file
         type(progress_t), intent(inout) :: progress
-        integer, intent(inout) :: rows, failures
+        integer(int64), intent(inout) :: ends(0:last_status) !! number of runs with each status
+        integer, intent(inout) :: failures !! number of problems on which no run reached the end
         type(auto_tally_t), intent(inout) :: tally
         type(summary_t), intent(inout) :: summary
         type(error_t), allocatable, intent(out) :: error
@@ -249,7 +253,11 @@ contains
             call add_row(view, values, text)
         end do
         call file%append(text%contents(), error)
-        rows = rows + size(results)
+        do i = 1, size(results)
+            status = results(i)%trial%status
+            ends(status) = ends(status) + 1
+        end do
+        if (.not. any(is_ok(results%trial%status))) failures = failures + 1
         call tally%compare(name, results)
         if (job%axes%cases > most_told) return
         call summarize_problem(name, results, reference, summary)

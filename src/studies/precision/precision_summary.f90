@@ -39,9 +39,13 @@ contains
         integer :: i
 
         call summary%add('problem', problem // ', measured against ' // about(reference))
-        do i = 1, size(wanted_errors)
-            call summary%add('', 'for ' // to_text(wanted_errors(i)) // ' ' // compared(rows, wanted_errors(i)))
-        end do
+        if (any(rows%is_stepped) .and. .not. any(rows%is_stepped .and. is_ok(rows%trial%status))) then
+            call summary%add('', 'no numerical method reaches the end of the span')
+        else
+            do i = 1, size(wanted_errors)
+                call summary%add('', 'for ' // to_text(wanted_errors(i)) // ' ' // compared(rows, wanted_errors(i)))
+            end do
+        end if
         do i = 1, size(rows)
             if (rows(i)%is_stepped .or. .not. is_ok(rows(i)%trial%status)) cycle
             call summary%add('', 'the exact solution takes ' // duration(rows(i)%time) // ' at any time, with an error of ' &

@@ -9,7 +9,7 @@ module spintop_stability_study
     use spintop_clock, only: seconds
     use spintop_dealt_rows, only: compare_with_writer, row_source_t, write_dealt
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_ok, internal_error
+    use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t
@@ -28,7 +28,7 @@ module spintop_stability_study
     use spintop_scene, only: scene_t
     use spintop_stability_columns, only: add_row, stability_row_t, stability_columns
     use spintop_stability_plan, only: make_stability_plan, own_case, scene_of_case, scene_of_trial, stability_plan_t
-    use spintop_status, only: is_ok, status_meaning, status_ok
+    use spintop_status, only: is_ok, last_status, status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
@@ -73,7 +73,9 @@ module spintop_stability_study
         type(progress_t) :: progress
         !> Number of trials done, and how often each method has each verdict.
         integer(int64) :: trials = 0
-        integer, allocatable :: verdicts(:, :)
+        integer(int64), allocatable :: verdicts(:, :)
+        !> Number of runs with each status, and of cases without a reference, or on which every run failed.
+        integer(int64) :: ends(0:last_status) = 0, failed_cases(1) = 0
     contains
         procedure :: make => make_case_rows
     end type case_rows_t
@@ -133,7 +135,7 @@ contains
     end function explain
 
     !> Runs all methods on all cases, or on those of a part, in all ranks, and writes the table. Only the writer has a summary.
-    !> A failure of a method is a result, not a failure of the study.
+    !> A failed run is a result, not a failure of the study, unless every run on a case failed.
     subroutine run(self, job, options, summary, code, error)
         class(stability_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job
@@ -162,13 +164,17 @@ contains
         if (allocated(error)) return
         source%job => job
         source%plan = self%plan
-        allocate (source%verdicts(size(self%plan%methods), size(verdict_names)), source=0)
+        allocate (source%verdicts(size(self%plan%methods), size(verdict_names)), source=0_int64)
         if (options%ranks%is_writer()) then
             call source%progress%start(job%name, 'trials', (last - first + 1) * size(self%plan%methods) / options%ranks%count, &
                                        options%quiet, options%progress)
         end if
         call write_dealt(source, first, last, options%ranks, file, error)
-        if (.not. allocated(error)) call sum_over_ranks(options%ranks, source%verdicts)
+        if (.not. allocated(error)) then
+            call sum_over_ranks(options%ranks, size(source%verdicts), source%verdicts)
+            call sum_over_ranks(options%ranks, size(source%ends), source%ends)
+            call sum_over_ranks(options%ranks, size(source%failed_cases), source%failed_cases)
+        end if
         if (options%ranks%is_writer()) then
             call source%progress%finish()
             if (.not. allocated(error)) call file%finish(no_lines, error)
@@ -177,16 +183,19 @@ contains
         if (allocated(error) .or. .not. options%ranks%is_writer()) return
         call summarize(job, last - first + 1, self%plan, source%verdicts, seconds() - began, summary)
         if (part /= '') call summary%add('shard', part)
+        call summary%add_failures('runs', source%ends)
+        if (source%failed_cases(1) > 0) code = exit_failed
     end subroutine run
 
     !> Sums numbers over all ranks; the writer gets the sums.
-    subroutine sum_over_ranks(ranks, numbers)
+    subroutine sum_over_ranks(ranks, count, numbers)
         type(ranks_t), intent(in) :: ranks
-        integer, intent(inout) :: numbers(:, :)
-        real(dp) :: values(size(numbers))
-        values = real(reshape(numbers, [size(numbers)]), dp)
+        integer, intent(in) :: count
+        integer(int64), intent(inout) :: numbers(count)
+        real(dp) :: values(count)
+        values = real(numbers, dp)
         call ranks%reduce(values)
-        numbers = reshape(nint(values), shape(numbers))
+        numbers = nint(values, int64)
     end subroutine sum_over_ranks
 
     !> The meanings of the verdicts, for the header of the table.
@@ -209,7 +218,7 @@ contains
         type(stability_row_t) :: row
         type(text_buffer_t) :: cells
         character(40) :: tried(size(self%plan%methods))
-        logical :: is_new
+        logical :: is_new, has_run, has_end
         integer :: place, k
 
         rows = ''
@@ -221,15 +230,23 @@ contains
         if (.not. allocated(error)) call find_facts(scene, facts, error)
         if (allocated(error)) return
         tried = ''
+        has_run = .not. is_ok(facts%status)
+        has_end = .false.
         do k = 1, size(self%plan%methods)
             call run_method(self%job, self%plan%methods(k), scene, facts, tried(:k), row, is_new)
             self%trials = self%trials + 1
             if (.not. is_new) cycle
             self%verdicts(k, row%verdict) = self%verdicts(k, row%verdict) + 1
+            if (row%verdict /= verdict_unsuitable .and. is_ok(facts%status)) then
+                self%ends(row%trial%status) = self%ends(row%trial%status) + 1
+                has_run = .true.
+                has_end = has_end .or. is_ok(row%trial%status)
+            end if
             call add_row(row, cells)
             call self%progress%update(self%trials)
         end do
         rows = cells%contents()
+        if (has_run .and. .not. has_end) self%failed_cases = self%failed_cases + 1
     end subroutine make_case_rows
 
     !> Number of intervals between the times at which a motion is compared: these are steps of fixed size, all of them if they
@@ -285,7 +302,7 @@ contains
         character(*), intent(inout) :: tried(:) !! methods with their formulations, up to this one
         type(stability_row_t), intent(out) :: row
         logical, intent(out) :: is_new !! whether there is a row
-        type(scene_t) :: scene
+        type(scene_t), allocatable :: scene
         type(plan_t) :: plan
         type(problems_t) :: problems
         integer :: k
@@ -343,7 +360,7 @@ contains
         type(job_t), intent(in) :: job
         integer(int64), intent(in) :: cases
         type(stability_plan_t), intent(in) :: plan
-        integer, intent(in) :: verdicts(:, :)
+        integer(int64), intent(in) :: verdicts(:, :)
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
         character(36) :: name
@@ -367,7 +384,7 @@ contains
 
     !> The number of occurrences of each verdict.
     function counts_of(verdicts) result(text)
-        integer, intent(in) :: verdicts(:)
+        integer(int64), intent(in) :: verdicts(:)
         character(:), allocatable :: text
         integer :: k
         text = ''

@@ -1,21 +1,25 @@
 !> What a sweep will need: the size of its table, memory and time, from a sample of its cases that is computed.
 module spintop_sweep_forecast
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: seconds
+    use spintop_clock, only: processor_seconds, seconds
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_process, only: peak_memory
+    use spintop_resumable_table, only: growing_table_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_statistics_result, only: bytes_of_result
     use spintop_summary, only: rounded, summary_t
-    use spintop_sweep_table, only: cells_of_row, describe_table
+    use spintop_study_column, only: chosen_column_t
+    use spintop_sweep_column, only: sweep_column_t
+    use spintop_sweep_columns, only: columns_at
+    use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
     use spintop_sweep_block_worker, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_thread_team, only: blocks_ahead
-    use spintop_text, only: to_text
+    use spintop_text, only: join, string_t, to_text
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -26,11 +30,17 @@ module spintop_sweep_forecast
     integer, parameter :: few_places = 8, cases_at_place = 25, many_places = 64
     !> After this time no more places are computed, s.
     real(dp), parameter :: long_enough = 1
+    !> Columns that make a case at least so many times as long are named.
+    real(dp), parameter :: expensive = 1.5_dp
 
     !> What a sample has shown.
     type :: sample_t
         integer(int64) :: cases = 0, bytes = 0
         real(dp) :: time = 0
+        !> Time of the processor, which other programs do not disturb, s.
+        real(dp) :: work = 0
+    contains
+        procedure :: each
     end type sample_t
 
 contains
@@ -38,7 +48,7 @@ contains
     !> Adds lines on the table, the memory and the time. At least one place of the sample is computed, however long that
     !> takes.
     subroutine forecast_sweep(job, options, summary)
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
         class(row_table_t), allocatable :: table
@@ -52,7 +62,7 @@ contains
         cases = options%shard%last(job%axes%cases) - first + 1
         if (cases < 1) return
         call describe_table(job, options%shard, table, head)
-        call compute_sample(job, first, cases, table, sample)
+        call compute_sample(job, first, cases, table, long_enough, sample)
         threads = options%threads
         !$ if (threads == 0) threads = omp_get_max_threads()
         threads = max(1, threads)
@@ -69,16 +79,80 @@ contains
             call summary%add('statistics', 'about ' // amount(len(head) + bytes, 'B') // ' at most')
         end if
         call summary%add('memory', 'about ' // amount(memory, 'B'))
-        call summary%add('time', 'about ' // duration(sample%time / sample%cases * cases / threads) // ' on ' // &
+        call summary%add('time', 'about ' // duration(sample%each() * cases / threads) // ' on ' // &
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
                          duration(sample%time))
+        if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
     end subroutine forecast_sweep
 
+    !> Computing time of a case, s.
+    pure real(dp) function each(self)
+        class(sample_t), intent(in) :: self
+        each = self%time / self%cases
+    end function each
+
+    !> Adds a line on the columns that make the sweep expensive. Columns that need the same work are a group. A sample is computed
+    !> with each group alone; where they differ, the slower half on a logarithmic scale is expensive, and a sample is computed
+    !> without it.
+    subroutine name_expensive(job, first, cases, all, summary)
+        type(job_t), target, intent(inout) :: job
+        integer(int64), intent(in) :: first, cases
+        type(sample_t), intent(in) :: all !! the sample with all columns
+        type(summary_t), intent(inout) :: summary
+        type(sweep_column_t) :: columns(size(job%columns))
+        type(string_t), allocatable :: names(:)
+        type(chosen_column_t) :: chosen(size(job%columns))
+        integer :: i, k
+        real(dp) :: time(size(job%columns)), ratio
+
+        chosen = job%columns
+        columns = columns_at(chosen)
+        do i = 1, size(chosen)
+            do k = 1, i - 1
+                if (all_equal(columns(k)%needs, columns(i)%needs)) exit
+            end do
+            if (k < i) then
+                time(i) = time(k)
+            else
+                time(i) = time_with(pack(chosen, [(all_equal(columns(k)%needs, columns(i)%needs), k=1, size(chosen))]))
+            end if
+        end do
+        if (maxval(time) < expensive * minval(time)) return
+        associate (is_cheap => time < sqrt(minval(time) * maxval(time)))
+            ratio = all%work / all%cases / time_with(pack(chosen, is_cheap))
+            names = [(string_t(trim(columns(i)%name)), i=1, size(chosen))]
+            if (ratio > expensive) call summary%add('columns', 'with ' // join(pack(names, .not. is_cheap), ', ') // &
+                                                    ' a case takes ' // rounded(ratio, 2) // ' times as long as without')
+        end associate
+
+    contains
+
+        !> Whether logical values are the same.
+        pure logical function all_equal(a, b)
+            logical, intent(in) :: a(:), b(:)
+            all_equal = .not. any(a .neqv. b)
+        end function all_equal
+
+        !> Time of the processor for a case with these columns, s.
+        real(dp) function time_with(some)
+            type(chosen_column_t), intent(in) :: some(:)
+            type(growing_table_t) :: table
+            type(sample_t) :: sample
+            job%columns = some
+            call describe_columns(job, table%columns)
+            call compute_sample(job, first, cases, table, long_enough / size(chosen), sample)
+            job%columns = chosen
+            time_with = sample%work / sample%cases
+        end function time_with
+
+    end subroutine name_expensive
+
     !> Computes a sample from the whole range of the cases.
-    subroutine compute_sample(job, first, cases, table, sample)
+    subroutine compute_sample(job, first, cases, table, enough, sample)
         type(job_t), target, intent(in) :: job
         integer(int64), intent(in) :: first, cases
         class(row_table_t), intent(in) :: table
+        real(dp), intent(in) :: enough !! after this time no more places are computed, s
         type(sample_t), intent(out) :: sample
         type(sweep_thread_t), allocatable, target :: thread
         integer :: block
@@ -87,7 +161,7 @@ contains
         call thread%prepare(job)
         block = size_of_block(job)
         call compute_places(few_places, min(cases_at_place, block))
-        if (sample%time / sample%cases * block * many_places < long_enough) call compute_places(many_places, block)
+        if (sample%each() * block * many_places < enough) call compute_places(many_places, block)
 
     contains
 
@@ -97,7 +171,7 @@ contains
             type(row_block_t) :: rows
             integer(int64) :: begin
             integer :: place, last_place, width
-            real(dp) :: began
+            real(dp) :: began, work_before
             sample = sample_t()
             width = int(min(cases, int(wanted, int64)))
             last_place = int(min(int(places, int64), cases / width))
@@ -105,12 +179,14 @@ contains
             do place = 0, last_place
                 begin = first + int(real(cases - width, dp) * (max(place, 1) - 0.5_dp) / last_place, int64)
                 began = seconds()
+                work_before = processor_seconds()
                 call thread%compute_rows(begin, begin + width - 1, rows)
-                if (place == 0 .and. seconds() - began < long_enough / few_places) cycle
+                if (place == 0 .and. seconds() - began < enough / few_places) cycle
                 sample%bytes = sample%bytes + bytes_of(rows, table)
                 sample%time = sample%time + (seconds() - began)
+                sample%work = sample%work + (processor_seconds() - work_before)
                 sample%cases = sample%cases + width
-                if (sample%time > long_enough) exit
+                if (sample%time > enough) exit
             end do
         end subroutine compute_places
 

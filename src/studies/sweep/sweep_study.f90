@@ -19,7 +19,7 @@ module spintop_sweep_study
     use spintop_scene_words, only: kind_sweep, study_kinds
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
-    use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
@@ -129,7 +129,7 @@ contains
             code = code_of(table%counts)
             call summary%headline(job%input // ': sweep -> ' // job%output)
             call summary%add('note', table%remark)
-            if (code /= exit_ok) call summary%add('status', failures_of(table))
+            call summary%add_failures('cases', table%counts)
             return
         end if
         began = seconds()
@@ -251,16 +251,8 @@ contains
             call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &
                              // status_meaning(status))
         end do
+        call summary%add_failures('cases', table%counts)
     end subroutine describe_sweep
-
-    !> How many cases of a table failed.
-    function failures_of(table) result(text)
-        class(row_table_t), intent(in) :: table
-        character(:), allocatable :: text
-        integer :: i
-        text = to_text(sum(table%counts, mask=.not. is_good_end([(i, i=status_ok, last_status)]))) // ' of ' // &
-               to_text(table%rows()) // ' cases failed'
-    end function failures_of
 
     !> Plans the statistics.
     subroutine complete(self, job, problems)
@@ -291,7 +283,7 @@ contains
     !> The table, memory and time, from a sample of the cases.
     subroutine forecast(self, job, options, summary)
         class(sweep_study_t), intent(in) :: self
-        type(job_t), target, intent(in) :: job !! the job
+        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
         associate (unused => self)

@@ -12,7 +12,6 @@ module spintop_sweep_table
     use spintop_netcdf_table, only: netcdf_table_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_parameter_print, only: print_namelist
     use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
@@ -21,6 +20,7 @@ module spintop_sweep_table
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite, status_ok
+    use spintop_study_head, only: print_input
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
@@ -144,7 +144,7 @@ contains
         type(job_t), intent(in) :: job
         type(fact_t), intent(out) :: facts(fact_count)
         type(string_t), allocatable, intent(out) :: input(:)
-        call print_namelist(job%table, input)
+        call print_input(job, input)
         call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.false., facts=facts)
     end subroutine gather
 

@@ -25,7 +25,7 @@ from reporting.words import of_kind, typeset, unit_of
 from spintop_figures.moving.data import pack_all
 from spintop_figures.moving.motion import facts_text
 
-LARGEST, PER_TABLE = 3_000_000, 300_000
+LARGEST, PER_TABLE = 3_500_000, 300_000
 """Bytes of a page, and what each of many tables has at least. Where there would be more, rows
 become fewer and then pictures coarser."""
 

@@ -123,10 +123,14 @@ contains
         integer :: key, i, k, row, status
 
         cells = no_number
-        allocate (values(size(base, 1), size(base, 2), node_count), best(size(t), self%count), &
-                  others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
-        lacks_memory = status /= 0
-        if (lacks_memory) return
+        lacks_memory = .true.
+        allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
+        if (status /= 0) return
+        allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
+        if (status /= 0) return
+        allocate (best(size(t), self%count), stat=status)
+        if (status /= 0) return
+        lacks_memory = .false.
         do key = 1, size(self%keys)
             values = no_number
             values(:, :, 1) = base

@@ -38,8 +38,8 @@ module spintop_run_plan
 
 contains
 
-    !> Number of steps of fixed size in a span, if their largest size is given, and the limit on the work of a case, which does not count them.
-    !> Where they are too many, the limit stays that of adaptive methods, and ends the case.
+    !> Number of steps of fixed size in a span, if their largest size is given, and the limit on the work of a case, which does
+    !> not count them. Where they are too many, the limit stays that of adaptive methods, and ends the case.
     pure subroutine fit_steps(self, t_end)
         class(plan_t), intent(inout) :: self
         real(dp), intent(in) :: t_end !! length of the span, s

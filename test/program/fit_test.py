@@ -271,7 +271,7 @@ class FigureTest(FitCase):
     """The residuals as a figure."""
 
     def test_residuals(self) -> None:
-        """Two panels for each measured column, with what the table says; parameters have no figure."""
+        """Two panels a measured column, with what the table says; parameters have no figure."""
         self.measure()
         self.add_noise(1)
         self.compute(self.write(TOP + FIT))

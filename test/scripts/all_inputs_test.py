@@ -29,10 +29,8 @@ from spintop_figures.tables.words import words_of  # noqa: E402
 
 FOLDER = "deep/er/fold er"
 WITHOUT_FIGURES = {
-    "benchmarks": "a list of figures of others",
     "intermediate_axis": "its columns are those that one looks at beside the exact period",
     "long_drift": "its figure compares it with other methods",
-    "recommendation": "its problems are more than fit a page",
 }
 """Inputs to whose tables no figure belongs, and why."""
 NO_FIGURE = ": no figure belongs to its columns"

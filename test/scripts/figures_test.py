@@ -453,7 +453,7 @@ class EventsTest(FigureCase):
             "psi=0 every turn rising": "ψ = 0, every turn, rising",
             "omega3_rpm=-60 falling": "ω₃ = \N{MINUS SIGN}60 rpm, falling",
             "t_ms=250": "t = 250 ms",
-            "force_z_max=2": "force_z_max = 2",
+            "force_z_max=2": "maximum vertical support force = 2",
             "lower_turning_point": "lower turning point",
             "force_z=-1.5": "vertical force = \N{MINUS SIGN}1.5",
         }

@@ -138,7 +138,7 @@ def test_tables(folder: Path, keys: dict, good: bool) -> None:
     spintop.run(a_sweep(keys) | axis, folder=folder)
     many = spintop.read(folder / "many.csv")
     assert len(succeeded(many)) == (3 if good else 2)
-    assert tell_failed(many) == ("" if good else " (crossed: 1 step_limit)")
+    assert tell_failed(many) == ("" if good else " (crossed: 1 too many steps)")
     sections, problems = read_study(folder, [])
     assert (len(sections), problems) == (2, [])
     for section in sections:

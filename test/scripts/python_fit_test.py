@@ -108,7 +108,7 @@ class FitTest(unittest.TestCase):
         data = measure("phi", "theta", "psi")
         figures = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE).plot()
         self.assertEqual(list(figures), ["fit"])
-        self.assertEqual(len(figures["fit"].axes), 3)
+        self.assertEqual(len(figures["fit"].axes), 7)
 
     def test_measurements_in_other_units(self) -> None:
         """The same estimates; residuals in the units of the measurements, drawn against time."""
@@ -123,11 +123,11 @@ class FitTest(unittest.TestCase):
         known = spintop.fit(data, list(TRUTH), GIVEN, sigma=NOISE)
         for name in ("estimate", "standard_error"):
             np.testing.assert_allclose(result.rows[name], known.rows[name], rtol=1e-6)
-        rest = result["residuals"]
+        rest = result.tables["residuals"]
         self.assertEqual(rest.units["theta_deg_residual"], "deg")
         np.testing.assert_array_equal(rest["t_ms"], other["t_ms"])
         (figure,) = result.plot().values()
-        self.assertEqual(figure.axes[2].get_ylabel(), "ψ (turn)")
+        self.assertEqual(figure.axes[4].get_title("left"), "ψ (turn)")
         np.testing.assert_allclose(figure.axes[0].lines[-1].get_xdata(), data["t"], rtol=1e-14)
 
     def test_measurements_without_times(self) -> None:

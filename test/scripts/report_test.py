@@ -549,7 +549,7 @@ class WordsTest(ReportCase):
         self.assertEqual(words.typeset("(I3 omega3)^2 >> sqrt(3)/2"), "(I₃ ω₃)² ≫ √3/2")
         self.assertEqual(words.outcome_of("at_rest at t = 116.59158323"), "at rest at t = 116.6 s")
         self.assertEqual(words.parameter_of("initial.psi_rate"), "initial spin rate")
-        self.assertEqual(words.parameter_of("top.inertia(1)"), "I₁")
+        self.assertEqual(words.parameter_of("top.inertia(1)"), "moment of inertia I₁")
         strides = [which_rows(stride, 1985).split(" of ")[0] for stride in (2, 3, 5, 11, 21, 112)]
         ends = [f"every {number}" for number in ("2nd", "3rd", "5th", "11th", "21st", "112th")]
         self.assertEqual(strides, ends)
@@ -569,7 +569,7 @@ class WordsTest(ReportCase):
         sections, problems = read_study(self.folder, [])
         self.assertEqual(problems, [])
         found = {section.name: section.key_numbers for section in sections}
-        self.assertEqual(found["a.csv"], {"I₃": "0.250050 ± 0.000056 kg m²"})
+        self.assertEqual(found["a.csv"], {"moment of inertia I₃": "0.250050 ± 0.000056 kg m²"})
         self.assertEqual(list(found["a.residuals.csv"]), ["rms residual of θ"])
         self.assertEqual(found["b.csv"]["cases"], "1,200")
         self.assertIn("75 % of the cases", str(found["b.histogram.csv"]))

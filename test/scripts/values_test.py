@@ -20,7 +20,17 @@ from typing import ClassVar, NamedTuple
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 COPIED = (
-    *("scripts", ".ci", "python", "include", "input", "doc", "fpm.toml", "test/requirements.txt"),
+    *(
+        "scripts",
+        ".ci",
+        "python",
+        "include",
+        "input",
+        "doc",
+        "packaging",
+        "fpm.toml",
+        "test/requirements.txt",
+    ),
     *("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
 )
 

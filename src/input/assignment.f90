@@ -261,7 +261,7 @@ contains
             call self%store_word(parameter, token, text, column, diagnostics)
             return
         end if
-        unit = ''
+        allocate (character(0) :: unit)
         if (parameter%kind == kind_real .and. (token%kind == token_string .or. self%quotes_optional .and. has_unit(text))) then
             call read_quantity(parameter, trim(adjustl(text)), number, unit, problem, hint)
         else if (token%kind == token_string) then

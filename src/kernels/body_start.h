@@ -1,7 +1,7 @@
 // Where the motion of a body without effects starts, for body_series.h and body_stages.h.
 
-// What is to be subtracted of a quadratic form of a quaternion, as its share, to divide it by the squared norm 1 + s: s/(1 + s).
-// A division, or a factor that is rounded beside 1, would err to one side on average, since numbers below 1 are denser than
+// What is to be subtracted of a quadratic form of a quaternion, as its share, to divide it by the squared norm 1 + s: s/(1 +
+// s). A division, or a factor that is rounded beside 1, would err to one side on average, since numbers below 1 are denser than
 // those above, and the energy would drift.
 inlined double excess_of_square(const double *q) {
     const double s = ((q[0] * q[0] - 1) + q[3] * q[3]) + q[1] * q[1] + q[2] * q[2];

@@ -24,11 +24,11 @@ module spintop_scene
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, table_prefix, max_axes, max_axis_values, max_over, event_length
+    public :: scene_t, describe_scene, table_prefix, max_axes, max_list_axes, max_axis_values, max_over, event_length
 
-    !> Maximum number of axes of a sweep, of a grid and of those with listed values, and of listed values of an axis. (More
-    !> lists would make scenes too large for small stacks.)
-    integer, parameter :: max_axes = 16, max_axis_values = 1000
+    !> Maximum number of axes of a sweep and of those with listed values, and of listed values of an axis. (More lists would
+    !> make scenes too large for small stacks.)
+    integer, parameter :: max_axes = 16, max_list_axes = 4, max_axis_values = 1000
     integer, parameter :: word = 32, line = 256
     !> What precedes the file of a Butcher table in place of the name of a method.
     character(*), parameter :: table_prefix = 'table:'
@@ -104,7 +104,7 @@ module spintop_scene
         type(uncertainty_scene_t) :: uncertainty
         ! &sweep
         character(word) :: parameter(max_axes) = ''
-        real(dp) :: values(max_axes, max_axis_values) = unset
+        real(dp) :: values(max_list_axes, max_axis_values) = unset
         real(dp) :: from(max_axes) = unset
         real(dp) :: to(max_axes) = unset
         integer :: count(max_axes) = unset_integer
@@ -129,7 +129,7 @@ module spintop_scene
         character(word) :: quantiles_of = ''
         character(word) :: indices = ''
         ! &work_precision
-        character(line) :: precision_methods(64) = ''
+        character(3 * word) :: precision_methods(64) = ''
         character(word) :: precision_formulations(16) = ''
         real(dp) :: precision_tolerances(64) = unset
         integer :: precision_steps(64) = unset_integer
@@ -297,7 +297,7 @@ contains
 
         call table%add('sweep.parameter', scene%parameter, &
                        what='numeric keys to vary, such as initial.spin_ratio or top.inertia(2)')
-        call table%add('sweep.values', scene%values, of_parameter, '', 'values of an axis, one by one')
+        call table%add('sweep.values', scene%values, of_parameter, '', 'values of one of the first axes, one by one')
         call table%add('sweep.from', scene%from, of_parameter, '', 'first value of an axis', elements=any_elements)
         call table%add('sweep.to', scene%to, of_parameter, '', 'last value of an axis', elements=any_elements)
         call table%add('sweep.count', scene%count, '', '>= 1', 'number of values of an axis', &

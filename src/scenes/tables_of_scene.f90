@@ -29,19 +29,15 @@ contains
         character(*), intent(in) :: input !! path of the input: those of tables are relative to it
         type(scene_t), intent(inout) :: scene !! its tables are set, and the names of their methods get checksums
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        character(len(scene%method)) :: name
         integer :: i
 
         if (allocated(scene%tableaus)) deallocate (scene%tableaus)
         allocate (scene%tableaus(0))
-        name = scene%method
-        call read_one(input, 'integration.method', name, scene%tableaus, problems)
-        scene%method = name
-        if (name == '') scene%method = 'auto'
+        call read_one(input, 'integration.method', scene%method, scene%tableaus, problems)
+        if (scene%method == '') scene%method = 'auto'
         do i = 1, size(scene%precision_methods)
-            name = scene%precision_methods(i)
-            call read_one(input, 'work_precision.methods(' // to_text(i) // ')', name, scene%tableaus, problems)
-            scene%precision_methods(i) = name
+            call read_one(input, 'work_precision.methods(' // to_text(i) // ')', scene%precision_methods(i), scene%tableaus, &
+                          problems)
         end do
     end subroutine read_tables
 
@@ -89,6 +85,11 @@ contains
             end if
             tableau%name = table_prefix // base(:i - 1)
         end associate
+        if (len_trim(tableau%key) + len(form) > len(name)) then
+            call problems%add(key, "the path of the table is too long: '" // path // "'", &
+                              'at most ' // to_text(len(name) - checksum_width - 1 - len(table_prefix) - len(form)) // ' bytes')
+            return
+        end if
         name = trim(tableau%key) // form
         do i = 1, size(tableaus)
             if (tableaus(i)%key == tableau%key) return

@@ -4,7 +4,7 @@ module spintop_axis_entry
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
-    use spintop_scene, only: scene_t, max_axes
+    use spintop_scene, only: scene_t, max_axes, max_list_axes
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_text, only: to_text
     implicit none
@@ -45,7 +45,11 @@ contains
         integer, intent(in) :: i !! number of the axis
         entry%number = i
         entry%name = trim(scene%parameter(i))
-        allocate (entry%listed, source=scene%values(i, :count_listed(scene%values(i, :))))
+        if (i <= max_list_axes) then
+            allocate (entry%listed, source=scene%values(i, :count_listed(scene%values(i, :))))
+        else
+            allocate (entry%listed(0))
+        end if
         entry%from = scene%from(i)
         entry%to = scene%to(i)
         entry%count = scene%count(i)
@@ -69,7 +73,9 @@ contains
         do count = max_axes, 1, -1
             if (scene%parameter(count) /= '' .or. scene%count(count) /= unset_integer .or. any(is_set( &
                 [scene%from(count), scene%to(count), scene%mean(count), scene%deviation(count), &
-                 scene%values(count, 1), scene%covariance(count, :)])) .or. scene%distribution(count) /= '') return
+                 scene%covariance(count, :)])) .or. scene%distribution(count) /= '') return
+            ! Only the first axes have lists.
+            if (is_set(scene%values(min(count, max_list_axes), 1)) .and. count <= max_list_axes) return
         end do
     end function count_axes
 

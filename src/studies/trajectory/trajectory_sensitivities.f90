@@ -44,6 +44,7 @@ contains
             return
         end if
         associate (wanted => job%sensitivities)
+            allocate (place(size(wanted%list)))
             place = wanted%list%column
             do key = 1, size(wanted%keys)
                 nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())

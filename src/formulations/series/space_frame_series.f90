@@ -90,11 +90,17 @@ contains
             lower = p1**2 + p2**2
             ! Divided by the squared norm; see body_start.h.
             excess = (((p0**2 - 1) + p3**2) + p1**2) + p2**2
-            excess = excess / (1 + excess)
             axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower]
-            axis = axis - excess * axis
-            upper = upper - excess * upper
-            lower = lower - excess * lower
+            if (abs(excess) < 0.5_dp) then
+                excess = excess / (1 + excess)
+                axis = axis - excess * axis
+                upper = upper - excess * upper
+                lower = lower - excess * lower
+            else
+                axis = axis / (1 + excess)
+                upper = upper / (1 + excess)
+                lower = lower / (1 + excess)
+            end if
             rate = [w(3) / 2 * y(2) - m * axis(2) * self%i1, &
                     m * axis(1) * self%i1 - w(3) / 2 * y(1), &
                     -(w(1) * p1 + w(2) * p2 + w(3) * p3) / 2, &

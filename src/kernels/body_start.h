@@ -5,7 +5,8 @@
 // drifts.
 inlined half_vector divided_by_square(half_vector form, const double *q) {
     const double s = ((q[0] * q[0] - 1) + q[3] * q[3]) + q[1] * q[1] + q[2] * q[2];
-    return fabs(s) < 0.5 ? form - s / (1 + s) * form : form / (1 + s);
+    if (fabs(s) < 0.5) return form - s / (1 + s) * form;
+    return form / (q[0] * q[0] + q[3] * q[3] + q[1] * q[1] + q[2] * q[2]);
 }
 
 // The quaternion, the momentum and the vertical in body axes, of a quaternion of any length.

@@ -97,9 +97,10 @@ contains
                 upper = upper - excess * upper
                 lower = lower - excess * lower
             else
-                axis = axis / (1 + excess)
-                upper = upper / (1 + excess)
-                lower = lower / (1 + excess)
+                excess = upper + lower
+                axis = axis / excess
+                upper = upper / excess
+                lower = lower / excess
             end if
             rate = [w(3) / 2 * y(2) - m * axis(2) * self%i1, &
                     m * axis(1) * self%i1 - w(3) / 2 * y(1), &

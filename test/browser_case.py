@@ -70,6 +70,15 @@ def new_scratch(prefix: str) -> Path:
     return folder
 
 
+def need_packages(*names: str) -> None:
+    """Skip the tests where the packages of a page cannot be had."""
+    try:
+        for name in names:
+            need(name)
+    except PackageError as error:
+        raise unittest.SkipTest(str(error)) from error
+
+
 @functools.cache
 def make_study() -> Path:
     """Compute a few studies, one with a hostile title; return their report. Once for all tests."""
@@ -148,11 +157,7 @@ class BrowserCase(unittest.TestCase):
         """Make the page, and start the browser."""
         if not BROWSER:
             raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
-        try:
-            for name in ("three", "axe-core", esbuild_package()):
-                need(name)
-        except PackageError as error:
-            raise unittest.SkipTest(str(error)) from error
+        need_packages("three", "axe-core", esbuild_package())
         cls.page = cls.make_page()
         cls.folder = cls.page.parent
         cls.browser = shared_browser(cls.flags)

@@ -2,15 +2,10 @@
 
 import numpy as np
 
-from reporting.words import (
-    column_of,
-    counted,
-    event_of,
-    parameter_of,
-    short,
-    unit_of,
-    with_error,
-)
+from reporting.words import counted, with_error
+from spintop_figures.motion.events import describe_event
+from spintop_figures.style.numbers import write, write_count, write_fixed
+from spintop_figures.tables.names import name_of, raised, sign_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import columns_of
 
@@ -31,15 +26,15 @@ def column(table: Table, name: str) -> np.ndarray:
 def degrees(angle: float) -> str:
     """An angle in degrees: small ones with digits, others with two decimals."""
     value = float(np.degrees(angle))
-    text = f"{value:.2f}" if abs(value) >= 1 or value == 0 else short(value)
-    return f"{text}\N{DEGREE SIGN}".replace("-", "\N{MINUS SIGN}")
+    text = write_fixed(value, 2) if abs(value) >= 1 else write(value)
+    return f"{text}\N{DEGREE SIGN}"
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
     """A number with its unit; an angle in degrees."""
     if unit == "rad":
         return degrees(value)
-    return " ".join(filter(None, (short(value, digits), unit_of("" if unit == "1" else unit))))
+    return " ".join(filter(None, (write(value, digits), raised("" if unit == "1" else unit))))
 
 
 def between(least: float, most: float, unit: str = "") -> str:
@@ -51,14 +46,14 @@ def of_trajectory(table: Table) -> dict[str, str]:
     """Span, inclination, the largest force, and the errors that the table has."""
     found = {}
     if (t := column(table, "t")).size:
-        found["span"] = f"{short(t[-1] - t[0])} s"
+        found["span"] = f"{write(t[-1] - t[0])} s"
     if (theta := column(table, "theta")).size:
         found["θ"] = f"{degrees(theta.min())} to {degrees(theta.max())}"
     forces = [column(table, f"force_{axis}") for axis in "xyz"]
     if forces[0].size and len({force.size for force in forces}) == 1:
-        found["largest force"] = f"{short(np.sqrt(sum(force**2 for force in forces)).max())} N"
+        found["largest force"] = f"{write(np.sqrt(sum(force**2 for force in forces)).max())} N"
     if (error := np.abs(column(table, "energy_error"))).size:
-        found["energy error"] = f"{short(error.max())} J"
+        found["energy error"] = f"{write(error.max())} J"
     if (error := column(table, "orientation_error")).size:
         found["orientation error"] = degrees(error.max())
     return found
@@ -70,7 +65,7 @@ def of_sweep(table: Table) -> dict[str, str]:
     for axis in table.axes():
         if (values := column(table, axis)).size:
             unit = table.units.get(axis, "")
-            found[parameter_of(axis)] = between(values.min(), values.max(), unit)
+            found[name_of(axis)] = between(values.min(), values.max(), unit)
     least, most = column(table, "theta_min"), column(table, "theta_max")
     if least.size and most.size:
         found["θ"] = f"{degrees(least.min())} to {degrees(most.max())}"
@@ -85,20 +80,20 @@ def of_methods(table: Table) -> dict[str, str]:
             found[plural] = str(table.rows[name].nunique())
     errors = column(table, "orientation_error")
     if (errors := errors[errors > 0]).size:
-        found["smallest orientation error"] = f"{short(errors.min())} rad"
+        found["smallest orientation error"] = f"{write(errors.min())} rad"
     return found
 
 
 def swept_column(name: str) -> tuple[str, str]:
     """What a column of a sweep is called, and its unit."""
     known = columns_of("sweep").get(name)
-    return (known["description"], known["unit"]) if known else (column_of(name), "")
+    return (known["description"], known["unit"]) if known else (sign_of(name), "")
 
 
 def of_events(table: Table) -> dict[str, str]:
     """How often each event happened."""
     counts = table.rows["event"].astype(str).value_counts()
-    return {event_of(name): counted(count, "time") for name, count in counts.items()}
+    return {describe_event(name): counted(count, "time") for name, count in counts.items()}
 
 
 def of_fit(table: Table) -> dict[str, str]:
@@ -110,14 +105,14 @@ def of_fit(table: Table) -> dict[str, str]:
             rows["parameter"], rows["estimate"], rows["standard_error"], units, strict=True
         )
         return {
-            parameter_of(str(key)): f"{with_error(value, error)} {unit_of(word_of(unit))}".strip()
+            name_of(str(key)): f"{with_error(value, error)} {raised(word_of(unit))}".strip()
             for key, value, error, unit in values
         }
     found = {}
     for name in rows:
         if name.endswith(RESIDUAL) and (values := column(table, name)).size:
             size = quantity(np.sqrt(np.mean(values**2)), table.units.get(name, ""))
-            found[f"rms residual of {column_of(name.removesuffix(RESIDUAL))}"] = size
+            found[f"rms residual of {sign_of(name.removesuffix(RESIDUAL))}"] = size
     return found
 
 
@@ -131,7 +126,7 @@ def of_statistics(table: Table) -> dict[str, str]:
     everything = table.rows.iloc[0]
     found = {}
     if "cases" in table.rows:
-        found["cases"] = counted(int(everything["cases"]))
+        found["cases"] = write_count(int(everything["cases"]))
     for name in [name for name in table.rows if name.endswith(MEAN)]:
         words, unit = swept_column(name.removesuffix(MEAN))
         ends = [everything.get(name.removesuffix(MEAN) + end, np.nan) for end in (LEAST, MOST)]
@@ -148,7 +143,7 @@ def of_histogram(table: Table) -> dict[str, str]:
         share = 100 * fullest["cases"] / rows["cases"].sum()
         words, unit = swept_column(str(name))
         ends = between(fullest["from"], fullest["to"], unit)
-        found[f"most frequent {words}"] = f"{ends} ({short(share, 2)} % of the cases)"
+        found[f"most frequent {words}"] = f"{ends} ({write(share, 2)} % of the cases)"
     return found
 
 
@@ -157,10 +152,8 @@ def of_indices(table: Table) -> dict[str, str]:
     found = {}
     for name, rows in table.rows.dropna(subset="total").groupby("column", sort=False):
         most = rows.loc[rows["total"].idxmax()]
-        share = f"{short(100 * most['total'], 3)} %"
-        found[f"most of {swept_column(str(name))[0]}"] = (
-            f"{parameter_of(str(most['factor']))}, {share}"
-        )
+        share = f"{write(100 * most['total'], 3)} %"
+        found[f"most of {swept_column(str(name))[0]}"] = f"{name_of(str(most['factor']))}, {share}"
     return found
 
 
@@ -168,7 +161,7 @@ def of_columns(table: Table) -> dict[str, str]:
     """What any table has: the range of its first columns of numbers."""
     numbers = [name for name in table.rows if column(table, name).size][:3]
     ranges = {name: column(table, name) for name in numbers}
-    return {column_of(name): between(x.min(), x.max()) for name, x in ranges.items()}
+    return {sign_of(name): between(x.min(), x.max()) for name, x in ranges.items()}
 
 
 KINDS = {

@@ -21,9 +21,10 @@ from reporting.live_link import live_link
 from reporting.packages import PAGE, PackageError
 from reporting.pictures import THUMBNAIL, Picture, fit
 from reporting.study import Section
-from reporting.words import of_kind, typeset, unit_of
+from reporting.words import of_kind, typeset
 from spintop_figures.moving.data import pack_all
 from spintop_figures.moving.motion import facts_text
+from spintop_figures.tables.names import raised
 
 LARGEST, PER_TABLE = 3_500_000, 300_000
 """Bytes of a page, and what each of many tables has at least. Where there would be more, rows
@@ -166,7 +167,7 @@ def make_page(
         "prose": prose,
         "sentence": lambda text: text[:1].upper() + text[1:],
         "typeset": typeset,
-        "unit": unit_of,
+        "unit": raised,
     }
     concerned = anchored(sections, errata)
     today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()

@@ -12,11 +12,14 @@ from reporting.errata import Erratum, errata_for
 from reporting.key_numbers import key_numbers
 from reporting.pictures import Picture, pictures_of
 from reporting.proved import SUFFIX, proved_texts
-from reporting.words import counted, method_of, outcome_of
+from reporting.words import method_of
 from spintop_figures.moving.data import Data, rows_kept, which_rows
 from spintop_figures.moving.motion import refusal
+from spintop_figures.style.numbers import write_count
+from spintop_figures.style.provenance import describe_end
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ends import ended_well, is_good_end
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -80,8 +83,8 @@ class Section:
     def outcome(self) -> str:
         """How it ended, in a few words."""
         if self.table.status is not None:
-            return outcome_of(self.table.status)
-        counts = [f"{counted(count)} {outcome_of(word)}" for word, count in self.outcomes.items()]
+            return describe_end(self.table.status)
+        counts = [f"{write_count(count)} {name_of(word)}" for word, count in self.outcomes.items()]
         return f"all {counts[0]}" if len(counts) == 1 and self.size > 1 else ", ".join(counts)
 
     @property
@@ -92,7 +95,7 @@ class Section:
     @property
     def rows(self) -> str:
         """The same in words."""
-        return f"{self.size:,} row{'s' if self.size != 1 else ''}"
+        return f"{write_count(self.size)} row{'s' if self.size != 1 else ''}"
 
     @property
     def is_wide(self) -> bool:

@@ -1,15 +1,12 @@
-"""How a report writes numbers, units, counts, parameters and statuses: in words, not in keys."""
+"""What a report writes beside the names and numbers of figures: counts, formulas, errors."""
 
 import re
 
-from spintop_figures.motion.events import describe_event
-from spintop_figures.tables.names import UNIT_WORDS, name_of, sign_of
+from spintop_figures.style.numbers import true_minus, write, write_count
+from spintop_figures.tables.names import LOWERED, POWER, RAISED, name_of
 
 DIGITS = 4
-TIMES = "\N{MULTIPLICATION SIGN}"
 
-POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-INDICES = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 GREEK = {
     **{"phi": "φ", "theta": "θ", "psi": "ψ"},
     **{"omega": "ω", "lambda": "λ", "delta": "Δ"},
@@ -18,7 +15,6 @@ RELATIONS = {">>": "≫", "<<": "≪", ">=": "≥", "<=": "≤"}
 SYMBOL = re.compile(rf"\b({'|'.join(GREEK)})(\d?)\b")
 MOMENT = re.compile(r"\bI([123])\b")
 ROOT = re.compile(r"\bsqrt\((\w+)\)")
-POWER = re.compile(r"\^(-?\d+)")
 RELATION = re.compile("|".join(RELATIONS))
 
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
@@ -38,35 +34,24 @@ KINDS = {
 }
 """A kind of table: one, and several."""
 
-GOOD = "ok"
-COMPLETED = "completed"
 SEVERAL = "those of the column"
 """How the header of a table begins the method, or the formulation, that differs from row to row."""
-
-
-def short(value: float, digits: int = DIGITS) -> str:
-    """A number with a few digits, a power of ten as one, and a true minus sign."""
-    mantissa, e, power = f"{value:.{digits}g}".partition("e")
-    text = mantissa.replace("-", "\N{MINUS SIGN}")
-    return f"{text} {TIMES} 10{str(int(power)).translate(POWERS)}" if e else text
 
 
 def with_error(value: float, error: float) -> str:
     """A number with its standard error, which has two digits."""
     if not error > 0:
-        return short(value)
+        return write(value)
     decimals = max(0, 1 - int(f"{error:.1e}".partition("e")[2]))
     texts = (f"{x:.{decimals}f}" for x in (value, error))
     if decimals > 2 * DIGITS or abs(value) >= 10 ** (2 * DIGITS):
-        texts = (short(value, 2 * DIGITS), short(error, 2))
-    return " ± ".join(texts).replace("-", "\N{MINUS SIGN}")
+        texts = (write(value, 2 * DIGITS), write(error, 2))
+    return true_minus(" ± ".join(texts))
 
 
-def counted(number: int, one: str = "", several: str = "") -> str:
-    """So many: in words up to ten if a noun follows, else in digits, thousands apart."""
-    if not one:
-        return f"{number:,}"
-    word = NUMBERS[number] if number < len(NUMBERS) else f"{number:,}"
+def counted(number: int, one: str, several: str = "") -> str:
+    """So many of something: in words up to ten, else in digits."""
+    word = NUMBERS[number] if number < len(NUMBERS) else write_count(number)
     return f"{word} {one if number == 1 else several or one + 's'}"
 
 
@@ -78,40 +63,10 @@ def of_kind(kind: str, number: int) -> str:
 
 def typeset(text: str) -> str:
     """A formula of plain characters with powers, roots, Greek letters and signs as in print."""
-    text = POWER.sub(lambda found: found[1].translate(POWERS), text)
-    text = SYMBOL.sub(lambda found: GREEK[found[1]] + found[2].translate(INDICES), text)
-    text = MOMENT.sub(lambda found: "I" + found[1].translate(INDICES), text)
+    text = POWER.sub(lambda found: found[1].translate(RAISED), text)
+    text = SYMBOL.sub(lambda found: GREEK[found[1]] + found[2].translate(LOWERED), text)
+    text = MOMENT.sub(lambda found: "I" + found[1].translate(LOWERED), text)
     return RELATION.sub(lambda found: RELATIONS[found[0]], ROOT.sub(r"√\1", text))
-
-
-def unit_of(unit: str) -> str:
-    """A unit of a table as in print: kg m², µs, degrees."""
-    unit = UNIT_WORDS.get(unit, unit)
-    return POWER.sub(lambda found: found[1].translate(POWERS), re.sub(r"\bus\b", "µs", unit))
-
-
-def column_of(name: str) -> str:
-    """A column within a line of text."""
-    return sign_of(name)
-
-
-def parameter_of(key: str) -> str:
-    """A parameter within a line of text."""
-    return name_of(key)
-
-
-def event_of(name: str) -> str:
-    """An event in words."""
-    return describe_event(name)
-
-
-def outcome_of(status: str) -> str:
-    """A status, or a verdict, in words: the time in it has a few digits."""
-    if status == GOOD:
-        return COMPLETED
-    shortened = re.sub(r"\d+\.\d+", lambda found: short(float(found[0])), status)
-    words = shortened.replace("_", " ")
-    return f"{words} s" if shortened != status else words
 
 
 def method_of(model: str, method: str) -> str:

@@ -306,7 +306,7 @@ contains
         if (self%rank == 2) name = name // '(' // to_text(row) // ',' // to_text(column) // ')'
     end function element_name
 
-    !> The name with the extents of an array: `top.inertia(3)`, `sweep.values(16,1000)`.
+    !> The name with the extents of an array: `top.inertia(3)`, `sweep.values(4,1000)`.
     function full_name(self) result(name)
         class(parameter_t), intent(in) :: self
         character(:), allocatable :: name

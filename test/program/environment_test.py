@@ -11,7 +11,9 @@ SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
     "&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 2, count(1) = 9 /\n"
 )
-MEASURED = re.compile(r"^(!? +(cost|time|ended|parts|memory|columns) |# date:).*\n", re.MULTILINE)
+MEASURED = re.compile(
+    r"^(!? +(cost|time|ended|parts|memory|columns +with) |# date:).*\n", re.MULTILINE
+)
 """Lines of a summary and of a header that differ from run to run."""
 
 

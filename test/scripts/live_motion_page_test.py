@@ -18,10 +18,10 @@ sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS)]
 
-from browser_case import BROWSER, PROGRAM, open_browser  # noqa: E402
+from browser_case import BROWSER, PROGRAM, need_packages, open_browser  # noqa: E402
 from random_tops import CLASSES, draw_top  # noqa: E402
 from reporting.bundle import bundle  # noqa: E402
-from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
+from reporting.packages import esbuild_package  # noqa: E402
 
 BODIES = int(os.environ.get("SPINTOP_LIVE_BODIES", "60"))
 """Random bodies of all kinds."""
@@ -309,11 +309,7 @@ class MotionTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         """Bundle the modules."""
-        try:
-            for name in ("three", esbuild_package()):
-                need(name)
-        except PackageError as error:
-            raise unittest.SkipTest(str(error)) from error
+        need_packages("three", esbuild_package())
         scratch = tempfile.TemporaryDirectory(prefix="motion ", ignore_cleanup_errors=True)
         cls.addClassCleanup(scratch.cleanup)
         cls.folder = Path(scratch.name)

@@ -21,10 +21,11 @@ from browser_case import (  # noqa: E402
     HOSTILE,
     READY,
     SOFTWARE_WEBGL,
+    need_packages,
     open_browser,
     wait_for,
 )
-from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
+from reporting.packages import esbuild_package  # noqa: E402
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, theta=0.2, psi_rate=1.0)
@@ -48,11 +49,7 @@ class AnimationTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         """See that the viewer can be made."""
-        try:
-            for name in ("three", esbuild_package()):
-                need(name)
-        except PackageError as error:
-            raise unittest.SkipTest(str(error)) from error
+        need_packages("three", esbuild_package())
 
     def test_page(self) -> None:
         """It has the facts of the motion and all rows; a title does no harm."""

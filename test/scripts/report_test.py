@@ -57,6 +57,9 @@ from spintop_figures.moving.body import (  # noqa: E402
 from spintop_figures.moving.data import pack, which_rows  # noqa: E402
 from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.style.numbers import write  # noqa: E402
+from spintop_figures.style.provenance import describe_end  # noqa: E402
+from spintop_figures.tables.names import name_of, raised  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 BODY = (
@@ -533,23 +536,21 @@ class WordsTest(ReportCase):
 
     def test_numbers(self) -> None:
         """Powers of ten, errors, counts, units and formulas as in print."""
-        self.assertEqual(
-            words.short(-1.1824e-16), "\N{MINUS SIGN}1.182 \N{MULTIPLICATION SIGN} 10⁻¹⁶"
-        )
+        self.assertEqual(write(-1.1824e-16), "\N{MINUS SIGN}1.182\N{MULTIPLICATION SIGN}10⁻¹⁶")
         self.assertEqual(words.with_error(0.87499822, 4.3585e-5), "0.874998 ± 0.000044")
         self.assertEqual(words.with_error(2.0, 0.0), "2")
         self.assertEqual(
             words.with_error(1.5e12, 3.21e3),
-            "1.5 \N{MULTIPLICATION SIGN} 10¹² ± 3.2 \N{MULTIPLICATION SIGN} 10³",
+            "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200",
         )
         self.assertEqual(words.of_kind("fit", 2), "two tables of fits")
         self.assertEqual(words.of_kind("work_precision", 1), "one work-precision study")
         self.assertEqual(words.of_kind("own", 12), "12 tables: own")
-        self.assertEqual([words.unit_of(unit) for unit in ("kg m^2", "us")], ["kg m²", "µs"])
+        self.assertEqual([raised(unit) for unit in ("kg m^2", "us")], ["kg m²", "µs"])
         self.assertEqual(words.typeset("(I3 omega3)^2 >> sqrt(3)/2"), "(I₃ ω₃)² ≫ √3/2")
-        self.assertEqual(words.outcome_of("at_rest at t = 116.59158323"), "at rest at t = 116.6 s")
-        self.assertEqual(words.parameter_of("initial.psi_rate"), "initial spin rate")
-        self.assertEqual(words.parameter_of("top.inertia(1)"), "moment of inertia I₁")
+        self.assertEqual(describe_end("at_rest at t = 116.59158323"), "at rest at t = 116.592 s")
+        self.assertEqual(name_of("initial.psi_rate"), "initial spin rate")
+        self.assertEqual(name_of("top.inertia(1)"), "moment of inertia I₁")
         strides = [which_rows(stride, 1985).split(" of ")[0] for stride in (2, 3, 5, 11, 21, 112)]
         ends = [f"every {number}" for number in ("2nd", "3rd", "5th", "11th", "21st", "112th")]
         self.assertEqual(strides, ends)
@@ -622,7 +623,7 @@ class PageTest(ReportCase):
             "GCC version 12.2.0",
             "&study\n    kind = 'trajectory'\n    title = 'It''s a top, = trajectory'\n/",
             "support force: x",
-            "3 completed, 1 step limit",
+            "3 completed, 1 too many steps",
             "2 accurate",
             "the cheapest is one, 3 times",
             "notes.csv: is no table of spintop",

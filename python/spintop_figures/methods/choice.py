@@ -11,14 +11,13 @@ from spintop_figures.methods.curves import problems_of
 from spintop_figures.methods.known import family_of
 from spintop_figures.methods.styles import look_of
 from spintop_figures.style.look import FAINT, GREY
+from spintop_figures.style.numbers import with_power
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 """The errors for which methods are compared, rad, as in the summary of the program."""
-
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 LEAST_PROBLEMS = 5
 """Fewer problems do not tell whether a choice is right."""
@@ -100,8 +99,8 @@ def draw_choice(table: Table) -> Figure:
     axes.set_xticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.set_ylim(len(targets) - 0.5, -0.5)
-    powers = [f"{np.log10(target):.0f}".translate(RAISED) for target in targets]
-    axes.set_yticks(range(len(targets)), labels=[f"10{power} rad" for power in powers])
+    labels = [f"{with_power('1', round(np.log10(target)))} rad" for target in targets]
+    axes.set_yticks(range(len(targets)), labels=labels)
     axes.tick_params(axis="y", length=0)
     axes.set_ylabel("error")
     axes.set_xlabel("time of the automatic choice over that of the cheapest method")

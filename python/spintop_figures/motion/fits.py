@@ -36,8 +36,6 @@ OUTLYING = 8
 LEAST, LARGEST = 1e-3, 1e5
 """Values that are smaller or larger are written with a power of ten in their unit."""
 
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
 LINE = 0.185
 """Height of a line of the fitted values in inches."""
 

@@ -8,8 +8,9 @@ import re
 
 from matplotlib.ticker import Formatter, FuncFormatter
 
+from spintop_figures.tables.names import RAISED
+
 MINUS, TIMES, DASH = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}", "\N{EN DASH}"
-RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 DIGITS = 4
 """Significant digits of a number in a text."""

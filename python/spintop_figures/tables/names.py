@@ -201,8 +201,9 @@ PEOPLE = frozenset(
 )
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
-POWER = re.compile(r"\^(\d)")
-RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+POWER = re.compile(r"\^(-?\d+)")
+RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+"""Digits of a power of ten, or of a unit."""
 
 UNITS = {"degree": "deg", "standard_free_fall": "g0"}
 """Words of units that NetCDF tables name otherwise, as UDUNITS knows them."""
@@ -218,8 +219,9 @@ def unit_of_netcdf(text: str) -> str:
 
 
 def raised(unit: str) -> str:
-    """A unit with its powers raised."""
-    return POWER.sub(lambda power: power[1].translate(RAISED), UNIT_WORDS.get(unit, unit))
+    """A unit as in print: kg m², µs, degrees."""
+    words = re.sub(r"\bus\b", "µs", UNIT_WORDS.get(unit, unit))
+    return POWER.sub(lambda power: power[1].translate(RAISED), words)
 
 
 def find_name(key: str) -> Name:

@@ -52,8 +52,6 @@ contains
         class(residuals_t), intent(in) :: self
         integer, intent(in) :: i !! number of the parameter
         real(dp), intent(in) :: x !! any value of the parameter, in its unit
-        associate (unused => self, unused_too => i)
-        end associate
         limited = x
     end function limited
 
@@ -62,8 +60,6 @@ contains
         class(residuals_t), intent(in) :: self
         integer, intent(in) :: i !! number of the parameter
         real(dp) :: ends(2)
-        associate (unused => self, unused_too => i)
-        end associate
         ends = [-huge(ends), huge(ends)]
     end function ends
 
@@ -71,8 +67,6 @@ contains
     subroutine coarsen(self, factor)
         class(residuals_t), intent(inout) :: self
         real(dp), intent(in) :: factor !! at least 1
-        associate (unused => self, unused_too => factor)
-        end associate
     end subroutine coarsen
 
     !> Norm of what the residuals are differences from; 0 if that is unknown.

@@ -157,8 +157,6 @@ contains
         class(capability_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        associate (unused => start)
-        end associate
         call self%set_body(body)
     end subroutine set
 
@@ -166,8 +164,6 @@ contains
     pure subroutine set_body(self, body)
         class(capability_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        associate (unused => self, also_unused => body)
-        end associate
     end subroutine set_body
 
     !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
@@ -195,8 +191,6 @@ contains
         class(series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
         real(dp), intent(inout) :: change(max_states) !! of the variables, then of the state
-        associate (unused => self, also_unused => y, nor_used => h, kept => change)
-        end associate
     end subroutine keep_change
 
     !> The same at several instants. What overrides one overrides the other.
@@ -204,8 +198,6 @@ contains
         class(series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h(instants) !! state at the beginning of the step; times, s
         real(dp), intent(inout) :: change(instants, max_states) !! of the variables, then of the state
-        associate (unused => self, also_unused => y, nor_used => h, kept => change)
-        end associate
     end subroutine keep_changes
 
 end module spintop_capabilities

@@ -140,8 +140,6 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => t)
-        end associate
         dy(1:4) = y(5:8)
         dy(5:8) = self%pair%acceleration(y(1:4), 1.0_dp)
         status = status_ok
@@ -231,8 +229,6 @@ contains
         class(oscillator_flows_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h
         real(dp), intent(inout) :: change(max_states)
-        associate (unused => self)
-        end associate
         change(1:4) = change(1:4) + h * (y(5:8) + change(5:8))
     end subroutine drift
 
@@ -295,8 +291,6 @@ contains
         real(dp) :: stiffness(4, 0:max_series_order), square(4), pull(4), share
         integer :: k, j, i
 
-        associate (unused => t)
-        end associate
         coefficient(:, 0) = y
         associate (c => coefficient)
             do k = 0, order - 1

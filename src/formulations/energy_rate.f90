@@ -63,8 +63,6 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => t)
-        end associate
         call self%ends%rates(y, dy, status)
     end subroutine derivative
 
@@ -74,8 +72,6 @@ contains
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
-        associate (unused => near)
-        end associate
         call self%ends%rates(y, dy, status)
         if (status == status_outside) dy = self%ends%at_turning_point(y)
         associate (top => self%ends%top)

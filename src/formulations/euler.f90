@@ -59,8 +59,6 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: s3, c3, s5, c5, psi_rate, mgl, a(2, 2), b(2), determinant
 
-        associate (unused => t)
-        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(3))) return
@@ -97,8 +95,6 @@ contains
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
-        associate (unused => near)
-        end associate
         call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(3), y(5)], [y(2), y(4), dy(5)], dy(2), dy(4))
     end function motion

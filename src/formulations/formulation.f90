@@ -190,8 +190,6 @@ contains
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states) !! state
         real(dp), intent(out) :: values(max_invariants) !! values of the invariants
-        associate (unused => self, also_unused => y)
-        end associate
         values = 0
     end subroutine no_invariants
 
@@ -204,8 +202,6 @@ contains
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
         logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        associate (unused => self, a => t_last, b => y_last, c => t, d => y, e => angle)
-        end associate
         sure = .true.
         beside = .false.
     end subroutine keep_angles

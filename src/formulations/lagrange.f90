@@ -57,8 +57,6 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => t)
-        end associate
         dy = 0
         status = status_pole
         if (at_pole(y(2))) return
@@ -75,8 +73,6 @@ contains
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         real(dp) :: dy(max_states)
         integer :: status
-        associate (unused => near)
-        end associate
         call self%derivative(t, y, dy, status)
         motion = self%top%complete(t, [y(1), y(2), y(4)], [dy(1), dy(2), dy(4)], &
                                    self%top%phi_acceleration(y(2), dy(1), dy(2)), dy(3))

@@ -107,8 +107,6 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: gamma(3), w1, w2, w3
 
-        associate (unused => t)
-        end associate
         ! The products are written out: with function calls a step would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)

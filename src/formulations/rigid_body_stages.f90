@@ -67,8 +67,6 @@ contains
         real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
         real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
         real(dp), intent(inout) :: aside(max_aside, stages) !! column i is what stage i leaves aside
-        associate (unused => t, also_unused => c)
-        end associate
         call c_find(from - 1, to - 1, self%of, y, h, stages, a, since, k, aside)
     end subroutine find
 

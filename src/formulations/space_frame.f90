@@ -95,8 +95,6 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: w1, w2, w3, pull
 
-        associate (unused => t)
-        end associate
         ! The products are written out: with function calls a step would take twice the time.
         associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
             w1 = y(1) / (2 * self%i1)

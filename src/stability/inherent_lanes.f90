@@ -203,8 +203,6 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         real(dp) :: error
-        associate (unused => run)
-        end associate
         self%status(case) = self%tangents%status(lane)
         if (.not. is_ok(self%status(case))) return
         error = norm2([self%tangents%z(lane, 4:6, :), self%tangents%about(lane, :)])

@@ -7,8 +7,6 @@ submodule(spintop_statistics_netcdf) statistics_netcdf_absent
 contains
 
     module procedure write_statistics_netcdf
-        associate (unused => head, a => plan, b => accumulators)
-        end associate
         error = output_error('cannot write ' // path // ': this build has no NetCDF')
     end procedure write_statistics_netcdf
 

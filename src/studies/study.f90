@@ -111,8 +111,6 @@ contains
     integer(int64) function cases(self, job)
         class(study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
-        associate (unused => self)
-        end associate
         cases = job%axes%cases
     end function cases
 
@@ -121,8 +119,6 @@ contains
         class(study_t), intent(in) :: self
         type(job_t), intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        associate (unused_study => self, unused_job => job, also_unused => problems)
-        end associate
     end subroutine complete
 
     !> Addition to the reasons of the plan in the output of --check; '' unless the kind overrides this.
@@ -130,8 +126,6 @@ contains
         class(study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: text
-        associate (unused_study => self, unused_job => job)
-        end associate
         text = ''
     end function remark
 
@@ -141,8 +135,6 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        associate (unused_study => self, unused_job => job, unused_options => options, unused_lines => summary)
-        end associate
     end subroutine forecast
 
 end module spintop_study

@@ -77,8 +77,6 @@ contains
     subroutine leave_rows(self, block)
         class(row_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! not changed
-        associate (unused => self, also_unused => block)
-        end associate
     end subroutine leave_rows
 
     !> Makes an entry of the current size, if the table has a journal and the last entry is old enough; by
@@ -88,8 +86,6 @@ contains
         type(journal_entry_t), intent(inout) :: entry !! not changed
         logical, intent(out) :: due !! whether an entry is due
         type(error_t), allocatable, intent(inout) :: error !! allocated on failure
-        associate (unused => self, also_unused => entry)
-        end associate
         due = .false.
         if (allocated(error)) return
     end subroutine make_no_entry
@@ -100,16 +96,12 @@ contains
         class(row_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        associate (unused => self, also_unused => entry)
-        end associate
         if (allocated(error)) return
     end subroutine keep_no_entry
 
     !> Called after an entry was written.
     subroutine end_no_entry(self)
         class(row_table_t), intent(inout) :: self
-        associate (unused => self)
-        end associate
     end subroutine end_no_entry
 
 end module spintop_row_table

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "test"))
 
-from docstrings import Source  # noqa: E402
+from docstrings import Source, match_procedure, statements  # noqa: E402
 
 SOURCES = sorted([*ROOT.glob("src/**/*.f90"), *ROOT.glob("app/*.f90")])
 
@@ -78,6 +78,33 @@ def procedures(path: Path) -> Iterator[tuple[str, int]]:
             yield name, number - first + 1
         elif begin := BODY.match(line) or BEGIN.match(line):
             begun.append((begin[1], number))
+
+
+def unused_arguments(path: Path) -> Iterator[tuple[str, str]]:
+    """Arguments that their procedure names in its header and its declarations alone."""
+    open_procedures: list[tuple[re.Match[str], list[str]]] = []
+    in_interface = False
+    for _, code, _ in statements(path.read_text(encoding="utf-8")):
+        if border := INTERFACE.match(code):
+            in_interface = not (border[1] or "").lower().startswith("end")
+        elif in_interface:
+            continue
+        elif END.match(code) and open_procedures:
+            header, body = open_procedures.pop()
+            words = re.findall(r"\w+", " ".join(body).lower())
+            if (
+                not re.search(r"\bclass\s*\(", " ".join(body), re.I)
+                and "bind(C" not in header.string
+            ):
+                for name in re.findall(r"\w+", (header[3] or "").lower()):
+                    if words.count(name) < 2:
+                        yield header[2], name
+            if open_procedures:
+                open_procedures[-1][1].extend(body)
+        elif header := match_procedure(code):
+            open_procedures.append((header, []))
+        elif open_procedures:
+            open_procedures[-1][1].append(code)
 
 
 class ArchitectureTest(unittest.TestCase):
@@ -231,6 +258,18 @@ class ArchitectureTest(unittest.TestCase):
         }
         self.assertGreater(len(called), 50)
         self.assertEqual([(file, name) for file, name in sorted(called) if name not in known], [])
+
+    def test_arguments_are_used(self) -> None:
+        """An argument that nobody needs stands only where an interface asks for it: in a procedure
+        that is bound to a type, called from C, or passed on."""
+        texts = "\n".join(path.read_text(encoding="utf-8") for path in SOURCES)
+        unused = [
+            f"{path.relative_to(ROOT)}: {name} of {procedure}"
+            for path in SOURCES
+            for procedure, name in unused_arguments(path)
+            if not re.search(rf"(nopass ::|=) ?{procedure}\b(?! *\()", texts)
+        ]
+        self.assertEqual(unused, [])
 
     def test_dummy_arguments_are_documented(self) -> None:
         """Each dummy argument of a public procedure, but for the passed object, has a docstring."""

@@ -110,8 +110,6 @@ contains
         class(driven_quadruple_t), intent(inout) :: self
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
-        associate (unused => start)
-        end associate
         self%body = body
     end subroutine set_quadruple
 

@@ -86,8 +86,6 @@ contains
         class(made_up_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
-        associate (unused => self)
-        end associate
         motion%t = t
         motion%angle = [sin(t), 1 + t, 7 * t]
         motion%quaternion = quaternion_from_angles(motion%angle)

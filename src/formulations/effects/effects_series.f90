@@ -33,8 +33,6 @@ contains
         class(effects_series_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        associate (unused => start)
-        end associate
         self%body = body
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects

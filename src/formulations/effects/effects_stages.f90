@@ -102,8 +102,6 @@ contains
         real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
         real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
         real(dp), intent(inout) :: aside(max_aside, stages) !! not used: stages need nothing but the slopes
-        associate (unused => since, also_unused => aside)
-        end associate
         call c_find(from - 1, to - 1, self%of, t, y, h, a, stages, c, k)
     end subroutine find
 

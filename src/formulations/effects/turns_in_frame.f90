@@ -22,8 +22,6 @@ contains
         real(dp), intent(in) :: y(max_states), dy(max_states) !! the state and its rate
         real(dp), intent(out) :: xi(max_states) !! the velocity
         real(dp) :: spin(4)
-        associate (unused => self)
-        end associate
         spin = 2 * quaternion_product(conjugate_quaternion(y(1:4)), dy(1:4)) / sum(y(1:4)**2)
         xi(1:3) = spin(2:4)
         xi(4:6) = dy(5:7)

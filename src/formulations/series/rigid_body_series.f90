@@ -47,8 +47,6 @@ contains
         class(rigid_body_series_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        associate (unused => start)
-        end associate
         self%products = products_of(body)
     end subroutine set
 
@@ -58,8 +56,6 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(in) :: order !! order of the highest coefficient
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        associate (unused => t)
-        end associate
         call c_expand(order, self%products, y, short_share, share_rest, coefficient)
     end subroutine expand
 

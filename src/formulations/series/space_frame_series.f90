@@ -178,8 +178,6 @@ contains
         real(qp) :: by_l1(4), by_l2(4), by_p0(2), by_p3(2), half, vertical, pull
         integer :: k, j
 
-        associate (unused => t)
-        end associate
         half = 1 / (2 * real(self%body%inertia(1), qp))
         vertical = vertical_momentum(self%body, self%start) * half
         pull = 2 * real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass(3) / sum(y(3:6)**2)

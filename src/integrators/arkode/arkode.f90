@@ -138,8 +138,6 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (unused => formulation)
-        end associate
         status = status_integrator
         call self%memory%set_fixed_step(h)
         call take_step(self, t_new, status)
@@ -231,8 +229,6 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        associate (unused => formulation)
-        end associate
         y = self%y
         y = self%memory%interpolate((t - self%t_last) / (self%t - self%t_last))
         call update_counts(self)

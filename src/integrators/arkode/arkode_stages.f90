@@ -47,8 +47,6 @@ contains
         !> Value of `rate` before the second correction.
         real(dp), parameter :: first_rate = 0
 
-        associate (unused => tolerance, also_unused => weights)
-        end associate
         call c_f_pointer(data, history)
         total => FN_VGetArrayPointer(change)
         last => FN_VGetArrayPointer(del)

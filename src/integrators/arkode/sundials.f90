@@ -84,9 +84,6 @@ contains
     subroutine keep_silent(code, module_name, function_name, message, data) bind(C, name='')
         integer(c_int), value :: code
         type(c_ptr), value :: module_name, function_name, message, data
-        associate (unused => code, u1 => module_name, u2 => function_name, u3 => message, &
-                   u4 => data)
-        end associate
     end subroutine keep_silent
 #endif
 

@@ -103,8 +103,6 @@ contains
         class(event_search_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the passage
-        associate (unused => self, also_unused => number, not_used => motion)
-        end associate
     end subroutine handle_doubtful_event
 
     !> Begins at a motion of the body.

@@ -77,8 +77,6 @@ contains
         class(path_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: work(works)
-        associate (unused => self, also_unused => t)
-        end associate
         work = 0
     end function work_until
 
@@ -91,8 +89,6 @@ contains
     !> Whether a search is to be interrupted here, to be gone on with later.
     logical function wants_pause(self)
         class(path_t), intent(inout) :: self
-        associate (unused => self)
-        end associate
         wants_pause = .false.
     end function wants_pause
 

@@ -127,8 +127,6 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s, weight(max_stages)
-        associate (unused => formulation)
-        end associate
         y = self%y
         s = (t - self%t_last) / (self%t - self%t_last)
         weight = matmul(s**[1, 2, 3, 4], self%table%dense)

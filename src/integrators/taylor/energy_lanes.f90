@@ -96,8 +96,6 @@ contains
         class(energy_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
-        associate (unused => run)
-        end associate
         self%error_max(case) = self%largest(lane)
     end subroutine finish
 

@@ -341,8 +341,6 @@ contains
         class(stop_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
-        associate (unused => run)
-        end associate
         self%event_occurred(case) = self%left(lane) <= 0
     end subroutine finish
 

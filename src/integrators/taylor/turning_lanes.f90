@@ -67,8 +67,6 @@ contains
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: slope
         integer :: kind
-        associate (unused => run)
-        end associate
         self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
         do kind = upper, lower
             self%lane(kind)%n(lane) = 0
@@ -90,8 +88,6 @@ contains
         integer, intent(out) :: degree !! degree of the polynomials
         real(dp), intent(out) :: a(lanes, 0:max_series_order), noise(lanes)
             !! coefficients, and a bound of errors beside the rounding of their terms
-        associate (unused => self)
-        end associate
         degree = run%order - 1
         call find_height_rates(run%order, run%c, self%driven, degree, a, noise)
         call of_interval(degree, run%power, a)
@@ -222,8 +218,6 @@ contains
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         integer :: kind, other_kind
-        associate (unused => run)
-        end associate
         do kind = upper, lower
             self%turns(kind, case) = unpacked(self%lane(kind), lane)
         end do

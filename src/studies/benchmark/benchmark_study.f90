@@ -94,8 +94,6 @@ contains
     integer(int64) function cases(self, job)
         class(benchmark_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
-        associate (unused => job)
-        end associate
         cases = size(self%chosen)
     end function cases
 
@@ -107,7 +105,7 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         integer :: i
 
-        associate (unused => diagnostics, names => job%scene%benchmark_cases)
+        associate (names => job%scene%benchmark_cases)
             call find_cases('benchmark.cases', 'benchmark', names, benchmarks%name, self%chosen, problems)
             if (all(names == '')) self%chosen = [(i, i=1, size(benchmarks))]
         end associate
@@ -118,8 +116,6 @@ contains
         class(benchmark_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase
-        associate (unused => job)
-        end associate
         phrase = 'the figures of ' // to_text(size(self%chosen)) // ' published benchmarks'
     end function explain
 

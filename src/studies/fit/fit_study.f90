@@ -74,8 +74,6 @@ contains
         type(scene_t), allocatable :: scene
         integer :: unknown
 
-        associate (unused => diagnostics)
-        end associate
         call job%scene%fit%set_defaults()
         call read_measurements(job%input, job%scene%fit, self%measured, problems)
         call find_unknown(job, self%measured, self%sought, problems)
@@ -147,8 +145,6 @@ contains
         class(fit_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase
-        associate (unused => job)
-        end associate
         phrase = 'a fit of ' // counted(size(self%sought%keys), 'parameter') // ' to ' // &
                  counted(self%measured%size(), 'measurement') // ' at ' // counted(size(self%measured%t), 'time')
     end function explain
@@ -173,8 +169,6 @@ contains
         integer :: i
         logical :: is_valid, is_noisy
 
-        associate (unused => options)
-        end associate
         began = seconds()
         code = exit_ok
         allocate (model)

@@ -75,8 +75,6 @@ contains
     integer(int64) function cases(self, job)
         class(precision_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
-        associate (unused => self)
-        end associate
         cases = max(1_int64, job%axes%cases)
     end function cases
 
@@ -110,8 +108,6 @@ contains
         class(precision_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase
-        associate (unused => job)
-        end associate
         phrase = 'errors and costs of ' // to_text(sum(self%plan%settings(self%plan%choices))) &
                  // ' methods and settings'
     end function explain

@@ -103,8 +103,6 @@ contains
     integer(int64) function cases(self, job)
         class(stability_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
-        associate (unused => job)
-        end associate
         cases = size(self%plan%cases)
     end function cases
 
@@ -116,8 +114,6 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
 
-        associate (unused => diagnostics)
-        end associate
         call make_stability_plan(job%scene, self%plan, problems)
         if (problems%any() .or. all(self%plan%cases > 0)) return
         call job%make_first_case(scene, problems, planned=.false.)
@@ -128,8 +124,6 @@ contains
         class(stability_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase
-        associate (unused => job)
-        end associate
         phrase = 'the stability of ' // to_text(size(self%plan%methods)) // ' methods on ' &
                  // to_text(size(self%plan%cases)) // ' cases'
     end function explain

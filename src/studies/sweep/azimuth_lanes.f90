@@ -49,8 +49,6 @@ contains
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp) :: period
-        associate (unused => run)
-        end associate
         period = precession_period(body, start)
         self%period(lane) = merge(period, huge(period), period > 0)
         self%seen_in(lane) = .false.
@@ -82,8 +80,6 @@ contains
         class(azimuth_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
-        associate (unused => run)
-        end associate
         self%seen(case) = self%seen_in(lane)
         self%azimuth(case) = self%azimuth_in(lane)
         self%period(lane) = huge(1.0_dp)

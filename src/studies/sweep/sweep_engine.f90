@@ -109,16 +109,12 @@ contains
     logical function takes(slot, task)
         type(slot_t), intent(in) :: slot !! the case
         type(task_t), intent(in) :: task !! what is asked of it
-        associate (unused => task)
-        end associate
         takes = is_good_end(slot%status)
     end function takes
 
     !> Whether two cases can be computed together; any two unless the engine overrides this.
     logical function shares_lanes(a, b)
         type(slot_t), intent(in) :: a, b !! the cases
-        associate (unused => a, unused_too => b)
-        end associate
         shares_lanes = .true.
     end function shares_lanes
 

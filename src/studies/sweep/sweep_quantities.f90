@@ -294,8 +294,6 @@ contains
     subroutine explain_not_stuck(case, note)
         type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
-        associate (unused => case)
-        end associate
         call note%add(note_not_stuck)
     end subroutine explain_not_stuck
 

@@ -150,8 +150,6 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
-        associate (unused => self)
-        end associate
         call compute_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
         call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
     end subroutine compute

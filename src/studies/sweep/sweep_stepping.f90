@@ -61,8 +61,6 @@ contains
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
         integer :: i
-        associate (unused => self)
-        end associate
         do i = 1, size(list)
             call compute_alone(slots(list(i)), task)
         end do

@@ -85,8 +85,6 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: first
 
-        associate (unused => self)
-        end associate
         call job%make_axes(problems, diagnostics)
         if (job%axes%cases == 0) return
         call job%make_first_case(first, problems, planned=.true.)
@@ -98,8 +96,6 @@ contains
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase, which
-        associate (unused => self)
-        end associate
         which = 'the first'
         if (job%first > 1) which = 'number ' // to_text(job%first) // ', the first that can be computed'
         phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is ' // which
@@ -120,8 +116,6 @@ contains
         integer(int64) :: cases(2)
         real(dp) :: began
 
-        associate (unused => self)
-        end associate
         code = exit_ok
         call begin_table(job, options, table, cases, error)
         if (allocated(error)) return
@@ -259,8 +253,6 @@ contains
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        associate (unused => self)
-        end associate
         call choose_statistics(job, problems)
     end subroutine complete
 
@@ -270,8 +262,6 @@ contains
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: text
         logical :: work(kinds_of_work)
-        associate (unused => self)
-        end associate
         text = ''
         if (.not. job%case%body%has_closed_nutation()) return
         work = work_for(columns_at(job%columns))
@@ -286,8 +276,6 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        associate (unused => self)
-        end associate
         call forecast_sweep(job, options, summary)
     end subroutine forecast
 

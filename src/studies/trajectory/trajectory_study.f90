@@ -72,8 +72,6 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
 
-        associate (unused => self, also_unused => diagnostics)
-        end associate
         call job%make_first_case(scene, problems, planned=.true.)
         if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
     end subroutine check
@@ -97,8 +95,6 @@ contains
         class(trajectory_study_t), intent(in) :: self
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: phrase
-        associate (unused => self)
-        end associate
         phrase = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' // to_text(job%case%t_end) // ' s'
     end function explain
 
@@ -112,8 +108,6 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         integer :: status
 
-        associate (unused => self)
-        end associate
         call run_trajectory(job, options, summary, status, error)
         code = code_of(status)
     end subroutine run

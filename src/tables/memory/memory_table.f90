@@ -109,8 +109,6 @@ contains
     subroutine finish(self, error)
         class(memory_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        associate (unused => self)
-        end associate
         if (allocated(error)) return
     end subroutine finish
 
@@ -118,8 +116,6 @@ contains
     subroutine abandon(self, error)
         class(memory_table_t), intent(inout) :: self
         type(error_t), intent(inout) :: error !! not changed
-        associate (unused => error)
-        end associate
         self%data%rows = 0
     end subroutine abandon
 

@@ -59,8 +59,6 @@ contains
             if (deflated /= 0) level = level_of_first
         end block
 #else
-        associate (unused => self)
-        end associate
 #endif
     end function compression_of
 

@@ -192,8 +192,6 @@ contains
         if (status /= nf90_noerr) return
         status = nf90_def_var_deflate(self%id, variable, with_shuffle, with_deflate, self%description%compression)
 #else
-        associate (unused => self, also => extent, nor => variable, left => status)
-        end associate
 #endif
     end subroutine compress
 

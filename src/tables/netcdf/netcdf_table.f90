@@ -55,8 +55,6 @@ contains
     subroutine leave_cells(self, block)
         class(netcdf_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! not changed
-        associate (unused => self, also_unused => block)
-        end associate
     end subroutine leave_cells
 
     !> Creates the part.
@@ -65,8 +63,6 @@ contains
         character(*), intent(in) :: head !! the header, that of the description
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(netcdf_description_t) :: of_part
-        associate (unused => head)
-        end associate
         of_part = self%description
         of_part%compression = -1
         self%ending = table_end_t()

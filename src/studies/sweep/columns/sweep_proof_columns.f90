@@ -44,8 +44,6 @@ contains
     subroutine explain_no_number(case, note)
         type(case_t), intent(in) :: case
         type(note_t), intent(inout) :: note
-        associate (unused => case)
-        end associate
         if (note%flags == 0) call note%add(note_nothing_to_bound)
     end subroutine explain_no_number
 

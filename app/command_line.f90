@@ -1,6 +1,7 @@
 !> The command line of `spintop`: reads the arguments into a request.
 module spintop_command_line
-    use spintop_errors, only: error_t, exit_codes, input_error
+    use spintop_errors, only: error_t, input_error
+    use spintop_exit_codes, only: exit_codes
     use spintop_listing, only: topic_names
     use spintop_options, only: most_threads, options_t, shell_word
     use spintop_line_list, only: line_list_t, line_width

@@ -6,7 +6,8 @@ program spintop_main
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_verify, action_version
     use spintop_plain_text, only: visible
-    use spintop_errors, only: error_t, exit_ok, exit_output
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
     use spintop_listing, only: list_as_json, list_topic
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted

@@ -10,8 +10,9 @@ module spintop_checked_functions
     use spintop_motion, only: motion_t
     use spintop_quantities, only: unchecked_kinetic => kinetic_energy, unchecked_potential => potential_energy, &
         unchecked_vertical => vertical_momentum, unchecked_axial => axial_momentum, &
-        unchecked_residuals => euler_residuals, unchecked_force => support_force, &
-        unchecked_tip => axis_tip, unchecked_height_rate => axis_height_rate
+        unchecked_residuals => euler_residuals, unchecked_tip => axis_tip, &
+        unchecked_height_rate => axis_height_rate
+    use spintop_support_force, only: unchecked_force => support_force
     use spintop_steady_motion, only: unchecked_critical => critical_omega3
     use spintop_status, only: is_ok
     use spintop_validity, only: body_status, motion_status

@@ -11,14 +11,15 @@ module spintop_c_top
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
     use spintop_c_text, only: c_text_t, is_empty, read_c_text
     use spintop_data_table, only: data_table_t
-    use spintop_errors, only: error_t, exit_input, exit_ok, input_error
+    use spintop_errors, only: error_t, input_error
+    use spintop_exit_codes, only: exit_input, exit_ok
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_in_memory, only: memory_run_t
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of

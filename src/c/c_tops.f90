@@ -5,7 +5,8 @@ module spintop_c_tops
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_c_error, only: hand_error
     use spintop_c_text, only: is_any_null, read_c_texts
-    use spintop_errors, only: error_t, exit_input
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_input
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number

@@ -1,7 +1,7 @@
 !> Status of a computation: an integer inside loops, a name in tables.
 module spintop_status
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: exit_failed, exit_ok
+    use spintop_exit_codes, only: exit_failed, exit_ok
     implicit none
     private
     public :: status_name, status_number, status_meaning, status_names, status_meanings

@@ -2,7 +2,7 @@
 module spintop_number_slot
     use spintop_compare, only: is_equal, is_finite
     use spintop_kinds, only: dp, no_number
-    use spintop_ranges, only: range_t
+    use spintop_range_rule, only: range_t
     implicit none
     private
     public :: number_slot_t

@@ -16,7 +16,7 @@ module spintop_parameters
     use spintop_number_slot, only: number_slot_t
     use spintop_parameter, only: all_elements, any_elements, given, is_set, kind_integer, kind_real, leading_elements, &
         one_per_group, parameter_t, quoted, unset, unset_integer
-    use spintop_ranges, only: parse_range
+    use spintop_range_rule, only: parse_range
     use spintop_text, only: did_you_mean, split, string_t, to_text
     implicit none
     private

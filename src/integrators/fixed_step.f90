@@ -128,7 +128,7 @@ contains
         end if
         if (status == status_outside) self%counts%rejected = self%counts%rejected + 1
         if (.not. is_ok(status)) return
-        call self%settle_change(formulation, t_new, change, changed)
+        call self%accept_change(formulation, t_new, change, changed)
         if (.not. sloped) return
         if (changed) call self%evaluate(formulation, t_new, self%y, slope, status)
         self%slope = slope

@@ -165,7 +165,7 @@ contains
         logical, intent(out) :: ends !! whether the run ends here
         ends = .false.
         if (self%account%is_open) call self%account%go_to(self%formulation, self%stepper, self%stepper%t)
-        call self%segments%settle(self%formulation, self%method, self%stepper, status)
+        call self%segments%end_step(self%formulation, self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
         self%account%t = max(self%account%t, self%stepper%t)
         if (is_ok(status) .and. self%segments%passes_jump) call self%observe_until(self%stepper%t)

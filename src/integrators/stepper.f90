@@ -6,7 +6,7 @@ module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
-    use spintop_error_weight, only: error_weight_t
+    use spintop_error_tolerances, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
     use spintop_motions, only: instants
     use spintop_projection, only: projection_t, project_nothing
@@ -115,8 +115,8 @@ module spintop_stepper
         type(counts_t) :: counts = counts_t()
     contains
         procedure :: evaluate
-        procedure :: settle
-        procedure :: settle_change
+        procedure :: accept_step
+        procedure :: accept_change
         procedure :: may_keep
         procedure :: store_or_restore
         procedure :: copy_counts
@@ -254,7 +254,7 @@ contains
 
     !> Accepts the state `y_new` at `t_new` after the reset of the formulation and the projection; `changed` reports whether
     !> they changed it. The caller renews the slope.
-    subroutine settle(self, formulation, t_new, y_new, changed)
+    subroutine accept_step(self, formulation, t_new, y_new, changed)
         class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, y_new(max_states) !! time, s, and state
@@ -277,11 +277,11 @@ contains
             changed = changed .or. projected
         end if
         if (changed) self%rest = 0
-    end subroutine settle
+    end subroutine accept_step
 
     !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
     !> the compensation term is kept for the next step.
-    subroutine settle_change(self, formulation, t_new, change, changed)
+    subroutine accept_change(self, formulation, t_new, change, changed)
         class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
@@ -290,8 +290,8 @@ contains
         total = change + self%rest
         y_new = self%y + total
         self%rest = total - (y_new - self%y)
-        call self%settle(formulation, t_new, y_new, changed)
-    end subroutine settle_change
+        call self%accept_step(formulation, t_new, y_new, changed)
+    end subroutine accept_change
 
     !> Whether the run could go on from its state as it is now.
     logical function may_keep(self)

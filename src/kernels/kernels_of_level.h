@@ -22,7 +22,7 @@
 #include "binary_powers.h"
 
 #include "series_terms.h"
-#include "stage_sums.h"
+#include "stage_error.h"
 
 #include "lane_vectors.h"
 

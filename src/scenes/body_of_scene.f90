@@ -9,7 +9,7 @@ module spintop_body_of_scene
     use spintop_parts, only: sum_parts
     use spintop_principal_axes, only: clear_rounding, find_principal_axes, steiner
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     implicit none
     private
     public :: make_body, check_axes

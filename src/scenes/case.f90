@@ -14,7 +14,7 @@ module spintop_case
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: fixed_text

@@ -9,7 +9,7 @@ module spintop_effects_of_scene
     use spintop_loads, only: friction_jams
     use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
-    use spintop_scene_effects, only: axes_names, effects_scene_t, interpolation_of
+    use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of
     use spintop_text, only: to_text
     use spintop_torque_table, only: make_torque_table
     implicit none

@@ -8,8 +8,8 @@ module spintop_plan_controls
     use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_projection, only: project_nothing, project_unit, projection_names
-    use spintop_run_plan, only: plan_t
-    use spintop_scene, only: scene_t
+    use spintop_plan, only: plan_t
+    use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok
     use spintop_suitability, only: projection_status
     use spintop_text, only: join, did_you_mean, lower_case, string_t, to_text

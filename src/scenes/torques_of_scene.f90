@@ -6,7 +6,7 @@ module spintop_torques_of_scene
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_problems, only: problems_t
-    use spintop_scene_effects, only: effects_scene_t, interpolation_of
+    use spintop_effects_keys, only: effects_scene_t, interpolation_of
     use spintop_text, only: to_text
     use spintop_torque_table, only: fewest_rows, last_of_piece
     implicit none

@@ -3,7 +3,7 @@ module spintop_uncertainties
     use spintop_kinds, only: degree, dp
     use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     implicit none
     private
     public :: data_radii, has_radii, check_uncertainties

@@ -2,13 +2,13 @@
 !> counts of words, over all cases or over bins of one or two quantities; and what Sobol' indices follow from.
 !>
 !> They do not depend on the order in which cases are added, nor on how cases are divided among accumulators that
-!> are merged: counts are integers, extremes exact, sums as in spintop_exact_sum.
+!> are merged: counts are integers, extremes exact, sums as in spintop_order_free_sum.
 module spintop_accumulators
     use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_bins, only: bins_t
     use spintop_case_groups, only: case_groups_t
-    use spintop_exact_sum, only: add_powers, exact_sum_t
+    use spintop_order_free_sum, only: add_powers, exact_sum_t
     use spintop_kinds, only: dp, no_number, qp
     use spintop_state_stream, only: state_stream_t
     use spintop_value_counts, only: value_counts_t

@@ -12,7 +12,7 @@
 module spintop_sobol_indices
     use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_exact_sum, only: exact_sum_t
+    use spintop_order_free_sum, only: exact_sum_t
     use spintop_kinds, only: dp, no_number, qp
     use spintop_state_stream, only: state_stream_t
     implicit none

@@ -1,6 +1,7 @@
 !> Runs or explains prepared jobs.
 module spintop_execution
-    use spintop_errors, only: error_t, exit_ok
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_ok
     use spintop_job, only: job_t
     use spintop_line_list, only: line_list_t, line_width
     use spintop_options, only: options_t

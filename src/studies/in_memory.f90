@@ -7,7 +7,8 @@ module spintop_in_memory
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_arrays, only: given_axis_t
     use spintop_data_table, only: data_table_t, load_table
-    use spintop_errors, only: error_t, exit_ok
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_ok
     use spintop_execution, only: run_job
     use spintop_fit_table, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder

@@ -13,13 +13,14 @@ module spintop_job
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
-    use spintop_plan, only: make_plan, plan_t
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_study_column, only: chosen_column_t
-    use spintop_sweep_axes, only: axes_t, swept_scene_t
+    use spintop_case_scene, only: case_scene_t
+    use spintop_sweep_axes, only: axes_t
     use spintop_table_column, only: column_t
     use spintop_text, only: string_t, to_text
     implicit none
@@ -140,7 +141,7 @@ contains
         type(scene_t), allocatable, intent(out) :: first !! the scene of the first case; not allocated after a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         logical, intent(in) :: planned !! whether the case is one to compute as planned
-        type(swept_scene_t), allocatable, target :: swept
+        type(case_scene_t), allocatable, target :: swept
         type(problems_t) :: of_first, of_case
 
         if (problems%any()) return
@@ -180,7 +181,7 @@ contains
     subroutine set_values(axes, number, swept, problems)
         type(axes_t), intent(in) :: axes
         integer(int64), intent(in) :: number
-        type(swept_scene_t), intent(inout) :: swept
+        type(case_scene_t), intent(inout) :: swept
         type(problems_t), intent(inout) :: problems
         real(dp) :: values(size(axes%axis))
         integer :: i
@@ -213,7 +214,7 @@ contains
         class(job_t), target, intent(in) :: self
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         integer(int64), parameter :: most_looked_at = 1000000, most_counted = 1000
-        type(swept_scene_t), allocatable, target :: swept
+        type(case_scene_t), allocatable, target :: swept
         type(problems_t) :: of_case, of_other
         real(dp), parameter :: golden_section = (sqrt(5.0_dp) - 1) / 2
         integer(int64) :: number, i, counted, looked_at

@@ -9,7 +9,7 @@ module spintop_job_files
     use spintop_scene_words, only: reference_names
     use spintop_statistics_csv, only: path_beside
     use spintop_table_file, only: stem_of
-    use spintop_tables_of_scene, only: path_of_table
+    use spintop_own_butcher_tables, only: path_of_table
     use spintop_text, only: string_t
     implicit none
     private

@@ -5,7 +5,7 @@ module spintop_named_units
     use spintop_kinds, only: dp
     use spintop_parameter, only: parameter_t
     use spintop_parameters, only: parameter_table_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_study_column, only: chosen_column_t, find_column, study_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_text, only: to_text

@@ -4,8 +4,8 @@
 module spintop_other_accuracy
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set, unset, unset_integer
-    use spintop_plan, only: plan_t
-    use spintop_scene, only: scene_t
+    use spintop_planning, only: plan_t
+    use spintop_scene_keys, only: scene_t
     implicit none
     private
     public :: set_other_accuracy, other_value, other_accuracies

@@ -14,13 +14,13 @@ module spintop_preparation
     use spintop_plain_text, only: escaped
     use spintop_parameters, only: unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene, only: describe_scene
+    use spintop_scene_keys, only: describe_scene
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t
     use spintop_table_file, only: refuse_to_discard_idle
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
-    use spintop_tables_of_scene, only: read_tables
+    use spintop_own_butcher_tables, only: read_tables
     use spintop_torques_of_scene, only: read_torques
     implicit none
     private

@@ -4,7 +4,7 @@ module spintop_scene_of_settings
     use spintop_errors, only: error_t
     use spintop_overrides, only: read_override
     use spintop_parameters, only: parameter_table_t
-    use spintop_scene, only: scene_t, describe_scene
+    use spintop_scene_keys, only: scene_t, describe_scene
     use spintop_text, only: split, string_t
     implicit none
     private

@@ -2,7 +2,8 @@
 !> makes an error.
 module spintop_posix
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
-    use spintop_errors, only: error_t, exit_input, output_error
+    use spintop_errors, only: error_t, output_error
+    use spintop_exit_codes, only: exit_input
     implicit none
     private
     public :: c_open, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, c_check_written, &

@@ -4,9 +4,9 @@ module scene_reports
     use spintop_diagnostics, only: diagnostics_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t
-    use spintop_plan, only: plan_t, make_plan
+    use spintop_planning, only: plan_t, make_plan
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t, describe_scene
+    use spintop_scene_keys, only: scene_t, describe_scene
     use known_tops, only: upright_theta
     implicit none
     private

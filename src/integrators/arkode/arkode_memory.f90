@@ -26,7 +26,7 @@ module spintop_arkode_memory
     use spintop_arkode_stages, only: judge_correction, stage_history_t
     use spintop_arkode_tables, only: arkode_table_t, set_own_table
     use spintop_compare, only: is_equal, is_finite
-    use spintop_error_weight, only: error_weight_t
+    use spintop_error_tolerances, only: error_weight_t
     use spintop_dense_output, only: dense_output_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
@@ -381,7 +381,7 @@ contains
         finish_step = give_up
         self%status = status_non_finite
         if (.not. all(is_finite(y))) return
-        call self%now%settle(self%formulation, t, y, changed)
+        call self%now%accept_step(self%formulation, t, y, changed)
         if (changed) y_now = self%now%y(1:self%states) / self%unit(1:self%states)
         call self%now%evaluate(self%formulation, t, self%now%y, self%now%slope, self%status)
         if (is_ok(self%status)) finish_step = go_on

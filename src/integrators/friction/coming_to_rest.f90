@@ -27,7 +27,7 @@ module spintop_coming_to_rest
         procedure :: begin
         procedure :: latest_end
         procedure :: note_turning
-        procedure :: settle
+        procedure :: detect_rest
         procedure :: store_or_restore
         procedure, private :: set_motion
         procedure, private :: check_rest
@@ -104,7 +104,7 @@ contains
 
     !> Finds out at the end of a step whether the body is at rest. Where it is nearly, it is brought to rest: then `is_stopped`,
     !> and the time is the later one of rest. With a fixed step size that happens only where friction holds it, at that time.
-    subroutine settle(self, formulation, stepper, t_end, is_stopped)
+    subroutine detect_rest(self, formulation, stepper, t_end, is_stopped)
         class(rest_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! what took the step
@@ -134,7 +134,7 @@ contains
         if (.not. is_stopped) return
         stepper%t = stepper%t + left
         stepper%rest = 0
-    end subroutine settle
+    end subroutine detect_rest
 
     !> Stores or restores the state at the end of a step.
     subroutine store_or_restore(self, archive)

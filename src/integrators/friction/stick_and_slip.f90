@@ -40,7 +40,7 @@ module spintop_stick_and_slip
     contains
         procedure :: begin
         procedure :: advance
-        procedure :: settle
+        procedure :: end_step
         procedure :: may_keep
         procedure :: store_or_restore
         procedure :: stepper_of
@@ -189,7 +189,7 @@ contains
 
     !> Ends a step: finds out whether the body comes to rest, or begins to move, and goes over to the next segment if this one
     !> ends.
-    subroutine settle(self, formulation, method, stepper, status)
+    subroutine end_step(self, formulation, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), target, intent(inout) :: method !! the method
@@ -208,7 +208,7 @@ contains
         is_stopped = .false.
         if (formulation%action%may_stick .or. &
             (formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
-            call self%rest%settle(formulation, stepper, method%t_end, is_stopped)
+            call self%rest%detect_rest(formulation, stepper, method%t_end, is_stopped)
         end if
         self%occasion = occasion_none
         if (self%rest%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
@@ -217,7 +217,7 @@ contains
         if (self%rest%is_resting) next = by_rest
         if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
         if (stepper%t < method%t_end) call self%go_over(next, formulation, method, stepper, status)
-    end subroutine settle
+    end subroutine end_step
 
     !> Whether the run could go on from its state as it is now: not from the beginning of a Runge-Kutta step.
     pure logical function may_keep(self)

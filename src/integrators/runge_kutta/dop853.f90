@@ -181,7 +181,7 @@ contains
             self%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
-        call self%settle_change(formulation, t_new, change, changed)
+        call self%accept_change(formulation, t_new, change, changed)
         self%slope = slope
         if (changed) call self%evaluate(formulation, self%t, self%y, self%slope, status)
         growth = min(largest_growth, max(largest_cut, safety * growth))

@@ -83,7 +83,7 @@ contains
             self%h = max(self%h, h_smallest)
             first_trial = .false.
         end do
-        call self%settle(formulation, t_new, y_new, changed)
+        call self%accept_step(formulation, t_new, y_new, changed)
         self%slope = self%k(:, self%table%stages)
         if (changed) call self%evaluate(formulation, self%t, self%y, self%slope, status)
         if (first_trial) then

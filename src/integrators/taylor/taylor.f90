@@ -142,7 +142,7 @@ contains
         ! Terms that are NaN do not show in the largest magnitude.
         status = status_non_finite
         if (.not. all(abs(change) <= huge(1.0_dp))) return
-        call self%settle_change(formulation, t_new, change, changed)
+        call self%accept_change(formulation, t_new, change, changed)
         status = status_ok
     end subroutine advance
 

@@ -66,7 +66,7 @@ contains
         status = status_non_finite
         if (.not. all(abs(y_new) <= huge(1.0_dp))) return
         rest = real(y - y_new, dp)
-        call self%settle(formulation, t_new, y_new, changed)
+        call self%accept_step(formulation, t_new, y_new, changed)
         if (.not. changed) self%rest = rest
         status = status_ok
     end subroutine advance

@@ -5,7 +5,7 @@ module spintop_axes_of_arrays
     use spintop_axis_entry, only: count_axes, find_swept
     use spintop_parameters, only: parameter_table_t
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: combine_zip
     use spintop_sweep_axes, only: axes_t
     use spintop_text, only: to_text

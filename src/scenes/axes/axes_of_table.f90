@@ -13,7 +13,7 @@ module spintop_axes_of_table
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_table_walk, only: table_cursor_t, table_walk_t

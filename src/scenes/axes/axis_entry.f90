@@ -4,7 +4,7 @@ module spintop_axis_entry
     use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
-    use spintop_scene, only: scene_t, max_axes, max_list_axes
+    use spintop_scene_keys, only: scene_t, max_axes, max_list_axes
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_text, only: to_text
     implicit none

@@ -7,7 +7,7 @@ module spintop_axis_laws
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_sweep_axis, only: axis_t
     use spintop_text, only: join, to_text
     implicit none

@@ -10,19 +10,20 @@ module spintop_benchmark_study
     use spintop_clock, only: seconds
     use spintop_compare, only: is_finite
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
+    use spintop_errors, only: error_t, internal_error
+    use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_named_methods, only: method_choice_t, set_adaptive, set_steps, find_cases
+    use spintop_compared_methods, only: method_choice_t, set_adaptive, set_steps, find_cases
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_options, only: options_t
-    use spintop_plan, only: make_plan, plan_t
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_reference_motion, only: find_reference, reference_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_of_settings, only: make_scene_of_settings
     use spintop_scene_words, only: kind_benchmark, reference_exact, reference_quadruple, study_kinds
     use spintop_status, only: is_good_end, is_ok, status_meaning

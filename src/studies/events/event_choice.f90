@@ -5,7 +5,7 @@ module spintop_event_choice
     use spintop_event_text, only: column_event_t, read_event
     use spintop_parameters, only: unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_study, only: study_info_t
     use spintop_text, only: to_text
     implicit none

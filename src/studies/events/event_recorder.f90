@@ -12,7 +12,7 @@ module spintop_event_recorder
     use spintop_journal, only: journal_entry_t
     use spintop_motion, only: motion_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_table_column, only: column_t
     use spintop_table_file, only: part_of, table_file_t
     use spintop_text, only: string_t

@@ -14,11 +14,11 @@ module spintop_fit_model
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, parameter_table_t
-    use spintop_plan, only: make_plan, plan_t
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: describe_scene, scene_t
+    use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, is_ok

@@ -2,7 +2,8 @@
 module spintop_fit_study
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
@@ -18,11 +19,11 @@ module spintop_fit_study
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_info_t, study_t

@@ -1,7 +1,7 @@
 !> What `spintop list` shows of each registry: a procedure per topic adds its items.
 module spintop_listed_topics
     use spintop_benchmark_cases, only: benchmarks
-    use spintop_errors, only: exit_codes
+    use spintop_exit_codes, only: exit_codes
     use spintop_event_text, only: named_events, event_grammar
     use spintop_hard_cases, only: hard_cases
     use spintop_json, only: json_t
@@ -11,7 +11,7 @@ module spintop_listed_topics
     use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real, parameter_t
     use spintop_parameter_print, only: list_parameters
     use spintop_parameters, only: parameter_table_t
-    use spintop_scene, only: scene_t, describe_scene
+    use spintop_scene_keys, only: scene_t, describe_scene
     use spintop_shapes, only: part_infos, shape_infos, shape_by_inertia
     use spintop_status, only: is_good_end, status_names, status_meanings
     use spintop_studies, only: create_study, listed_studies

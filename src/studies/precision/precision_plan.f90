@@ -4,17 +4,17 @@ module spintop_precision_plan
     use spintop_diagnostics, only: diagnostics_t
     use spintop_formulation, only: structure_quadruple
     use spintop_kinds, only: dp
-    use spintop_named_methods, only: method_choice_t, set_adaptive, set_steps, add_methods
+    use spintop_compared_methods, only: method_choice_t, set_adaptive, set_steps, add_methods
     use spintop_methods, only: exact_info, method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_projection, only: project_nothing, projection_names
     use spintop_scene_words, only: reference_auto, reference_exact, reference_names
     use spintop_reference_motion, only: reference_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: method_info_t
     use spintop_stored_motion, only: read_motion
-    use spintop_tables_of_scene, only: infos_of_tables, names_of_methods
+    use spintop_own_butcher_tables, only: infos_of_tables, names_of_methods
     use spintop_text, only: to_text
     implicit none
     private

@@ -8,27 +8,28 @@ module spintop_precision_study
     use spintop_case, only: case_t, make_case
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
-    use spintop_plan, only: plan_t, make_plan
+    use spintop_planning, only: plan_t, make_plan
     use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, add_row, sort_rows
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference, set_setting
     use spintop_precision_summary, only: auto_tally_t, summarize_problem
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_reference_motion, only: check_reference, find_reference, reference_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_precision, study_kinds
     use spintop_status, only: is_ok, last_status, status_meaning, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
     use spintop_summary, only: summary_t, rounded
-    use spintop_sweep_axes, only: swept_scene_t
+    use spintop_case_scene, only: case_scene_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
@@ -121,7 +122,7 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(swept_scene_t), allocatable, target :: swept
+        type(case_scene_t), allocatable, target :: swept
         type(table_file_t) :: file
         type(progress_t) :: progress
         type(auto_tally_t) :: tally

@@ -8,7 +8,7 @@ module spintop_table_form
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: table_t
-    use spintop_run_plan, only: sample_time
+    use spintop_plan, only: sample_time
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_head, only: first_line_of
     use spintop_text, only: string_t, to_text

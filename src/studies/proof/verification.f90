@@ -11,7 +11,8 @@ module spintop_verification
     use spintop_claims, only: claim_of
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
-    use spintop_errors, only: error_t, exit_failed, exit_ok, input_error
+    use spintop_errors, only: error_t, input_error
+    use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_line_list, only: line_list_t
@@ -19,8 +20,8 @@ module spintop_verification
     use spintop_plain_text, only: escaped
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
-    use spintop_scene, only: scene_t
-    use spintop_sweep_axes, only: swept_scene_t
+    use spintop_scene_keys, only: scene_t
+    use spintop_case_scene, only: case_scene_t
     use spintop_table_form, only: check_cases, check_proof_cells, check_times, check_values, findings_t, is_nan
     use spintop_status, only: is_good_end, status_number
     use spintop_text, only: string_t, to_text
@@ -145,7 +146,7 @@ contains
         type(job_t), target, intent(in) :: job
         type(verification_t), intent(inout) :: found
         type(error_t), allocatable, intent(out) :: error
-        type(swept_scene_t), allocatable, target :: swept
+        type(case_scene_t), allocatable, target :: swept
         type(row_proof_t) :: proof
         type(case_t) :: case
         type(string_t), allocatable :: status(:)

@@ -5,7 +5,7 @@
 !> is the number of steps for methods without step control.
 module spintop_hard_cases
     use spintop_errors, only: error_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_of_settings, only: make_scene_of_settings
     implicit none
     private

@@ -4,11 +4,11 @@ module spintop_stability_plan
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases, make_scene
     use spintop_kinds, only: dp
-    use spintop_named_methods, only: method_choice_t, set_adaptive, set_steps, find_cases, add_methods
+    use spintop_compared_methods, only: method_choice_t, set_adaptive, set_steps, find_cases, add_methods
     use spintop_methods, only: method_infos
     use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: method_info_t
     implicit none
     private

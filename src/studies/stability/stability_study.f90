@@ -9,23 +9,24 @@ module spintop_stability_study
     use spintop_clock, only: seconds
     use spintop_dealt_rows, only: compare_with_writer, row_source_t, write_dealt
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_failed, exit_ok, internal_error
+    use spintop_errors, only: error_t, internal_error
+    use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple
     use spintop_hard_cases, only: hard_cases
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_lyapunov, only: find_lyapunov
-    use spintop_named_methods, only: method_choice_t
+    use spintop_compared_methods, only: method_choice_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_options, only: options_t
-    use spintop_plan, only: plan_t, make_plan
+    use spintop_planning, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t
     use spintop_scene_words, only: kind_stability, reference_auto, study_kinds
     use spintop_reference_motion, only: reference_t, find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_stability_columns, only: add_row, stability_row_t, stability_columns
     use spintop_stability_plan, only: make_stability_plan, own_case, scene_of_case, scene_of_trial, stability_plan_t
     use spintop_status, only: is_ok, last_status, status_meaning, status_ok

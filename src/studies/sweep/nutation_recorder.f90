@@ -17,7 +17,8 @@ module spintop_nutation_recorder
         class_libration, class_circulation
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: exactly_plane, polar_precession_rate, precession_is_lost, swings_over_poles
-    use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
+    use spintop_quantities, only: angular_acceleration, axis_height_rate
+    use spintop_support_force, only: support_force
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
     implicit none

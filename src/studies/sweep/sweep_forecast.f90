@@ -15,7 +15,7 @@ module spintop_sweep_forecast
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at
     use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
-    use spintop_sweep_block_worker, only: sweep_thread_t
+    use spintop_sweep_thread, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_thread_team, only: blocks_ahead

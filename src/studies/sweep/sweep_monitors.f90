@@ -7,7 +7,7 @@ module spintop_sweep_monitors
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
     use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, vertical_force
-    use spintop_growth_lanes, only: growth_lanes_t
+    use spintop_lyapunov_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
     use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
     use spintop_motion, only: motion_t

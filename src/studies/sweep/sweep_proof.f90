@@ -5,7 +5,7 @@ module spintop_sweep_proof
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
     use spintop_row_proof, only: row_proof_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_engine, only: slot_t

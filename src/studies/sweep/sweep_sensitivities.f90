@@ -7,7 +7,7 @@ module spintop_sweep_sensitivities
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: exact_info
     use spintop_other_accuracy, only: other_accuracies, other_value, set_other_accuracy
-    use spintop_plan, only: make_plan
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_zip

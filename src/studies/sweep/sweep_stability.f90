@@ -7,7 +7,7 @@ module spintop_sweep_stability
     use spintop_kinds, only: dp
     use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
-    use spintop_growth_lanes, only: find_growth, growth_t
+    use spintop_lyapunov_lanes, only: find_growth, growth_t
     use spintop_inherent_lanes, only: find_inherent_errors
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_steady_motion, only: critical_omega3

@@ -6,7 +6,8 @@ module spintop_sweep_study
     use spintop_clock, only: seconds, utc_now
     use spintop_dealt_rows, only: compare_with_writer
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_ok
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_ok
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -15,7 +16,7 @@ module spintop_sweep_study
     use spintop_process, only: host_name, stop_watching_signals
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_sweep, study_kinds
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
@@ -28,7 +29,7 @@ module spintop_sweep_study
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
     use spintop_sweep_table, only: describe_table, start_table
-    use spintop_sweep_block_worker, only: sweep_thread_t
+    use spintop_sweep_thread, only: sweep_thread_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, to_text

@@ -10,12 +10,12 @@ module spintop_sweep_worker
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_plan, only: plan_t, make_plan
+    use spintop_planning, only: plan_t, make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
-    use spintop_sweep_axes, only: swept_scene_t
-    use spintop_sweep_batch, only: sweep_batch_t
+    use spintop_case_scene, only: case_scene_t
+    use spintop_sweep_lanes, only: sweep_batch_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at, work_for
     use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, slot_t, task_t
@@ -25,7 +25,7 @@ module spintop_sweep_worker
     use spintop_sweep_proof, only: prove_case, sweep_proofs
     use spintop_sweep_result, only: asks_for_span, of_proof, of_threshold, sweep_result_t
     use spintop_sweep_stability, only: perturbations_t, set_threshold
-    use spintop_sweep_stepping, only: sweep_stepping_t
+    use spintop_sweep_one_by_one, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
     use spintop_parameters, only: is_set
@@ -55,7 +55,7 @@ module spintop_sweep_worker
 
     !> Data of a thread for making and computing cases.
     type :: sweep_worker_t
-        type(swept_scene_t), private :: swept
+        type(case_scene_t), private :: swept
         !> What is asked of the cases, and those who compute it.
         type(task_t), private :: task
         type(engine_entry_t), allocatable, private :: engines(:)

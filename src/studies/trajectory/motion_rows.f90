@@ -13,10 +13,10 @@ module spintop_motion_rows
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
     use spintop_observer, only: keeping_observer_t
-    use spintop_plan, only: plan_t, sample_time
+    use spintop_planning, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t

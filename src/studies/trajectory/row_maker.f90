@@ -10,7 +10,7 @@ module spintop_row_maker
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_study_column, only: proof_group
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_columns, only: angle_group, longest, fill_vector, trajectory_column_t, vectors

@@ -10,7 +10,8 @@ module spintop_trajectory_columns
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
-        kovalevskaya_integral, specific_force, vertical_momentum
+        kovalevskaya_integral, vertical_momentum
+    use spintop_support_force, only: specific_force
     use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
         passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
         passing_turning, passing_vertical, passing_vertical_momentum

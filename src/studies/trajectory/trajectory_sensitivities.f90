@@ -3,7 +3,8 @@
 module spintop_trajectory_sensitivities
     use spintop_case, only: case_t
     use spintop_differences, only: node_count, nodes_t
-    use spintop_errors, only: error_t, exit_internal
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_internal
     use spintop_event_recorder, only: event_recorder_t
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
@@ -11,8 +12,8 @@ module spintop_trajectory_sensitivities
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plain_text, only: escaped
     use spintop_other_accuracy, only: other_accuracies
-    use spintop_plan, only: plan_t, sample_time
-    use spintop_scene, only: scene_t
+    use spintop_planning, only: plan_t, sample_time
+    use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none

@@ -3,7 +3,8 @@ module spintop_trajectory_study
     use spintop_case, only: case_t
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, exit_internal
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_internal
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_exact_cost, only: measure_exact_cost
     use spintop_resumable_table, only: refusal, remove_leftovers
@@ -13,10 +14,10 @@ module spintop_trajectory_study
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
-    use spintop_plan, only: sample_time
+    use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_process, only: stop_watching_signals
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_steady_motion, only: critical_omega3, starts_upright
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok

@@ -6,7 +6,8 @@
 !>     call table%start(path, description%head(), resume, restart, error)   ! then as in spintop_row_table
 module spintop_netcdf_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t, exit_output
+    use spintop_errors, only: error_t
+    use spintop_exit_codes, only: exit_output
     use spintop_files, only: output_file_t
     use spintop_resumable_table, only: growing_table_t
     use spintop_journal, only: journal_entry_t

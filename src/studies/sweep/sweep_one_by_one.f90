@@ -1,5 +1,5 @@
 !> Cases of a sweep that are computed one by one: integrated numerically, or followed along their closed form.
-module spintop_sweep_stepping
+module spintop_sweep_one_by_one
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
@@ -314,4 +314,4 @@ contains
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
     end subroutine update_energy_error
 
-end module spintop_sweep_stepping
+end module spintop_sweep_one_by_one

@@ -1,5 +1,5 @@
 !> The group &effects of an input as plain data, with its rows of the parameter table.
-module spintop_scene_effects
+module spintop_effects_keys
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t, unset
     use spintop_text, only: join
@@ -116,4 +116,4 @@ contains
         interpolation = max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1))
     end function interpolation_of
 
-end module spintop_scene_effects
+end module spintop_effects_keys

@@ -8,7 +8,7 @@
 !>
 !> The idea is that of Kulisch's long accumulator and of the binned sums of J. Demmel and H. D. Nguyen,
 !> "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015).
-module spintop_exact_sum
+module spintop_order_free_sum
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, qp
     implicit none
@@ -303,4 +303,4 @@ contains
         self%top = top
     end subroutine raise
 
-end module spintop_exact_sum
+end module spintop_order_free_sum

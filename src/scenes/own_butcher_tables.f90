@@ -2,7 +2,7 @@
 !>
 !> A file is read once; its name in the scene then ends in `@` and its checksum, so that the resolved input stands for these
 !> coefficients, and a file that has changed is refused.
-module spintop_tables_of_scene
+module spintop_own_butcher_tables
     use spintop_checksum, only: checksum_of, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: path_from, read_file
@@ -10,7 +10,7 @@ module spintop_tables_of_scene
     use spintop_formulations, only: formulation_infos
     use spintop_methods, only: create_stepper, method_infos
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t, table_prefix
+    use spintop_scene_keys, only: scene_t, table_prefix
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_tableau, only: parse_tableau, tableau_t
     use spintop_tableau_method, only: create_tableau_stepper, tableau_info
@@ -167,4 +167,4 @@ contains
         end do
     end function names_of_methods
 
-end module spintop_tables_of_scene
+end module spintop_own_butcher_tables

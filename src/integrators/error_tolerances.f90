@@ -4,7 +4,7 @@
 !> momentum of the motion for those: `formulation_t%scale`. Step control therefore does not depend on the
 !> units of mass, length and time. An angle that counts its turns and on which the motion does not depend,
 !> such as phi, counts as one radian, for any number of turns, until rounding leaves no digit of it.
-module spintop_error_weight
+module spintop_error_tolerances
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     implicit none
@@ -73,4 +73,4 @@ contains
         magnitude = max(abs(y), abs(y_new), self%threshold)
     end function matlab_magnitude
 
-end module spintop_error_weight
+end module spintop_error_tolerances

@@ -1,5 +1,5 @@
 !> The groups &fit and &sensor of an input as plain data, with their rows of the parameter table.
-module spintop_scene_fit
+module spintop_fit_keys
     use spintop_kinds, only: dp
     use spintop_losses, only: loss_names
     use spintop_parameters, only: any_elements, is_set, leading_elements, one_per_group, parameter_table_t, unset
@@ -100,4 +100,4 @@ contains
         where (.not. is_set(self%sensors%scale)) self%sensors%scale = 1
     end subroutine set_defaults
 
-end module spintop_scene_fit
+end module spintop_fit_keys

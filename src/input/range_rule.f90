@@ -1,5 +1,5 @@
 !> Ranges of numbers, written as rules: `> 0`, `<= 1`, `[0, pi]`, `(0, 1]`; '' allows all numbers.
-module spintop_ranges
+module spintop_range_rule
     use spintop_kinds, only: dp, pi
     implicit none
     private
@@ -104,4 +104,4 @@ contains
         if (valid) bound = bound * number
     end subroutine read_bound
 
-end module spintop_ranges
+end module spintop_range_rule

@@ -1,5 +1,5 @@
 !> What a thread needs to compute the rows of a sweep: its cases, and their sensitivities.
-module spintop_sweep_block_worker
+module spintop_sweep_thread
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: processor_seconds
     use spintop_job, only: job_t
@@ -46,4 +46,4 @@ contains
         self%costs(work_of_computing) = self%costs(work_of_computing) + (processor_seconds() - began)
     end subroutine compute_rows
 
-end module spintop_sweep_block_worker
+end module spintop_sweep_thread

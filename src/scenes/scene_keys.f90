@@ -3,7 +3,7 @@
 !> The default initialisation of a component is the default of the parameter. The table binds each component
 !> to its name, unit, range and meaning; the range of theta_deg, for example, is checked by it. Reading,
 !> checking, printing the resolved input and `spintop list parameters` use the table.
-module spintop_scene
+module spintop_scene_keys
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: checksum_width
     use spintop_distributions, only: law_names
@@ -14,9 +14,9 @@ module spintop_scene
     use spintop_formulations, only: formulation_infos
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
-    use spintop_scene_fit, only: describe_fit, fit_scene_t
-    use spintop_scene_effects, only: describe_effects, effects_scene_t
-    use spintop_scene_uncertainty, only: describe_uncertainty, uncertainty_scene_t
+    use spintop_fit_keys, only: describe_fit, fit_scene_t
+    use spintop_effects_keys, only: describe_effects, effects_scene_t
+    use spintop_uncertainty_keys, only: describe_uncertainty, uncertainty_scene_t
     use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
         study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
@@ -391,4 +391,4 @@ contains
         end do
     end subroutine add_each
 
-end module spintop_scene
+end module spintop_scene_keys

@@ -1,6 +1,6 @@
 !> The group &uncertainty of an input as plain data, with its rows of the parameter table: radii of other keys. Bounds hold
 !> for all data within them.
-module spintop_scene_uncertainty
+module spintop_uncertainty_keys
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t, unset
     implicit none
@@ -45,4 +45,4 @@ contains
         call table%add(initial // 'omega3', scene%omega3, 'rad/s', range, 'radius of omega3')
     end subroutine describe_uncertainty
 
-end module spintop_scene_uncertainty
+end module spintop_uncertainty_keys

@@ -1,12 +1,12 @@
 !> Methods and formulations as they are named in an input for a comparison: `method` or `method/formulation`.
-module spintop_named_methods
+module spintop_compared_methods
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
     use spintop_method_aliases, only: method_aliases
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene, only: scene_t
+    use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: method_info_t
     use spintop_suggestions, only: own_name
     use spintop_text, only: did_you_mean, to_text
@@ -109,4 +109,4 @@ contains
         call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)
     end subroutine refuse_name
 
-end module spintop_named_methods
+end module spintop_compared_methods

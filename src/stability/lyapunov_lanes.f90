@@ -1,6 +1,6 @@
 !> Growth of perturbations along the motions in lanes: the Lyapunov exponent, and the largest singular value of the
 !> tangent map, as in `spintop_lyapunov`.
-module spintop_growth_lanes
+module spintop_lyapunov_lanes
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
@@ -178,4 +178,4 @@ contains
         end where
     end subroutine find_growth
 
-end module spintop_growth_lanes
+end module spintop_lyapunov_lanes

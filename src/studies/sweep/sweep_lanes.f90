@@ -1,6 +1,6 @@
 !> Cases of a sweep that are integrated together, in vector lanes: bodies without a closed form, of which the table
 !> contains the end of the span, or what the monitors in lanes measure.
-module spintop_sweep_batch
+module spintop_sweep_lanes
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_equal, is_zero
@@ -156,4 +156,4 @@ contains
         end if
     end subroutine set_quantities
 
-end module spintop_sweep_batch
+end module spintop_sweep_lanes

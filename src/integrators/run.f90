@@ -11,7 +11,7 @@ module spintop_run
     use spintop_motion, only: motion_t
     use spintop_observer, only: keeping_observer_t, observer_t
     use spintop_poles, only: reach_of
-    use spintop_stick_and_slip, only: segments_t
+    use spintop_segments, only: segments_t
     use spintop_status, only: is_ok, status_not_converged, status_ok, status_outside, status_step_limit, &
         status_step_too_small, status_too_many_events, status_turning_point
     use spintop_step_path, only: follower_t, step_path_t

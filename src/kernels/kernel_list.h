@@ -33,7 +33,7 @@ PROCEDURE(find_stages, (from, to, body, y, h, stages, a, since, k, aside), int f
 PROCEDURE(find_effects_stages, (from, to, e, t, y, h, a, stride, c, k), int from, int to, const struct stage_effects *e,
           double t, const double *y, double h, const double *a, int stride, const double *c, double *k)
 
-// stage_error.h: the change of the state over a step of size h, the state after it, with the rounding error `rest` of that
+// dop853_error.h: the change of the state over a step of size h, the state after it, with the rounding error `rest` of that
 // before, and the logarithm to base 2 of its error in units of the tolerance: the root mean square over the states of the
 // errors of the embedded methods, combined to an estimate of order h^8. It is not finite if they are not. `growth` is the
 // factor from this step to the next: `most` and `share` are powers of two, the first if the error is the tolerance, and less by

@@ -3,12 +3,12 @@
 // A kernel has a build for each level of the processor (processor.c): kernels_v2.c, kernels_v3.c and kernels_v4.c are tables of
 // them, of which kernels.c chooses one when the program starts.
 
-// Numbers in a state and in a term of a series, what a stage sets aside, and the highest order, as in capabilities.f90;
+// Numbers in a state and in a term of a series, what a stage sets aside, and the highest order, as in kernel_types.f90;
 // instants, as in motions.f90.
 enum { numbers = 8, half = numbers / 2, set_aside = 3 * half, highest_order = 30, most_terms = highest_order + 1 };
 enum { instants = 8 };
 
-#include "lane_rows.h"
+#include "many_bodies/lane_rows.h"
 
 // Constants of the equations of one body: factors of the products of vectors in body_vectors.h.
 struct body_products {

@@ -9,28 +9,28 @@
 
 #include "vectors.h"
 
-#include "body_vectors.h"
-#include "shares.h"
-#include "body_start.h"
+#include "one_body/body_vectors.h"
+#include "one_body/shares.h"
+#include "one_body/body_start.h"
 
-#include "body_series.h"
-#include "body_stages.h"
-#include "effects_series.h"
-#include "effects_stages.h"
-#include "top_series.h"
+#include "one_body/body_series.h"
+#include "one_body/body_stages.h"
+#include "one_body/effects_series.h"
+#include "one_body/effects_stages.h"
+#include "one_body/top_series.h"
 
 #include "binary_powers.h"
 
-#include "series_terms.h"
-#include "stage_error.h"
+#include "one_body/series_terms.h"
+#include "one_body/dop853_error.h"
 
-#include "lane_vectors.h"
+#include "many_bodies/lane_vectors.h"
 
-#include "lane_effects.h"
-#include "lane_products.h"
-#include "lane_roots.h"
-#include "lane_series.h"
-#include "lane_work.h"
+#include "many_bodies/lane_effects.h"
+#include "many_bodies/lane_products.h"
+#include "many_bodies/lane_roots.h"
+#include "many_bodies/lane_series.h"
+#include "many_bodies/lane_work.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

@@ -1,21 +1,21 @@
 !> The plan of a scene: the model and the method that compute it, and the reasons for them.
 module spintop_planning
-    use spintop_kinds, only: dp
+    use spintop_automatic_method, only: choose_automatically, free_body, known_for, of_any_body, of_symmetric_tops, &
+        solvable_effects, solved_for
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_effects_of_scene, only: warn_of_effects
-    use spintop_formulation, only: formulation_info_t, formulation_t, structure_names
+    use spintop_formulation, only: formulation_info_t, structure_names
     use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_methods, only: create_stepper, exact_info
+    use spintop_methods, only: exact_info
     use spintop_parameters, only: is_set, unset_integer
     use spintop_plan_controls, only: read_controls, read_projection
     use spintop_projection, only: projection_names, project_nothing
     use spintop_problems, only: problems_t
-    use spintop_automatic_method, only: recommend_adaptive, recommend_steps
     use spintop_plan, only: plan_t, sample_time, sample_times
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok, status_meaning
-    use spintop_stepper, only: controls_t, method_info_t
+    use spintop_stepper, only: method_info_t
     use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns
     use spintop_own_butcher_tables, only: create_method
     use spintop_text, only: to_text, join
@@ -23,14 +23,6 @@ module spintop_planning
     private
     public :: plan_t, make_plan, sample_time, sample_times
 
-    !> Description of the bodies for which `body_t%is_lagrange` is true, and of those that have a closed form.
-    character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
-        &body z, at or above the pivot', free_body = 'an undamped body without gravitational torque', &
-        solvable_effects = 'a rotor with constant momentum on the axis of an undamped symmetric top, and the rotation of &
-        &the Earth at a pole', &
-        solved_for = known_for // ', and ' // free_body
-    !> The default formulations.
-    character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body '
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
 
 contains
@@ -79,8 +71,6 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: default_with_table = 'arkode_erk'
-
         select case (scene%method)
         case (exact_info%name)
             plan%exact = .true.
@@ -93,22 +83,7 @@ contains
                                   "use method = 'auto'")
             end if
         case ('auto')
-            plan%exact = body%has_closed_form() .and. .not. any([scene%formulation /= 'auto', &
-                scene%table /= '', scene%steps /= unset_integer, is_set(scene%step)])
-            if (plan%exact) then
-                plan%reason = 'The body is ' // known_for
-                if (.not. body%is_lagrange()) plan%reason = 'The body is ' // free_body
-                plan%reason = plan%reason // ', so the motion is computed in closed form: &
-                    &accurate to rounding at any time, at a cost that does not depend on the time span, without steps.'
-            else
-                plan%reason = why_integrated(body)
-                if (scene%table == '') then
-                    call choose_default(scene, body, plan)
-                else
-                    call create_stepper(default_with_table, plan%stepper)
-                    plan%reason = plan%reason // ' ' // default_with_table // ' uses the named table.'
-                end if
-            end if
+            call choose_automatically(scene, body, plan)
         case default
             call create_method(scene, plan%stepper)
             plan%reason = 'The input names method ' // trim(scene%method) // '.'
@@ -148,53 +123,6 @@ contains
         end subroutine refuse
 
     end subroutine choose_method
-
-    !> Why a motion is integrated numerically, without a method that the input names.
-    function why_integrated(body) result(reason)
-        type(body_t), intent(in) :: body
-        character(:), allocatable :: reason
-        if (body%has_closed_form()) then
-            reason = 'The input names a formulation, a table or steps, so the motion is integrated numerically, although a &
-                &closed form exists.'
-        else if (allocated(body%effects)) then
-            reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated numerically; &
-                &a closed form exists only with ' // solvable_effects // '. Splitting methods, projection onto invariants &
-                &and quantities of the undisturbed top are excluded.'
-        else
-            reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no closed form and the &
-                &motion is integrated numerically.'
-        end if
-    end function why_integrated
-
-    !> The cheapest adaptive stepper or, on request, the cheapest one with a fixed step size.
-    subroutine choose_default(scene, body, plan)
-        type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
-        type(plan_t), intent(inout) :: plan
-        type(controls_t), parameter :: defaults = controls_t()
-        class(formulation_t), allocatable :: formulation
-        character(:), allocatable :: why
-        real(dp) :: tolerance
-
-        tolerance = defaults%relative_tolerance
-        if (is_set(scene%relative_tolerance)) tolerance = scene%relative_tolerance
-        call create_formulation(trim(likely_formulation(scene, body)), formulation, body=body)
-        if (scene%steps /= unset_integer .or. is_set(scene%step)) then
-            call recommend_steps(formulation%info(), plan%stepper, why)
-        else
-            call recommend_adaptive(tolerance, formulation%info(), plan%stepper, why)
-        end if
-        plan%reason = plan%reason // ' ' // trim(plan%stepper%info%name) // ' is the default: ' // why // '.'
-    end subroutine choose_default
-
-    !> The named formulation, or the default one for methods that it supports.
-    pure function likely_formulation(scene, body) result(name)
-        type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
-        character(len(scene%formulation)) :: name
-        name = scene%formulation
-        if (name == 'auto') name = merge(of_symmetric_tops, of_any_body, body%is_lagrange())
-    end function likely_formulation
 
     !> The named formulation, or the default one.
     subroutine choose_formulation(scene, body, plan, problems)

@@ -9,7 +9,7 @@ module spintop_statistics_table
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t, sync_file
-    use spintop_resumable_table, only: growing_table_t, refusal
+    use spintop_resumable_table, only: resumable_table_t, refusal
     use spintop_journal, only: journal_entry_t, state_of
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
@@ -33,7 +33,7 @@ module spintop_statistics_table
     !> Rows, and what is gathered of them.
     type, extends(row_table_t) :: statistics_table_t
         !> The table of the rows, which may keep none.
-        class(growing_table_t), allocatable :: rows_table
+        class(resumable_table_t), allocatable :: rows_table
         type(statistics_plan_t) :: plan
         !> Path of the result, and its header.
         character(:), allocatable :: path, head

@@ -25,14 +25,14 @@ module spintop_resumable_table
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: growing_table_t, refusal, remove_leftovers
+    public :: resumable_table_t, refusal, remove_leftovers
 
     !> Seconds between two entries of the journal, or, if the disk is slow, this multiple of the duration of
     !> the last entry: entries take less than a twentieth of the time of one thread.
     real(dp), parameter :: first_pause = 0.05_dp, entry_pause = 0.5_dp, entry_times_pause = 20
 
     !> A table of a sweep as CSV, with its journal. Other formats override what is done with the part.
-    type, extends(row_table_t) :: growing_table_t
+    type, extends(row_table_t) :: resumable_table_t
         !> Whether the rows are written. Otherwise the part has only the header, the journal still counts the rows,
         !> and another file is made of them, which `finish` leaves as it is.
         logical :: keeps_rows = .true.
@@ -76,7 +76,7 @@ module spintop_resumable_table
         procedure, private :: difference_from
         procedure, private :: start_anew
         procedure, private :: resume
-    end type growing_table_t
+    end type resumable_table_t
 
 contains
 
@@ -84,7 +84,7 @@ contains
     !> then be that of the earlier run. The rows of an interrupted run are discarded only on request
     !> (`restart`).
     subroutine start(self, path, head, resume, restart, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
         logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
@@ -135,7 +135,7 @@ contains
 
     !> Starts from the beginning, with an entry of no rows. The rows of an earlier run are discarded.
     subroutine start_anew(self, head, resume, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         character(*), intent(in) :: head
         logical, intent(in) :: resume
         type(error_t), allocatable, intent(out) :: error
@@ -166,7 +166,7 @@ contains
 
     !> Resumes at the size in the journal, if the bytes of the part have the checksum in the journal.
     subroutine resume(self, head, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         character(*), intent(in) :: head
         type(error_t), allocatable, intent(out) :: error
         type(journal_entry_t) :: entry
@@ -192,7 +192,7 @@ contains
 
     !> Formats the rows of a block as text.
     subroutine format_block(self, block)
-        class(growing_table_t), intent(in) :: self
+        class(resumable_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! its cells become text
         if (self%keeps_rows) then
             call block%format(self%columns)
@@ -203,7 +203,7 @@ contains
 
     !> Adds rows.
     subroutine append(self, block, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%keeps_rows) call self%append_to_part(block, error)
@@ -212,13 +212,13 @@ contains
 
     !> Whether an entry of the current size is due.
     logical function is_due(self)
-        class(growing_table_t), intent(in) :: self
+        class(resumable_table_t), intent(in) :: self
         is_due = .not. self%in_entry .and. seconds() >= self%due
     end function is_due
 
     !> Sets the time of the first entry, where more than rows is to be written with it.
     subroutine set_pause(self, pause)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         real(dp), intent(in) :: pause !! from now, s
         self%due = seconds() + pause
     end subroutine set_pause
@@ -226,13 +226,13 @@ contains
     !> Called where the work for an entry begins before `make_entry_if_due`, so that the pause after it is as long as all of it
     !> asks for.
     subroutine begin_entry(self)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         if (.not. self%entry_began > 0) self%entry_began = seconds()
     end subroutine begin_entry
 
     !> Makes an entry of the current size, if there are new rows and the last entry is old enough.
     subroutine make_entry_if_due(self, entry, due, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(journal_entry_t), intent(inout) :: entry !! the current size of the table, if an entry is due
         logical, intent(out) :: due !! whether an entry is due
         type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
@@ -252,7 +252,7 @@ contains
     !> Waits until the rows of an entry are on the disk, and then writes the entry. Other threads may add rows
     !> meanwhile.
     subroutine keep_entry(self, entry, error)
-        class(growing_table_t), intent(in) :: self
+        class(resumable_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%sync(error)
@@ -262,7 +262,7 @@ contains
 
     !> Called after an entry was written: sets the time of the next one.
     subroutine end_entry(self)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
         self%entry_began = 0
         self%in_entry = .false. ! last: other threads ask `is_due` meanwhile
@@ -270,7 +270,7 @@ contains
 
     !> The file for a new state of the run: the one that the last entry does not name.
     subroutine begin_state(self, number, path)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         integer, intent(out) :: number !! its number, for an entry
         character(:), allocatable, intent(out) :: path !! its path
         self%last_state = 3 - max(self%last_state, 1)
@@ -280,7 +280,7 @@ contains
 
     !> Renames the part to the table, and removes the journal.
     subroutine finish(self, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%keeps_rows) call self%finish_part(error)
         if (.not. allocated(error)) call remove_journal(self%table%path, error, is_over=.true.)
@@ -289,7 +289,7 @@ contains
 
     !> Keeps part and journal for a later run, and adds that to the message of the error.
     subroutine abandon(self, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(error_t), intent(inout) :: error !! its message is completed
         call self%table%abandon()
         if (.not. file_exists(journal_of(self%table%path))) return
@@ -299,7 +299,7 @@ contains
 
     !> Removes part and journal: nothing is to be resumed.
     subroutine discard(self)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
         call remove_journal(self%table%path, ignored, is_over=.true.)
         call self%table%discard()
@@ -307,7 +307,7 @@ contains
 
     !> Empties the part, and writes the header.
     subroutine begin_part(self, head, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         character(*), intent(in) :: head !! the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%begin(head, error)
@@ -315,7 +315,7 @@ contains
 
     !> Adds rows to the part.
     subroutine append_to_part(self, block, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%append(block%text%room(:block%text%length), error)
@@ -323,7 +323,7 @@ contains
 
     !> Passes all rows to the system; `entry` gets their bytes and checksum.
     subroutine flush_part(self, entry, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(journal_entry_t), intent(out) :: entry !! without the numbers of rows
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%table%write_pending(error)
@@ -333,7 +333,7 @@ contains
 
     !> Checks that the part has the bytes of an entry, and truncates it to them: writing continues there.
     subroutine check_part(self, entry, problem, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
@@ -342,7 +342,7 @@ contains
 
     !> Renames the part to the table, when it is on the disk.
     subroutine finish_part(self, error)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (.not. allocated(self%trailer)) allocate (self%trailer(0))
         call self%table%finish(self%trailer, error)
@@ -350,7 +350,7 @@ contains
 
     !> Checks a complete table, and counts its rows by their status, or its motion.
     subroutine check_complete(self, path, problem)
-        class(growing_table_t), intent(inout) :: self
+        class(resumable_table_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the table
         character(:), allocatable, intent(out) :: problem !! why it is not as it was written; '' if it is
         integer :: column
@@ -361,7 +361,7 @@ contains
 
     !> How the header of a file differs from another one; '' if it does not.
     function difference_from(self, path, head) result(problem)
-        class(growing_table_t), intent(in) :: self
+        class(resumable_table_t), intent(in) :: self
         character(*), intent(in) :: path, head
         character(:), allocatable :: problem, found
         type(error_t), allocatable :: error

@@ -6,7 +6,7 @@ module spintop_sweep_forecast
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_process, only: peak_memory
-    use spintop_resumable_table, only: growing_table_t
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_statistics_result, only: bytes_of_result
@@ -136,7 +136,7 @@ contains
         !> Time of the processor for a case with these columns, s.
         real(dp) function time_with(some)
             type(chosen_column_t), intent(in) :: some(:)
-            type(growing_table_t) :: table
+            type(resumable_table_t) :: table
             type(sample_t) :: sample
             job%columns = some
             call describe_columns(job, table%columns)

@@ -1,34 +1,23 @@
-!> The quantities of a sweep table that tell of the stability of a motion. Those that perturbations tell, Lyapunov exponents,
-!> largest singular values and inherent errors, are found together in lanes for the cases of a block, however their motions
-!> were computed.
+!> The quantities of a sweep table that tell of the stability of a motion. Those that perturbations tell are left to an engine
+!> of their own, `perturbations_t`.
 module spintop_sweep_stability
-    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
     use spintop_kinds, only: dp
     use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
-    use spintop_lyapunov_lanes, only: find_growth, growth_t
-    use spintop_inherent_lanes, only: find_inherent_errors
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_steady_motion, only: critical_omega3
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit, status_unsuitable
-    use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
-    use spintop_sweep_notes, only: note_no_growth, note_no_inherent, note_no_lyapunov, note_no_multiplier, &
-        note_no_singular, note_no_threshold, note_t, only_without_effects
-    use spintop_sweep_result, only: kinds_of_work, of_growth, of_inherent, of_lyapunov, of_multiplier, of_singular
+    use spintop_status, only: is_ok, status_meanings, status_unsuitable
+    use spintop_sweep_engine, only: lacks_perturbations, slot_t
+    use spintop_sweep_notes, only: note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, &
+        note_no_threshold, note_t, only_without_effects
+    use spintop_sweep_result, only: kinds_of_work, of_growth, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
-    public :: compute_stability, ask_for_inherent_error, set_threshold, explain_no_threshold, perturbations_t
+    public :: compute_stability, set_threshold, explain_no_threshold
 
     real(dp), parameter :: no_angles(3) = 0
-
-    !> The engine for perturbations of motions that have been computed.
-    type, extends(engine_t) :: perturbations_t
-    contains
-        procedure :: compute
-        procedure, nopass :: shares_lanes
-    end type perturbations_t
 
 contains
 
@@ -90,18 +79,6 @@ contains
         end if
     end subroutine explain_no_threshold
 
-    !> Leaves the inherent error of a motion to `perturbations_t`.
-    subroutine ask_for_inherent_error(slot, t_end)
-        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        real(dp), intent(in) :: t_end !! end of the motion, s
-        if (allocated(slot%case%body%effects)) then
-            call slot%note%add(note_no_inherent, only_without_effects)
-        else
-            slot%inherent_until = t_end
-            slot%lacks = lacks_perturbations
-        end if
-    end subroutine ask_for_inherent_error
-
     !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
     !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
     subroutine compute_multiplier(slot)
@@ -137,80 +114,5 @@ contains
         if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
         upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
     end function upright_motion
-
-    !> Cases of one limit of work share lanes.
-    logical function shares_lanes(a, b)
-        type(slot_t), intent(in) :: a, b !! the cases
-        shares_lanes = a%max_steps == b%max_steps
-    end function shares_lanes
-
-    !> Computes what perturbations of the cases have to tell.
-    subroutine compute(self, slots, list, task)
-        class(perturbations_t), intent(inout) :: self
-        type(slot_t), intent(inout) :: slots(:) !! the block
-        integer, intent(in) :: list(:) !! the places of the cases
-        type(task_t), intent(in) :: task !! what is asked of them
-        call compute_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
-        call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
-    end subroutine compute
-
-    !> The inherent errors of the cases of a list.
-    subroutine compute_inherent_errors(slots, list)
-        type(slot_t), intent(inout) :: slots(:)
-        integer, intent(in) :: list(:)
-        real(dp), allocatable :: errors(:)
-        integer, allocatable :: how(:)
-        integer :: i
-
-        if (size(list) == 0) return
-        allocate (errors(size(list)), how(size(list)))
-        call find_inherent_errors(slots(list)%case%body, slots(list)%case%start, slots(list)%inherent_until, &
-                                  max(slots(list(1))%max_steps, 1_int64), errors, how)
-        do i = 1, size(list)
-            if (is_ok(how(i))) then
-                slots(list(i))%result%inherent_error = errors(i)
-            else
-                call slots(list(i))%note%add(note_no_inherent, trim(status_meanings(how(i))))
-            end if
-        end do
-    end subroutine compute_inherent_errors
-
-    !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
-    subroutine compute_growths(slots, list, wanted)
-        type(slot_t), intent(inout) :: slots(:)
-        integer, intent(in) :: list(:)
-        logical, intent(in) :: wanted(kinds_of_work)
-        type(growth_t), allocatable :: growth(:)
-        integer :: i
-
-        if (size(list) == 0) return
-        allocate (growth(size(list)))
-        call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
-                         wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
-        do i = 1, size(list)
-            associate (found => growth(i), result => slots(list(i))%result)
-                if (wanted(of_lyapunov)) call store_or_explain(found%exponent, found%exponent_status, &
-                                                               result%lyapunov_exponent, note_no_lyapunov)
-                if (wanted(of_singular)) call store_or_explain(found%singular, found%singular_status, &
-                                                               result%largest_singular_value, note_no_singular)
-            end associate
-        end do
-
-    contains
-
-        !> Stores a value, or notes the reason why there is none.
-        subroutine store_or_explain(value, how, quantity, reason)
-            real(dp), intent(in) :: value
-            integer, intent(in) :: how, reason
-            real(dp), intent(inout) :: quantity
-            if (is_ok(how)) then
-                quantity = value
-            else
-                call slots(list(i))%note%add(reason, trim(status_meanings(how)))
-                if (how == status_step_limit .or. how == status_non_finite) slots(list(i))%status = how
-            end if
-        end subroutine store_or_explain
-
-    end subroutine compute_growths
 
 end module spintop_sweep_stability

@@ -6,7 +6,7 @@ module spintop_sweep_table
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
-    use spintop_resumable_table, only: growing_table_t
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_job, only: job_t
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_table_t
@@ -47,13 +47,13 @@ contains
         type(shard_t), intent(in) :: shard !! the part
         class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
-        class(growing_table_t), allocatable :: rows
+        class(resumable_table_t), allocatable :: rows
         type(statistics_table_t), allocatable :: with_statistics
 
         if (job%scene%format == 'netcdf' .and. job%keeps_rows()) then
             call describe_netcdf(job, shard, rows)
         else
-            allocate (growing_table_t :: rows)
+            allocate (resumable_table_t :: rows)
             call describe_columns(job, rows%columns)
         end if
         call make_head(job, shard, rows%columns, head)
@@ -71,7 +71,7 @@ contains
     subroutine describe_netcdf(job, shard, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(growing_table_t), allocatable, intent(out) :: table
+        class(resumable_table_t), allocatable, intent(out) :: table
         type(netcdf_table_t), allocatable :: file
         type(fact_t) :: facts(fact_count)
 
@@ -107,7 +107,7 @@ contains
     subroutine describe_statistics(job, shard, rows, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(growing_table_t), allocatable, intent(inout) :: rows
+        class(resumable_table_t), allocatable, intent(inout) :: rows
         type(statistics_table_t), intent(inout) :: table
 
         rows%keeps_rows = job%keeps_rows()
@@ -134,7 +134,7 @@ contains
         type is (statistics_table_t)
             call table%rows_table%start(job%output, head, resume, restart, error)
             if (.not. allocated(error)) call table%begin(error)
-        class is (growing_table_t)
+        class is (resumable_table_t)
             call table%start(job%output, head, resume, restart, error)
         end select
     end subroutine start_table

@@ -15,7 +15,7 @@ module spintop_sweep_worker
     use spintop_row_block, only: row_block_t
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
     use spintop_case_scene, only: case_scene_t
-    use spintop_sweep_lanes, only: sweep_batch_t
+    use spintop_sweep_lanes, only: sweep_lanes_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at, work_for
     use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, slot_t, task_t
@@ -24,7 +24,8 @@ module spintop_sweep_worker
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_proof, only: prove_case, sweep_proofs
     use spintop_sweep_result, only: asks_for_span, of_proof, of_threshold, sweep_result_t
-    use spintop_sweep_stability, only: perturbations_t, set_threshold
+    use spintop_sweep_perturbations, only: perturbations_t
+    use spintop_sweep_stability, only: set_threshold
     use spintop_sweep_one_by_one, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
@@ -111,7 +112,7 @@ contains
         type(engine_entry_t), intent(out) :: engines(engine_count)
         allocate (sweep_exact_t :: engines(1)%engine)
         allocate (sweep_free_t :: engines(2)%engine)
-        allocate (sweep_batch_t :: engines(3)%engine)
+        allocate (sweep_lanes_t :: engines(3)%engine)
         allocate (sweep_stepping_t :: engines(stepping)%engine)
         allocate (perturbations_t :: engines(5)%engine)
         engines(5)%engine%gives = lacks_perturbations

@@ -9,7 +9,7 @@ module spintop_netcdf_table
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_output
     use spintop_files, only: output_file_t
-    use spintop_resumable_table, only: growing_table_t
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
@@ -28,7 +28,7 @@ module spintop_netcdf_table
     integer, parameter :: rows_at_once = 4096
 
     !> A table as a NetCDF file.
-    type, extends(growing_table_t) :: netcdf_table_t
+    type, extends(resumable_table_t) :: netcdf_table_t
         !> All but the rows; to be set before the start.
         type(netcdf_description_t) :: description
         type(netcdf_file_t), private :: file
@@ -243,7 +243,7 @@ contains
         type(error_t), intent(inout) :: error !! its message is completed
         type(error_t), allocatable :: ignored
         call self%file%close(ignored)
-        call self%growing_table_t%abandon(error)
+        call self%resumable_table_t%abandon(error)
     end subroutine abandon
 
     !> Removes part and journal.
@@ -251,7 +251,7 @@ contains
         class(netcdf_table_t), intent(inout) :: self
         type(error_t), allocatable :: ignored
         call self%file%close(ignored)
-        call self%growing_table_t%discard()
+        call self%resumable_table_t%discard()
     end subroutine discard
 
 end module spintop_netcdf_table

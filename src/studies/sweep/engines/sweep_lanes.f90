@@ -18,14 +18,15 @@ module spintop_sweep_lanes
     use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, of_inherent, &
         of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, of_vertical_force
     use spintop_sweep_stability, only: compute_stability
-    use spintop_sweep_monitors, only: sweep_monitors_t, ends_in_lanes
+    use spintop_sweep_monitors, only: sweep_monitors_t
+    use spintop_sweep_stop, only: ends_in_lanes
     implicit none
     private
-    public :: sweep_batch_t
+    public :: sweep_lanes_t
 
     !> The engine for bodies without a closed form, with Taylor's method for the equations of any body, with effects that have
     !> series and without, and with no event before the end that the monitors in lanes do not find.
-    type, extends(engine_t) :: sweep_batch_t
+    type, extends(engine_t) :: sweep_lanes_t
         type(sweep_monitors_t), private :: monitors
         !> The settings for which the monitors were made.
         type(controls_t), private :: monitored
@@ -33,7 +34,7 @@ module spintop_sweep_lanes
         procedure, nopass :: takes
         procedure :: compute
         procedure, nopass :: shares_lanes
-    end type sweep_batch_t
+    end type sweep_lanes_t
 
 contains
 
@@ -96,7 +97,7 @@ contains
 
     !> Computes the cases in lanes; those that lanes left are to be computed one by one.
     subroutine compute(self, slots, list, task)
-        class(sweep_batch_t), intent(inout) :: self
+        class(sweep_lanes_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
@@ -131,7 +132,7 @@ contains
     !> Stores the quantities of case `i` of those integrated. A motion with effects that came to a point where it has no series
     !> is left to others.
     subroutine set_quantities(self, i, last, outcome, wanted, alone, slot)
-        type(sweep_batch_t), intent(in) :: self
+        type(sweep_lanes_t), intent(in) :: self
         integer, intent(in) :: i
         type(motion_t), intent(in) :: last
         type(outcome_t), intent(in) :: outcome

@@ -1,12 +1,12 @@
 !> The quantities of a sweep that monitors measure along the motions in lanes.
 module spintop_sweep_monitors
     use spintop_azimuth_lanes, only: azimuth_lanes_t
-    use spintop_compare, only: is_equal, is_zero
     use spintop_event_text, only: column_event_t
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, vertical_force
+    use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, &
+        vertical_force
     use spintop_lyapunov_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
     use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
@@ -16,7 +16,8 @@ module spintop_sweep_monitors
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
     use spintop_stepper, only: controls_t
-    use spintop_stop_lanes, only: passing_nothing, passing_spin_momentum, passing_theta, passing_turning, stop_lanes_t
+    use spintop_sweep_stop, only: stop_monitor
+    use spintop_stop_lanes, only: stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation
     use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
@@ -25,10 +26,7 @@ module spintop_sweep_monitors
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     implicit none
     private
-    public :: sweep_monitors_t, ends_in_lanes
-
-    !> Least sine of an inclination whose passages are found by its cosine.
-    real(dp), parameter :: least_sine = 1.0e-3_dp
+    public :: sweep_monitors_t
 
     !> Monitors for the work of a sweep; `slots` is passed to `integrate_many`.
     type :: sweep_monitors_t
@@ -39,47 +37,6 @@ module spintop_sweep_monitors
     end type sweep_monitors_t
 
 contains
-
-    !> Whether a monitor finds the events that end the motions: passages of one value of a column that is an angle or a
-    !> form of the motion, or turning points, of a body in the axes in which it was given.
-    pure logical function ends_in_lanes(events, case)
-        type(column_event_t), intent(in) :: events(:) !! the events, each of which ends the motion
-        type(case_t), intent(in) :: case !! the case: its axes and effects decide which columns are forms of the motion
-        integer :: i
-        ends_in_lanes = size(events) == 0
-        if (ends_in_lanes .or. case%turn%is_turned()) return
-        do i = 1, size(events)
-            associate (event => events(i)%event)
-                if (events(i)%column%name /= events(1)%column%name) return
-                if (event%every_turn .neqv. events(1)%event%every_turn) return
-                if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
-                if (.not. is_equal(event%level, events(1)%event%level)) return
-                select case (events(i)%column%passing)
-                case (passing_nothing)
-                    return
-                case (passing_theta)
-                    ! Near a pole cos(theta) does not determine theta.
-                    if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
-                case (passing_turning)
-                    if (.not. is_zero(event%level)) return
-                case (passing_spin_momentum:)
-                    if (allocated(case%body%effects)) return
-                end select
-            end associate
-        end do
-        ends_in_lanes = .true.
-    end function ends_in_lanes
-
-    !> The monitor for events that end the motions at the n-th of them.
-    pure type(stop_lanes_t) function stop_monitor(events, n)
-        type(column_event_t), intent(in) :: events(:)
-        integer, intent(in) :: n
-        associate (event => events(1)%event, column => events(1)%column)
-            stop_monitor = stop_lanes_t(passing=column%passing, component=column%component, level=event%level, wanted=n, &
-                                        rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
-                                        every_turn=event%every_turn, turn_by_turn=event%turn_by_turn)
-        end associate
-    end function stop_monitor
 
     !> Creates the monitors for the work and for the events.
     subroutine create(self, wanted, controls, events, stop_after)

@@ -4,17 +4,13 @@ module spintop_sweep_exact
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
-    use spintop_event_recorder, only: event_recorder_t
-    use spintop_exact_path, only: exact_path_t
-    use spintop_event_text, only: column_event_t
     use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_regular_start, only: rates_describe
-    use spintop_status, only: is_ok, status_ok, status_step_limit, status_too_many_events
-    use spintop_stepper, only: looks_per_step
+    use spintop_status, only: is_ok, status_step_limit
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_no_stop
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
@@ -22,9 +18,10 @@ module spintop_sweep_exact
     use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, &
         of_lowest, of_nutation, of_period, of_turns
     use spintop_sweep_stability, only: compute_stability
+    use spintop_sweep_stop, only: stop_exactly
     implicit none
     private
-    public :: sweep_exact_t, stop_exactly
+    public :: sweep_exact_t
 
     !> The engine for symmetric tops.
     type, extends(engine_t) :: sweep_exact_t
@@ -109,39 +106,6 @@ contains
         block%t_period(lane) = 0
         if (wanted(of_period)) block%t_period(lane) = precession_period(case%body, case%start)
     end subroutine load_lane
-
-    !> Ends the span of a case at the n-th of the events. `event_occurred` reports whether there was one, `status` whether the
-    !> allowed work was sufficient.
-    subroutine stop_exactly(case, events, n, max_steps, status, event_occurred)
-        type(case_t), intent(inout) :: case !! its span is set to the time of the event
-        type(column_event_t), intent(in) :: events(:) !! the events
-        integer, intent(in) :: n !! number of the event that ends the motion
-        integer(int64), intent(inout) :: max_steps !! remaining work of the case
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        logical, intent(out) :: event_occurred !! whether the n-th event occurred within the span
-        ! These objects are large, and a thread may have a small stack.
-        type(exact_path_t), allocatable :: path
-        type(event_recorder_t), allocatable :: recorder
-
-        event_occurred = .false.
-        allocate (path, recorder)
-        call path%begin(case, looks_per_step * max_steps, status)
-        if (.not. is_ok(status)) then
-            ! The kernel reports the status.
-            status = status_ok
-            return
-        end if
-        call recorder%set(events, n, case)
-        call recorder%begin(case%body, path%exact%at(0.0_dp))
-        call recorder%judge(case%body, case%start)
-        call recorder%find_events(path, case%t_end)
-        max_steps = max_steps - path%looks / looks_per_step
-        event_occurred = recorder%has_enough
-        if (.not. event_occurred .and. recorder%t < case%t_end) status = &
-            merge(status_too_many_events, status_step_limit, &
-                recorder%is_full)
-        if (event_occurred) case%t_end = recorder%t
-    end subroutine stop_exactly
 
     !> The quantities of the case in a lane of a computed block.
     subroutine unload_lane(block, lane, wanted, slot)

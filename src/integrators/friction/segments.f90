@@ -4,7 +4,7 @@
 !>
 !> A segment ends at a knot of a table of torques, at rest, where the torques exceed the friction, or before a vector reverses
 !> on whose direction the torques depend. What steps through the next one begins there.
-module spintop_stick_and_slip
+module spintop_segments
     use spintop_archive, only: archive_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
@@ -12,7 +12,7 @@ module spintop_stick_and_slip
     use spintop_formulation, only: formulation_t, structure_none, structure_series
     use spintop_kinds, only: dp
     use spintop_lying_still, only: resting_t
-    use spintop_coming_to_rest, only: rest_t
+    use spintop_sticking, only: rest_t
     use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
@@ -111,7 +111,7 @@ contains
         if (kind /= self%kind) then
             self%kind = kind
             next => self%stepper_of(method)
-            call next%copy_counts(stepper)
+            call next%go_on_from(stepper)
             stepper => next
         end if
         if (kind == by_runge_kutta) stepper%t_end = self%latest_end(formulation, stepper, method%t_end)
@@ -234,4 +234,4 @@ contains
         call archive%store_or_restore(self%kind)
     end subroutine store_or_restore
 
-end module spintop_stick_and_slip
+end module spintop_segments

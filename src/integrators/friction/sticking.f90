@@ -2,7 +2,7 @@
 !>
 !> Friction has the direction of the angular velocity, so f jumps where that vanishes. A step towards rest ends half-way there,
 !> as far as the deceleration tells, until what is left of the angular velocity is negligible.
-module spintop_coming_to_rest
+module spintop_sticking
     use spintop_archive, only: archive_t
     use spintop_effects_action, only: turning_t
     use spintop_formulation, only: formulation_t, max_states
@@ -150,4 +150,4 @@ contains
         call archive%store_or_restore(self%seen%across)
     end subroutine store_or_restore
 
-end module spintop_coming_to_rest
+end module spintop_sticking

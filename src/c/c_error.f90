@@ -75,8 +75,10 @@ contains
         integer, intent(in) :: status !! how it ended
         real(dp), intent(in) :: t !! the time then, s
         character(longest_message), intent(out) :: message !! name and meaning of the status
-        message = trim(status_names(status)) // ': ' // status_meanings(status)
-        if (.not. is_refusal(status)) write (message, '(ss, 2a, es23.16e3, a)') trim(message), ' (reached t =', t, ' s)'
+        character(40) :: reached
+        reached = ''
+        if (.not. is_refusal(status)) write (reached, '(ss, a, es23.16e3, a)') ' (reached t =', t, ' s)'
+        message = trim(status_names(status)) // ': ' // trim(status_meanings(status)) // reached
     end subroutine describe_status
 
     subroutine hand_over(code, status, message, source, at, place)

@@ -1,5 +1,5 @@
 !> The state of a run as a list of numbers. What has a state names each part of it once, in one procedure, which stores the
-!> parts or takes them back, as the archive wants:
+!> parts or restores them, as the archive wants:
 !>
 !>     call archive%store_or_restore(self%t)
 !>     call archive%store_or_restore(self%is_resting)
@@ -13,22 +13,23 @@ module spintop_archive
     !> Numbers of a state.
     type :: archive_t
         !> Whether parts are taken from the numbers; otherwise they are added.
-        logical :: recalls = .false.
-        !> The numbers, and how many of them were carried.
+        logical :: restores = .false.
+        !> The numbers, how many of them were stored or restored, and whether more were wanted back than there are.
         real(dp), allocatable, private :: numbers(:)
         integer, private :: length = 0
+        logical, private :: is_short = .false.
     contains
-        generic :: store_or_restore => store_or_restore_real, carry_reals, store_or_restore_integer, carry_long, &
-            store_or_restore_logical, &
-                carry_text
+        generic :: store_or_restore => store_or_restore_real, store_or_restore_reals, store_or_restore_integer, &
+            store_or_restore_long, store_or_restore_logical, store_or_restore_text
         procedure, private :: store_or_restore_real
-        procedure, private :: carry_reals
+        procedure, private :: store_or_restore_reals
         procedure, private :: store_or_restore_integer
-        procedure, private :: carry_long
+        procedure, private :: store_or_restore_long
         procedure, private :: store_or_restore_logical
-        procedure, private :: carry_text
+        procedure, private :: store_or_restore_text
         procedure :: bytes
-        procedure :: recall
+        procedure :: load
+        procedure :: is_spent
     end type archive_t
 
     !> Room for numbers at first, and bytes of a number.
@@ -36,8 +37,8 @@ module spintop_archive
 
 contains
 
-    !> Carries real numbers. Where there are fewer, nothing is taken back.
-    subroutine carry_reals(self, x)
+    !> Stores or restores real numbers. Where there are fewer, nothing is restored: see `is_spent`.
+    subroutine store_or_restore_reals(self, x)
         class(archive_t), intent(inout) :: self
         real(dp), intent(inout) :: x(:) !! the numbers
         real(dp), allocatable :: more(:)
@@ -45,18 +46,21 @@ contains
         if (.not. allocated(self%numbers)) allocate (self%numbers(first_room))
         last = self%length + size(x)
         if (last > size(self%numbers)) then
-            if (self%recalls) return
+            if (self%restores) then
+                self%is_short = .true.
+                return
+            end if
             allocate (more(2 * last))
             more(:self%length) = self%numbers(:self%length)
             call move_alloc(more, self%numbers)
         end if
-        if (self%recalls) then
+        if (self%restores) then
             x = self%numbers(self%length + 1:last)
         else
             self%numbers(self%length + 1:last) = x
         end if
         self%length = last
-    end subroutine carry_reals
+    end subroutine store_or_restore_reals
 
     !> Stores or restores a real number.
     subroutine store_or_restore_real(self, x)
@@ -64,7 +68,7 @@ contains
         real(dp), intent(inout) :: x !! the number
         real(dp) :: one(1)
         one = x
-        call self%carry_reals(one)
+        call self%store_or_restore_reals(one)
         x = one(1)
     end subroutine store_or_restore_real
 
@@ -78,15 +82,15 @@ contains
         n = nint(x)
     end subroutine store_or_restore_integer
 
-    !> Carries a count, which is less than 2^53.
-    subroutine carry_long(self, n)
+    !> Stores or restores a count, which is less than 2^53.
+    subroutine store_or_restore_long(self, n)
         class(archive_t), intent(inout) :: self
         integer(int64), intent(inout) :: n !! the count
         real(dp) :: x
         x = real(n, dp)
         call self%store_or_restore_real(x)
         n = nint(x, int64)
-    end subroutine carry_long
+    end subroutine store_or_restore_long
 
     !> Stores or restores a truth value.
     subroutine store_or_restore_logical(self, is_true)
@@ -98,8 +102,8 @@ contains
         is_true = x > 0
     end subroutine store_or_restore_logical
 
-    !> Carries a text of fixed length.
-    subroutine carry_text(self, text)
+    !> Stores or restores a text of fixed length.
+    subroutine store_or_restore_text(self, text)
         class(archive_t), intent(inout) :: self
         character(*), intent(inout) :: text !! the text
         integer :: i, code
@@ -108,7 +112,7 @@ contains
             call self%store_or_restore_integer(code)
             text(i:i) = char(code)
         end do
-    end subroutine carry_text
+    end subroutine store_or_restore_text
 
     !> The state as bytes.
     pure function bytes(self)
@@ -118,12 +122,18 @@ contains
         bytes = transfer(self%numbers(:self%length), bytes)
     end function bytes
 
-    !> Begins to take back the state that these bytes are.
-    subroutine recall(self, bytes)
+    !> Begins to restore the state that these bytes are.
+    subroutine load(self, bytes)
         class(archive_t), intent(out) :: self
         character(*), intent(in) :: bytes !! the bytes
-        self%recalls = .true.
+        self%restores = .true.
         self%numbers = transfer(bytes, self%numbers, len(bytes) / width)
-    end subroutine recall
+    end subroutine load
+
+    !> Whether all that was stored has been restored, and no more than that was wanted.
+    pure logical function is_spent(self)
+        class(archive_t), intent(in) :: self
+        is_spent = self%restores .and. self%length == size(self%numbers) .and. .not. self%is_short
+    end function is_spent
 
 end module spintop_archive

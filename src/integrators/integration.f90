@@ -10,7 +10,7 @@ module spintop_integration
     use spintop_formulation, only: formulation_t
     use spintop_stepper, only: stepper_t, counts_t
     use spintop_suitability, only: call_status
-    use spintop_status, only: is_ok, status_at_rest, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_at_rest, status_integrator, status_ok, status_step_limit
     implicit none
     private
     public :: integrate, observer_t, outcome_t
@@ -97,6 +97,7 @@ contains
             if (allocated(observer%resumed)) then
                 run%last = size(samples)
                 call run%store_or_restore(observer%resumed)
+                if (.not. observer%resumed%is_spent()) status = status_integrator
                 deallocate (observer%resumed)
             end if
         end select

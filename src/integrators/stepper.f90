@@ -88,7 +88,7 @@ module spintop_stepper
     contains
         procedure :: add
         procedure :: work => work_done
-        procedure :: store_or_restore => carry_counts
+        procedure :: store_or_restore => store_or_restore_counts
     end type counts_t
 
     !> The state of a run.
@@ -119,7 +119,7 @@ module spintop_stepper
         procedure :: accept_change
         procedure :: may_keep
         procedure :: store_or_restore
-        procedure :: copy_counts
+        procedure :: go_on_from
     end type run_state_t
 
     !> A method of integration, and its run.
@@ -312,8 +312,8 @@ contains
         call self%counts%store_or_restore(archive)
     end subroutine store_or_restore
 
-    !> Carries the cost.
-    subroutine carry_counts(self, archive)
+    !> Stores or restores the cost.
+    subroutine store_or_restore_counts(self, archive)
         class(counts_t), intent(inout) :: self
         type(archive_t), intent(inout) :: archive !! stores the state, or restores it
         call archive%store_or_restore(self%steps)
@@ -322,10 +322,10 @@ contains
         call archive%store_or_restore(self%evaluations)
         call archive%store_or_restore(self%jacobians)
         call archive%store_or_restore(self%clipped)
-    end subroutine carry_counts
+    end subroutine store_or_restore_counts
 
     !> Goes on from where another stepper is; after that it must begin.
-    subroutine copy_counts(self, other)
+    subroutine go_on_from(self, other)
         class(run_state_t), intent(inout) :: self
         class(run_state_t), intent(in) :: other !! the other stepper, in the same run
         self%t = other%t
@@ -333,6 +333,6 @@ contains
         self%rest = 0
         self%grid = other%grid
         self%counts = other%counts
-    end subroutine copy_counts
+    end subroutine go_on_from
 
 end module spintop_stepper

@@ -49,12 +49,12 @@ contains
                 if (job%plan%exact) columns = pack(columns, .not. known(columns)%compares)
                 ! The end of the span is omitted if no event may end the motion earlier.
                 if (job%scene%stop_at == '') columns = pack(columns, .not. known(columns)%ends)
-            else if (named(1) == 'all') then
-                columns = pack([(i, i=1, size(known))], known%group /= proof_group .and. can_have(known, job%case))
             else
                 columns = [integer ::]
-                allocate (chosen(0))
-                do i = 1, size(named)
+                if (named(1) == 'all') columns = pack([(i, i=1, size(known))], &
+                                                      known%group /= proof_group .and. can_have(known, job%case))
+                chosen = chosen_columns(known, columns)
+                do i = merge(2, 1, named(1) == 'all'), size(named)
                     if (is_sensitivity(named(i))) then
                         call add_sensitivity(study, job, known, i, is_whole, problems)
                     else if (named(i) /= '') then

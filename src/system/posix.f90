@@ -168,7 +168,8 @@ contains
         if (number == 0) return
         call c_reason(number, reason, len(reason))
         error = output_error('cannot ' // action // ' ' // path // ': ' // up_to_null(reason))
-        if (present(reading)) error%code = exit_input
+        if (.not. present(reading)) return
+        if (reading) error%code = exit_input
     end subroutine check_call
 
     !> The text before the first null character, or all of it.

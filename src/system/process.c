@@ -19,7 +19,7 @@ void spintop_remove_lock_file(const char *path);
 
 enum { standard_input, standard_output, standard_error };
 
-// Exit codes of an unexpected end, as in errors.f90.
+// Exit codes of an unexpected end, as in exit_codes.f90.
 enum { exit_output = 4, exit_internal = 5 };
 
 static atomic_int is_planned;

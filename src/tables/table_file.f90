@@ -134,7 +134,7 @@ contains
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         character(:), allocatable, intent(out) :: problem !! why the part has not these bytes; '' if it has
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%clear(self%path)
+        call self%clear((self%path))
         self%bytes = entry%bytes
         call check_bytes(part_of(self%path), entry, self%ending, problem)
         if (problem == '') call self%file%truncate(entry%bytes, error)

@@ -115,6 +115,16 @@ class ColumnsTest(UnitsCase):
             found.append([table.column(name) for name in table.names if "theta" in name])
         np.testing.assert_array_equal(*found)
 
+    def test_beside_all(self) -> None:
+        """Columns that `all` does not have are named after it; what it has, or nobody, is refused."""
+        names = ["all", "theta_deg", "theta__initial.psi_rate"]
+        table = self.compute(self.write(TOP + SPAN + chosen(names)))
+        for name in ("theta", *names[1:]):
+            self.assertIn(name, table.names)
+        for name, problem in (("theta", "is named twice"), ("nonsense", "unknown column")):
+            scene = self.write(TOP + SPAN + chosen(["all", name]))
+            self.assertIn(problem, self.refuse(scene))
+
     def test_proved_numbers(self) -> None:
         """Bounds and certified numbers are proved in their own units only."""
         for column, settings in (("theta_bound_deg", ()), ("theta_deg", ("output.certified=t",))):

@@ -229,7 +229,6 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        y = self%y
         y = self%memory%interpolate((t - self%t_last) / (self%t - self%t_last))
         call update_counts(self)
     end function state_within

@@ -156,7 +156,7 @@ contains
         call archive%store_or_restore(self%left)
         if (.not. allocated(self%file%path)) return
         call self%row%store_or_restore(archive)
-        if (.not. archive%recalls) then
+        if (.not. archive%restores) then
             call self%file%write_pending(self%error)
             if (.not. allocated(self%error)) call self%file%sync(self%error)
             entry%bytes = self%file%bytes
@@ -164,7 +164,7 @@ contains
         end if
         call archive%store_or_restore(entry%bytes)
         call archive%store_or_restore(entry%checksum)
-        if (.not. archive%recalls) return
+        if (.not. archive%restores) return
         call self%file%go_on(entry, problem, self%error)
         if (problem /= '') self%error = refusal(self%file%path, problem)
     end subroutine store_or_restore_record

@@ -166,7 +166,7 @@ contains
             if (.not. change > 0) return
             measured%sigma = spread(deviations, 2, size(measured%t))
         end associate
-        call self%use_rows(self%rows)
+        call self%use_rows((self%rows))
     end subroutine weigh
 
     !> The residuals at some values of the sought numbers, in units of the standard deviations: row by row.

@@ -17,7 +17,8 @@ module spintop_motion_rows
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
-    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, is_ok, status_integrator, status_non_finite, status_step_limit, &
+        status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -168,7 +169,11 @@ contains
         ! The next row; 0 as long as events are searched for.
         next = merge(0, 1, present(recorder))
         if (next == 1) call begin_rows()
-        if (allocated(writer%resumed)) call store_or_restore(writer%resumed)
+        if (allocated(writer%resumed)) then
+            call store_or_restore(writer%resumed)
+            if (.not. writer%resumed%is_spent()) outcome%status = status_integrator
+            if (.not. is_ok(outcome%status)) return
+        end if
         t_end = case%t_end
         t_known = t_end
         if (present(recorder)) then

@@ -6,7 +6,7 @@ module spintop_motion_table
     use spintop_checksum, only: checksum_of
     use spintop_errors, only: error_t
     use spintop_files, only: file_exists, read_file, replace_file
-    use spintop_resumable_table, only: growing_table_t, refusal
+    use spintop_resumable_table, only: resumable_table_t, refusal
     use spintop_job, only: job_t
     use spintop_journal, only: journal_entry_t, journal_of, state_of
     use spintop_kinds, only: dp
@@ -41,7 +41,7 @@ module spintop_motion_table
     !> A table that is being written.
     type :: motion_table_t
         !> The table: CSV or NetCDF, with its header.
-        class(growing_table_t), allocatable :: rows_table
+        class(resumable_table_t), allocatable :: rows_table
         character(:), allocatable, private :: path, head
         type(row_block_t), private :: block
     contains
@@ -80,7 +80,7 @@ contains
         if (job%scene%format == 'netcdf') then
             allocate (netcdf_table_t :: self%rows_table)
         else
-            allocate (growing_table_t :: self%rows_table)
+            allocate (resumable_table_t :: self%rows_table)
             self%head = study_head(job, columns)
         end if
         self%rows_table%has_states = .true.
@@ -200,7 +200,7 @@ contains
             end if
         end associate
         allocate (archive)
-        call archive%recall(text)
+        call archive%load(text)
     end subroutine recall_state
 
     !> How the motion of a complete table ended: a status.

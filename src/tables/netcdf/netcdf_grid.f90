@@ -17,16 +17,21 @@ module spintop_netcdf_grid
 contains
 
     !> A name that the CF conventions allow, of letters, digits and underscores: `top_inertia_2` for
-    !> `top.inertia(2)`.
-    pure function netcdf_name(name)
+    !> `top.inertia(2)`, `part_place_2_1` for `part.place(2,1)`.
+    pure function netcdf_name(name) result(allowed)
         character(*), intent(in) :: name !! any name
-        character(len_trim(name)) :: netcdf_name
+        character(:), allocatable :: allowed
         integer :: i
-        netcdf_name = name
-        do i = 1, len(netcdf_name)
-            if (scan(netcdf_name(i:i), '.()') > 0) netcdf_name(i:i) = '_'
+        allowed = ''
+        do i = 1, len_trim(name)
+            select case (name(i:i))
+            case ('.', '(', ',')
+                allowed = allowed // '_'
+            case (')')
+            case default
+                allowed = allowed // name(i:i)
+            end select
         end do
-        if (index(name, ')') > 0) netcdf_name(len(netcdf_name):) = ' '
     end function netcdf_name
 
     !> A unit in the form of UDUNITS.

@@ -5,6 +5,7 @@
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
+    use spintop_compensated_sum, only: add_change
     use spintop_kinds, only: dp
     use spintop_error_tolerances, only: error_weight_t
     use spintop_formulation, only: formulation_t, max_states, structure_none
@@ -279,17 +280,14 @@ contains
         if (changed) self%rest = 0
     end subroutine accept_step
 
-    !> Accepts the state reached by a change, summed with compensation (Kahan, Comm. ACM 8, 1965):
-    !> the compensation term is kept for the next step.
+    !> Accepts the state reached by a change, summed with compensation.
     subroutine accept_change(self, formulation, t_new, change, changed)
         class(run_state_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
         logical, intent(out) :: changed !! whether the state was changed
-        real(dp) :: total(max_states), y_new(max_states)
-        total = change + self%rest
-        y_new = self%y + total
-        self%rest = total - (y_new - self%y)
+        real(dp) :: y_new(max_states)
+        call add_change(self%y, change, self%rest, y_new)
         call self%accept_step(formulation, t_new, y_new, changed)
     end subroutine accept_change
 

@@ -15,7 +15,7 @@ module spintop_sweep_forecast
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at
     use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
-    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_thread_team, only: blocks_ahead
@@ -154,7 +154,7 @@ contains
         class(row_table_t), intent(in) :: table
         real(dp), intent(in) :: enough !! after this time no more places are computed, s
         type(sample_t), intent(out) :: sample
-        type(sweep_thread_t), allocatable, target :: thread
+        type(sweep_rows_t), allocatable, target :: thread
         integer :: block
 
         allocate (thread)

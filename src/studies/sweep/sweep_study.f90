@@ -29,7 +29,7 @@ module spintop_sweep_study
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
     use spintop_sweep_table, only: describe_table, start_table
-    use spintop_sweep_thread, only: sweep_thread_t
+    use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, to_text
@@ -149,7 +149,7 @@ contains
         type(team_t), intent(inout) :: team !! those who compute them, and their costs; its progress was started
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(sweep_thread_t), allocatable, target :: threads(:)
+        type(sweep_rows_t), allocatable, target :: threads(:)
         real(dp) :: moment
         integer :: i
 

@@ -15,6 +15,7 @@ module spintop_case
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
     use spintop_scene_keys, only: scene_t
+    use spintop_effects_keys, only: effects_scene_t
     use spintop_status, only: is_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: fixed_text
@@ -86,7 +87,9 @@ contains
             end if
         end if
         call make_span(scene, case, keep%nutations, problems)
-        if (allocated(case%given_body%effects) .and. .not. problems%any()) call check_table_end(case, problems)
+        if (.not. allocated(case%given_body%effects) .or. problems%any()) return
+        call check_table_end(case, problems)
+        call check_friction_end(scene%effects, case, problems)
     end subroutine make_case
 
     !> Reports a table of torques that ends before the motion.
@@ -102,6 +105,20 @@ contains
             end associate
         end associate
     end subroutine check_table_end
+
+    !> Reports a table of friction that ends below the angular velocity of the start.
+    subroutine check_friction_end(effects, case, problems)
+        type(effects_scene_t), intent(in) :: effects
+        type(case_t), intent(in) :: case
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: last, spin
+        if (.not. allocated(effects%friction_rates)) return
+        last = effects%friction_rates(size(effects%friction_rates))
+        spin = abs(case%given_start%omega(3))
+        if (spin <= last) return
+        call problems%add('effects.friction_table', 'the table ends at omega3 = ' // trim(fixed_text(last)) // ', below that of &
+                          &the start, ' // trim(fixed_text(spin)), 'add rows up to the largest angular velocity')
+    end subroutine check_friction_end
 
     !> The start of a scene; problems of its description are reported. If the body is not known, only what
     !> does not depend on it is checked.

@@ -17,6 +17,8 @@ module spintop_effects_keys
         real(dp) :: friction_coefficient = unset
         real(dp) :: friction_radius = unset
         real(dp) :: friction_smoothing = unset
+        character(256) :: friction_table = ''
+        character(32) :: friction_interpolation = ''
         real(dp) :: drag_moment(3) = unset
         real(dp) :: drag_exponent = unset
         real(dp) :: drag_force = unset
@@ -42,8 +44,10 @@ module spintop_effects_keys
         character(256) :: torque_table = ''
         character(32) :: torque_axes = ''
         character(32) :: torque_interpolation = ''
-        !> Times, s, and torques, N m, of the rows of the table, once it was read.
+        !> Times, s, and torques, N m, of the rows of the table of torques, once it was read.
         real(dp), allocatable :: table_times(:), table_torques(:, :)
+        !> Angular velocities, rad/s, and friction, N m, of the rows of the table of friction, once it was read.
+        real(dp), allocatable :: friction_rates(:), friction_torques(:)
     end type effects_scene_t
 
 contains
@@ -61,6 +65,10 @@ contains
                        'radius of the ball of the pivot')
         call table%add('effects.friction_smoothing', effects%friction_smoothing, 'rad/s', '>= 0', &
                        'angular velocity below which dry friction is smoothed (0: the exact law)')
+        call table%add('effects.friction_table', effects%friction_table, &
+                       what='CSV file of friction about body z over its rate: omega3,friction_torque (path from the input)')
+        call table%add('effects.friction_interpolation', effects%friction_interpolation, join(interpolation_names, '|'), &
+                       'interpolation of the table of friction (linear)')
         call table%add('effects.drag_moment', effects%drag_moment, 'N m s^p', '>= 0', &
                        'coefficients of the moment of the air about body x, y, z (0)')
         call table%add('effects.drag_exponent', effects%drag_exponent, '', '[1, 3]', &
@@ -110,10 +118,10 @@ contains
                        'interpolation of the table of torques (linear)')
     end subroutine describe_effects
 
-    !> The interpolation of a table of torques: linear unless the input names another one.
-    pure integer function interpolation_of(scene) result(interpolation)
-        type(effects_scene_t), intent(in) :: scene !! the group
-        interpolation = max(1, findloc(interpolation_names, scene%torque_interpolation, dim=1))
+    !> The interpolation of a table: linear unless the input names another one.
+    pure integer function interpolation_of(name) result(interpolation)
+        character(*), intent(in) :: name !! its name in the input, or ''
+        interpolation = max(1, findloc(interpolation_names, name, dim=1))
     end function interpolation_of
 
 end module spintop_effects_keys

@@ -11,7 +11,7 @@ module spintop_effects_of_scene
     use spintop_problems, only: problems_t
     use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of
     use spintop_text, only: to_text
-    use spintop_torque_table, only: make_torque_table
+    use spintop_torque_table, only: driving_row, make_friction_table, make_torque_table
     implicit none
     private
     public :: make_effects, warn_of_effects
@@ -28,6 +28,7 @@ contains
 
         if (allocated(body%effects)) deallocate (body%effects)
         call read_friction(scene, effects, problems)
+        call read_friction_law(scene, effects, problems)
         call read_drag(scene, effects, problems)
         call read_vibration(scene, effects, problems)
         call read_earth_rotation(scene, effects, problems)
@@ -73,7 +74,13 @@ contains
                                        'use an implicit method such as arkode_dirk, a larger value, or 0, the exact law')
                 end if
             end if
-            if (.not. allocated(effects%table) .or. .not. has_fixed_steps) return
+            if (.not. has_fixed_steps) return
+            if (allocated(effects%friction_table)) then
+                call problems%warn('effects.friction_table', 'steps of fixed size do not end at the rows of the table: the order &
+                                   &of the method is ' // to_text(effects%friction_table%interpolation + 1) // ' at most', &
+                                   'use a method with step control')
+            end if
+            if (.not. allocated(effects%table)) return
             order = effects%table%interpolation + 1
             if (any(effects%table%is_jump)) order = 1
             if (count(effects%table%knots > 0 .and. effects%table%knots < t_end) > 0) then
@@ -98,12 +105,35 @@ contains
             call problems%add('effects.friction_radius', 'the moment of friction needs a coefficient', &
                               'give friction_coefficient too')
         end if
-        if (is_set(scene%friction_smoothing) .and. .not. (is_set(scene%friction_torque) &
+        if (is_set(scene%friction_smoothing) .and. .not. (is_set(scene%friction_torque) .or. scene%friction_table /= '' &
                                                           .or. is_set(scene%friction_coefficient))) then
             call problems%add('effects.friction_smoothing', 'there is no dry friction to smooth', &
                               'give friction_torque, or friction_coefficient and friction_radius')
         end if
     end subroutine read_friction
+
+    !> The table of friction, which was read before. Its value at rest is dry friction.
+    subroutine read_friction_law(scene, effects, problems)
+        type(effects_scene_t), intent(in) :: scene
+        type(effects_t), intent(inout) :: effects
+        type(problems_t), intent(inout) :: problems
+        integer :: interpolation
+        if (scene%friction_table == '' .and. scene%friction_interpolation /= '') then
+            call problems%add('effects.friction_interpolation', 'there is no table of friction', 'give friction_table too')
+        end if
+        if (.not. allocated(scene%friction_rates)) return
+        interpolation = interpolation_of(scene%friction_interpolation)
+        associate (dry => scene%friction_torques(1), omega => scene%friction_rates, friction => scene%friction_torques)
+            if (effects%friction_smoothing > 0 .and. driving_row(omega, friction - dry, interpolation) > 0) then
+                call problems%add('effects.friction_smoothing', 'the friction of the table falls from its value at rest, which &
+                                  &smoothed would be less, so that the rest would drive the body', 'leave it out')
+                return
+            end if
+            effects%friction_torque = effects%friction_torque + dry
+            allocate (effects%friction_table)
+            call make_friction_table(omega, friction, interpolation, effects%friction_table)
+        end associate
+    end subroutine read_friction_law
 
     !> The air.
     subroutine read_drag(scene, effects, problems)
@@ -214,7 +244,7 @@ contains
         effects%table_in_space = scene%torque_axes == axes_names(2)
         if (.not. allocated(scene%table_times)) return
         allocate (effects%table)
-        call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene), effects%table)
+        call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene%torque_interpolation), effects%table)
     end subroutine read_torque_table
 
 end module spintop_effects_of_scene

@@ -26,7 +26,7 @@ contains
         if (.not. allocated(body%effects)) return
         associate (acts => body%effects)
             is_driven = .not. (acts%has_friction() .or. acts%drag_force > 0) &
-                .and. .not. (allocated(acts%table) .or. acts%is_harmonic()) &
+                .and. .not. (allocated(acts%table) .or. allocated(acts%friction_table) .or. acts%is_harmonic()) &
                 .and. .not. is_zero(acts%vibration_amplitude(3)) .and. acts%vibration_rate > 0 &
                 .and. all(is_zero([acts%vibration_amplitude(1:2), acts%drag_moment, acts%frame_rate, acts%rotor_torque, &
                                    acts%torque_body, acts%torque_space]))

@@ -130,6 +130,7 @@ contains
         associate (scene => job%scene)
             call files%add(job%input)
             if (scene%sweep_table /= '') call files%add(path_from(job%input, scene%sweep_table))
+            if (scene%effects%friction_table /= '') call files%add(path_from(job%input, scene%effects%friction_table))
             if (scene%effects%torque_table /= '') call files%add(path_from(job%input, scene%effects%torque_table))
             do i = 1, size(scene%tableaus)
                 call files%add(path_from(job%input, path_of_table(scene%tableaus(i)%key)))

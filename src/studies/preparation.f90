@@ -21,7 +21,7 @@ module spintop_preparation
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text
     use spintop_own_butcher_tables, only: read_tables
-    use spintop_torques_of_scene, only: read_torques
+    use spintop_torques_of_scene, only: read_friction_table, read_torques
     implicit none
     private
     public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted
@@ -87,6 +87,7 @@ contains
         if (allocated(error)) return
         call convert_named_units(job%scene, job%table, diagnostics)
         call read_torques(input, job%scene%effects, problems)
+        call read_friction_table(input, job%scene%effects, problems)
         call read_tables(input, job%scene, problems)
         call create_study(trim(job%scene%kind), study)
         info = study%info()

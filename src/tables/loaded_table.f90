@@ -32,6 +32,7 @@ module spintop_loaded_table
         procedure :: column
         procedure :: words
         procedure :: read_column
+        procedure :: place_of_row
         procedure, private :: index_of
     end type table_t
 
@@ -176,11 +177,19 @@ contains
             associate (cell => self%cells(column, row))
                 call read_cell(cell%text, values(row), is_number)
                 if (is_number .or. allocated(error) .or. (takes .and. cell%text == '')) cycle
-                error = input_error(escaped(self%path) // ':' // to_text(self%lines(row)) // ": '" // &
+                error = input_error(self%place_of_row(row) // ": '" // &
                                     escaped(abbreviate(cell%text)) // "' in column " // name // ' is not a number')
             end associate
         end do
     end subroutine read_column
+
+    !> The file and the line of a row, for messages.
+    function place_of_row(self, row) result(place)
+        class(table_t), intent(in) :: self
+        integer, intent(in) :: row !! its number
+        character(:), allocatable :: place
+        place = escaped(self%path) // ':' // to_text(self%lines(row))
+    end function place_of_row
 
     !> Index of a column by its name; 0 if there is none.
     pure integer function index_of(self, name) result(place)

@@ -164,6 +164,7 @@ contains
             effects%rotor_momentum = in_principal_axes(p, effects%rotor_momentum)
             effects%rotor_torque = in_principal_axes(p, effects%rotor_torque)
             effects%torque_body = in_principal_axes(p, effects%torque_body)
+            effects%friction_axis = in_principal_axes(p, effects%friction_axis)
             if (allocated(effects%harmonic_body)) then
                 effects%harmonic_body%even = in_principal_axes(p, effects%harmonic_body%even)
                 effects%harmonic_body%odd = in_principal_axes(p, effects%harmonic_body%odd)

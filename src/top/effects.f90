@@ -26,6 +26,9 @@ module spintop_effects
         real(dp) :: friction_arm = 0
         !> Angular velocity, rad/s, below which dry friction is smoothed; 0 is the exact law.
         real(dp) :: friction_smoothing = 0
+        !> Friction about an axis of the body by the angular velocity about it, and that axis.
+        type(torque_table_t), allocatable :: friction_table
+        real(dp) :: friction_axis(3) = [0.0_dp, 0.0_dp, 1.0_dp]
         !> Coefficients k_i of the moment -k_i |w|^(p - 1) w_i of the air, N m s^p, and p.
         real(dp) :: drag_moment(3) = 0, drag_exponent = 2
         !> Coefficient c of the force -c |v| v on the centre of mass, kg/m.
@@ -54,6 +57,8 @@ module spintop_effects
         procedure :: do_work
         procedure :: depends_on_time
         procedure :: shifts_angles
+        procedure :: friction_by_table
+        procedure :: slack_of_spin
     end type effects_t
 
 contains
@@ -61,7 +66,7 @@ contains
     !> Whether there is any effect.
     pure logical function is_any(self)
         class(effects_t), intent(in) :: self
-        is_any = self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0 &
+        is_any = self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() .or. self%drag_force > 0 &
             .or. .not. all(is_zero([self%drag_moment, self%frame_rate, self%rotor_momentum, self%torque_body, &
                                     self%torque_space]))
     end function is_any
@@ -83,10 +88,11 @@ contains
         has_friction = self%friction_torque > 0 .or. self%friction_arm > 0
     end function has_friction
 
-    !> Whether the vector kernels have all effects: all but dry friction, harmonic torques and tables of torques.
+    !> Whether the vector kernels have all effects: all but dry friction, harmonic torques and tables.
     pure logical function have_kernels(self)
         class(effects_t), intent(in) :: self
-        have_kernels = .not. (self%has_friction() .or. allocated(self%table) .or. self%is_harmonic())
+        have_kernels = .not. (self%has_friction() .or. allocated(self%friction_table) .or. allocated(self%table) &
+                              .or. self%is_harmonic())
     end function have_kernels
 
     !> Whether there is a harmonic torque.
@@ -104,7 +110,7 @@ contains
     !> Whether any effect does work: all but a rotor with constant momentum, and the rotation of the frame.
     pure logical function do_work(self)
         class(effects_t), intent(in) :: self
-        do_work = self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0 &
+        do_work = self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() .or. self%drag_force > 0 &
             .or. .not. all(is_zero([self%drag_moment, self%torque_body, self%torque_space]))
     end function do_work
 
@@ -128,10 +134,30 @@ contains
     !> that is not driven on the axis, and a frame that turns about the vertical.
     pure logical function shifts_angles(self)
         class(effects_t), intent(in) :: self
-        shifts_angles = .not. (self%has_friction() .or. self%depends_on_time() .or. self%drag_force > 0) &
+        shifts_angles = .not. (self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() &
+                               .or. self%drag_force > 0) &
             .and. all(is_zero([self%drag_moment, self%torque_body, self%torque_space, self%frame_rate(1:2), &
                                self%rotor_momentum(1:2)]))
     end function shifts_angles
+
+    !> The moment of a table of friction, N m; zero without one.
+    pure function friction_by_table(self, omega) result(moment)
+        class(effects_t), intent(in) :: self
+        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
+        real(dp) :: moment(3), torque(3)
+        moment = 0
+        if (.not. allocated(self%friction_table)) return
+        torque = self%friction_table%at(dot_product(self%friction_axis, omega))
+        moment = torque(3) * self%friction_axis
+    end function friction_by_table
+
+    !> What is rounding of the angular velocity about an axis, rad/s.
+    pure real(dp) function slack_of_spin(self, omega) result(slack)
+        class(effects_t), intent(in) :: self
+        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
+        real(dp), parameter :: spacings = 16
+        slack = spacings * epsilon(slack) * (norm2(omega) + norm2(self%frame_rate))
+    end function slack_of_spin
 
     !> The vector at a time.
     pure function harmonic_at(self, t) result(vector)

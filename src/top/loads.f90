@@ -135,6 +135,7 @@ contains
                 loads%drag = -effects%drag_force * norm2(velocity) * velocity
                 loads%moment(:, work_drag) = loads%moment(:, work_drag) + cross(r, loads%drag)
             end if
+            loads%moment(:, work_friction) = effects%friction_by_table(w)
             loads%moment(:, work_vibration) = body%mass * cross(loads%pivot, r)
             given = effects%torque_space
             loads%moment(:, work_torque) = effects%torque_body
@@ -152,7 +153,8 @@ contains
             end if
             loads%moment(:, work_torque) = loads%moment(:, work_torque) + in_body(loads%rows, given)
             loads%rate = cross(momentum, loads%total) + body%torque(loads%rows(3, :)) + loads%moment(:, work_damping) &
-                + loads%moment(:, work_drag) + loads%moment(:, work_vibration) + loads%moment(:, work_torque)
+                + loads%moment(:, work_friction) + loads%moment(:, work_drag) + loads%moment(:, work_vibration) &
+                + loads%moment(:, work_torque)
         end associate
         if (effects%has_friction()) call add_friction(body, effects, loads)
         loads%force = force_at(body, effects, loads, loads%rate)
@@ -178,13 +180,13 @@ contains
         type(body_t), intent(in) :: body
         type(effects_t), intent(in) :: effects
         type(loads_t), intent(inout) :: loads
-        real(dp) :: direction(3), length
+        real(dp) :: direction(3), length, moment(3)
 
         length = sqrt(sum(loads%omega**2) + effects%friction_smoothing**2)
         if (.not. loads%rests .or. effects%friction_smoothing > 0) then
             direction = loads%omega / length
             loads%dry = dry_moment(body, effects, loads, direction)
-            loads%moment(:, work_friction) = -loads%dry * direction
+            moment = -loads%dry * direction
         else
             loads%pull = loads%rate - effects%rotor_torque
             loads%dry = effects%friction_torque
@@ -192,12 +194,13 @@ contains
                 norm2(force_at(body, effects, loads, effects%rotor_torque))
             loads%sticks = norm2(loads%pull) <= loads%dry
             if (loads%sticks) then
-                loads%moment(:, work_friction) = -loads%pull
+                moment = -loads%pull
             else
-                call start_moving(body, effects, loads)
+                call start_moving(body, effects, loads, moment)
             end if
         end if
-        loads%rate = loads%rate + loads%moment(:, work_friction)
+        loads%moment(:, work_friction) = loads%moment(:, work_friction) + moment
+        loads%rate = loads%rate + moment
     end subroutine add_friction
 
     !> The dry moment for a direction of the angular velocity, N m: with F = F0 - N B, where F0 is the support force
@@ -218,10 +221,11 @@ contains
     end function dry_moment
 
     !> The start from rest with w' = lambda u, where u_i = T_i/(lambda I_i + M) and |u| = 1.
-    pure subroutine start_moving(body, effects, loads)
+    pure subroutine start_moving(body, effects, loads, moment)
         type(body_t), intent(in) :: body
         type(effects_t), intent(in) :: effects
         type(loads_t), intent(inout) :: loads
+        real(dp), intent(out) :: moment(3) !! of friction, N m
         real(dp) :: direction(3), last
         integer :: i
         direction = start_direction(body%inertia, loads%pull, loads%dry)
@@ -231,7 +235,7 @@ contains
             direction = start_direction(body%inertia, loads%pull, loads%dry)
             if (abs(loads%dry - last) <= 2 * epsilon_dp * loads%dry) exit
         end do
-        loads%moment(:, work_friction) = -loads%dry * direction
+        moment = -loads%dry * direction
     end subroutine start_moving
 
     !> The direction u of the start from rest under the torque T against the dry moment M < |T|: the root lambda > 0 of

@@ -1,14 +1,18 @@
-!> A torque that a table gives over time: broken lines, or cubics through its rows.
+!> A torque that a table gives over time, or friction over the angular velocity: broken lines, or cubics through its rows.
 !>
 !> Between two rows (knots) the torque is a polynomial of the time since the first of them. Before the first row
 !> and after the last one the outermost polynomials continue; inputs are checked to need neither. Two rows of one time are a
 !> jump, between two pieces that are interpolated each by itself; at its time the torque is that of the second row.
+!>
+!> Friction is a torque over the angular velocity about an axis in the place of the time, along that axis, which is the third
+!> component. It is odd, and constant beyond the last row.
 module spintop_torque_table
     use spintop_compare, only: is_equal
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: torque_table_t, make_torque_table, interpolation_names, fewest_rows, last_of_piece
+    public :: torque_table_t, make_torque_table, make_friction_table, driving_row
+    public :: interpolation_names, fewest_rows, last_of_piece
     public :: by_lines, by_monotone, by_spline, max_degree
 
     !> Interpolations: broken lines; cubics that are monotone where the rows are; the cubic spline.
@@ -31,6 +35,7 @@ module spintop_torque_table
     contains
         procedure :: at
         procedure :: expansion
+        procedure :: interval_towards
         procedure :: next_knot
         procedure :: smooth_until
         procedure :: after_jump
@@ -40,6 +45,8 @@ module spintop_torque_table
     !> A step towards a jump ends so many spacings of its time before it, so that all of its stages are there, with rounding;
     !> the next one begins at the jump. A time within `beside` is at it.
     integer, parameter :: before = 8, beside = 16
+    !> Beyond the last row friction is constant up to this angular velocity, rad/s: always.
+    real(dp), parameter :: endless = huge(1.0_dp) / 4
 
 contains
 
@@ -66,6 +73,68 @@ contains
             first = last + 1
         end do
     end subroutine make_torque_table
+
+    !> The friction of rows in increasing order of the angular velocity, from zero, without its value there, which is dry: as a
+    !> torque against the rotation in either direction.
+    pure subroutine make_friction_table(omega, friction, interpolation, table)
+        real(dp), intent(in) :: omega(:), friction(:) !! angular velocities, rad/s, and moments against them, N m
+        integer, intent(in) :: interpolation !! one of the interpolations
+        type(torque_table_t), intent(out) :: table !! the torque over the angular velocity, in its third component
+        type(torque_table_t) :: forward
+        real(dp) :: coefficient(3, 0:max_degree)
+        integer :: i, k, n
+
+        n = size(omega)
+        call make_torque_table(omega, along_axis(friction - friction(1)), interpolation, forward)
+        table%interpolation = interpolation
+        table%knots = [-endless, -omega(n:2:-1), omega, endless]
+        allocate (table%is_jump(2 * n + 1), source=.false.)
+        allocate (table%coefficient(0:max_degree, 3, 2 * n), source=0.0_dp)
+        table%coefficient(0, 3, 1) = friction(n) - friction(1)
+        do i = 1, n - 1
+            coefficient = forward%expansion(omega(i + 1), i)
+            table%coefficient(:, 3, n + 1 - i) = [(coefficient(3, k) * (-1)**k, k=0, max_degree)]
+            table%coefficient(:, 3, n + i) = -forward%coefficient(:, 3, i)
+        end do
+        table%coefficient(0, 3, 2 * n) = friction(1) - friction(n)
+    end subroutine make_friction_table
+
+    !> Numbers as vectors along the third axis.
+    pure function along_axis(values) result(vectors)
+        real(dp), intent(in) :: values(:)
+        real(dp) :: vectors(3, size(values))
+        vectors = 0
+        vectors(3, :) = values
+    end function along_axis
+
+    !> The row from which on friction is negative, up to the next row, so that it would drive the body; 0 if it nowhere is.
+    pure integer function driving_row(omega, friction, interpolation) result(row)
+        real(dp), intent(in) :: omega(:), friction(:) !! of the rows, rad/s and N m, as of `make_friction_table`
+        integer, intent(in) :: interpolation !! one of the interpolations
+        type(torque_table_t) :: table
+        real(dp) :: least
+        call make_torque_table(omega, along_axis(friction), interpolation, table)
+        least = -beside * spacing(maxval(abs(friction)))
+        do row = 1, size(omega) - 1
+            if (least_value(table%coefficient(:, 3, row), omega(row + 1) - omega(row)) < least) return
+        end do
+        row = 0
+    end function driving_row
+
+    !> The least value of a cubic from 0 to h.
+    pure real(dp) function least_value(c, h) result(least)
+        real(dp), intent(in) :: c(0:max_degree), h
+        real(dp) :: places(4), radicand, root
+        places = [0.0_dp, h, 0.0_dp, 0.0_dp]
+        radicand = c(2)**2 - 3 * c(1) * c(3)
+        if (radicand > 0) then
+            root = -(c(2) + sign(sqrt(radicand), c(2)))
+            if (abs(root) < 3 * abs(c(3)) * h) places(3) = root / (3 * c(3))
+            if (abs(c(1)) < abs(root) * h) places(4) = c(1) / root
+        end if
+        places = min(max(places, 0.0_dp), h)
+        least = minval(c(0) + places * (c(1) + places * (c(2) + places * c(3))))
+    end function least_value
 
     !> The last row before the jump that follows a row, or the last of all.
     pure integer function last_of_piece(t, first) result(last)
@@ -171,13 +240,18 @@ contains
         end associate
     end function at
 
-    !> Its Taylor coefficients about a time, of the polynomial that follows it.
-    pure function expansion(self, t) result(coefficient)
+    !> Its Taylor coefficients about a time, of the polynomial that follows it, or of another one.
+    pure function expansion(self, t, interval) result(coefficient)
         class(torque_table_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
+        integer, intent(in), optional :: interval !! the number of the knot at which the polynomial begins
         real(dp) :: coefficient(3, 0:max_degree), h
         integer :: i
-        i = interval_at(self%knots, t)
+        if (present(interval)) then
+            i = interval
+        else
+            i = interval_at(self%knots, t)
+        end if
         h = t - self%knots(i)
         associate (c => self%coefficient)
             coefficient(:, 0) = c(0, :, i) + h * (c(1, :, i) + h * (c(2, :, i) + h * c(3, :, i)))
@@ -186,6 +260,14 @@ contains
             coefficient(:, 3) = c(3, :, i)
         end associate
     end function expansion
+
+    !> The interval of an angular velocity with a rate: at a knot, or within rounding of it, that into which it moves.
+    pure integer function interval_towards(self, omega, rate, slack) result(interval)
+        class(torque_table_t), intent(in) :: self
+        real(dp), intent(in) :: omega, rate !! angular velocity, rad/s, and its rate, rad/s^2
+        real(dp), intent(in) :: slack !! what is rounding of it, rad/s
+        interval = interval_at(self%knots, omega + sign(slack, rate))
+    end function interval_towards
 
     !> The first knot after a time, s; `huge` if there is none.
     pure real(dp) function next_knot(self, t)

@@ -1,4 +1,4 @@
-!> What effects do to a body beside changing its equations: their work, knots of tables, vectors at whose zeros nothing is
+!> What effects do to a body beside changing its equations: their work, rows of tables, vectors at whose zeros nothing is
 !> smooth, and rest under dry friction.
 module spintop_effects_action
     use spintop_attitude, only: quaternion_product, rotation_minus_one
@@ -13,7 +13,7 @@ module spintop_effects_action
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: effects_action_t, turning_t, reach_t, directions, direction_omega, direction_velocity, direction_force
+    public :: effects_action_t, turning_t, reach_t, row_interval_t, directions, direction_omega, direction_velocity, direction_force
 
     !> Vectors at whose zeros effects are not smooth (`directions_at`).
     integer, parameter :: direction_omega = 1, direction_velocity = 2, direction_force = 3, directions = 3
@@ -23,6 +23,8 @@ module spintop_effects_action
         !> Whether dry friction may hold the body, and whether it may let it go again by itself; whether the series of a
         !> motion ends where it reverses; whether friction depends on the support force; whether any effect does work.
         logical :: may_stick = .false., may_slip = .false., may_turn = .false., has_load = .false., does_work = .true.
+        !> Whether friction follows a table.
+        logical :: has_rows = .false.
         type(body_t), private :: body
         type(effects_t), private :: effects
     contains
@@ -32,6 +34,8 @@ module spintop_effects_action
         procedure :: smooth_until
         procedure :: after_jump
         procedure :: turning_at
+        procedure :: interval_of_rows
+        procedure :: spin_of_rows
         procedure :: directions_at
         procedure :: reach_of
         procedure :: drag_turns
@@ -46,6 +50,11 @@ module spintop_effects_action
         !> acceleration, rad/s, which is left where a motion reverses.
         real(dp) :: t = -1, speed = 0, slowing = 0, across = 0
     end type turning_t
+
+    !> Two rows of a table of friction between which an angular velocity is, rad/s; what is rounding of it is included.
+    type :: row_interval_t
+        real(dp) :: lower = 0, upper = 0
+    end type row_interval_t
 
     !> How far the angular velocity may move away in a time.
     type :: reach_t
@@ -72,6 +81,7 @@ contains
         self%may_stick = self%effects%is_dry()
         self%may_slip = self%may_stick .and. self%effects%depends_on_time()
         self%may_turn = self%effects%has_cusps()
+        self%has_rows = allocated(self%effects%friction_table)
         self%has_load = self%effects%friction_arm > 0
         self%does_work = self%effects%do_work() .or. any(body%damping > 0)
     end subroutine set
@@ -122,6 +132,30 @@ contains
         turning%slowing = -dot_product(loads%omega / turning%speed, rate)
         turning%across = norm2(cross(loads%omega, rate / norm2(rate)))
     end function turning_at
+
+    !> The rows of the table of friction between which the motion in a state is, or into whose interval it moves.
+    pure type(row_interval_t) function interval_of_rows(self, t, y) result(rows)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp) :: slack
+        type(loads_t) :: loads
+        integer :: i
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        associate (axis => self%effects%friction_axis, table => self%effects%friction_table)
+            slack = self%effects%slack_of_spin(loads%omega)
+            i = table%interval_towards(dot_product(axis, loads%omega), dot_product(axis, acceleration(self%body, loads)), slack)
+            rows = row_interval_t(table%knots(i) - slack, table%knots(i + 1) + slack)
+        end associate
+    end function interval_of_rows
+
+    !> The angular velocity about the axis of the table of friction, rad/s.
+    pure real(dp) function spin_of_rows(self, t, y) result(spin)
+        class(effects_action_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        type(loads_t) :: loads
+        call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        spin = dot_product(self%effects%friction_axis, loads%omega)
+    end function spin_of_rows
 
     !> Vectors at whose zeros f is not smooth: w, rad/s, in body axes; w x r, m/s, likewise, if it is dragged; the support
     !> force, N, in space axes, if friction depends on it. Others are zero.

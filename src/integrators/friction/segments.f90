@@ -2,8 +2,8 @@
 !> Runge-Kutta step leads across an instant at which the motion has no series; while dry friction holds the body, it lies
 !> still.
 !>
-!> A segment ends at a knot of a table of torques, at rest, where the torques exceed the friction, or before a vector reverses
-!> on whose direction the torques depend. What steps through the next one begins there.
+!> A segment ends at a knot of a table of torques, just beyond a row of one of friction, at rest, where the torques exceed the
+!> friction, or before a vector reverses on whose direction the torques depend. What steps through the next one begins there.
 module spintop_segments
     use spintop_archive, only: archive_t
     use spintop_dop853, only: dop853_t
@@ -13,6 +13,7 @@ module spintop_segments
     use spintop_kinds, only: dp
     use spintop_lying_still, only: resting_t
     use spintop_sticking, only: rest_t
+    use spintop_friction_rows, only: end_at_row
     use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
@@ -183,6 +184,9 @@ contains
         end if
         if (is_ok(status) .and. self%rest%has_series .and. .not. self%keeps_direction) then
             if (may_reverse(formulation, method)) call end_before_reversal(formulation, method, self%must_cross, status)
+        end if
+        if (is_ok(status) .and. self%rest%has_series .and. formulation%action%has_rows) then
+            call end_at_row(formulation, method, status)
         end if
         method%t_end = t_end
     end subroutine limit_step

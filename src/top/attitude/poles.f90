@@ -93,7 +93,7 @@ contains
         reach = through_pole
         if (allocated(body%effects)) then
             associate (effects => body%effects)
-                if (allocated(effects%table) .or. effects%is_harmonic()) return
+                if (allocated(effects%table) .or. allocated(effects%friction_table) .or. effects%is_harmonic()) return
                 if (.not. all(is_zero([effects%frame_rate, effects%rotor_momentum, &
                     effects%rotor_torque, effects%torque_body, effects%torque_space, &
                     effects%vibration_amplitude(:2)]))) return

@@ -39,6 +39,7 @@ module spintop_parameters
         integer :: count = 0                            !! number of them; the others are room for more
         type(group_t), allocatable :: groups(:)         !! in the order of their first parameter
         type(place_t) :: place = place_t()                          !! the input as a whole
+        character(40), allocatable :: aliases(:)        !! `other=group.key`: another name of a key, for suggestions
         character(:), allocatable, private :: defect
     contains
         !> `add(name, variable, unit, range, what [, elements])` for reals and integers,

@@ -34,15 +34,25 @@ contains
         hint = suggest_word('&' // name, names)
     end function suggest_group
 
-    !> The most similar key of a group, or the list of all its keys.
+    !> The key that another name stands for, the most similar key of a group, or the list of all its keys.
     function suggest_key(table, group, key) result(hint)
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: group, key !! group and key as written
         character(:), allocatable :: hint
         type(string_t) :: keys(table%count)
+        character(:), allocatable :: own
         integer :: i, found
         hint = unit_hint(table, group // '.' // key)
         if (hint /= '') return
+        own = ''
+        if (allocated(table%aliases)) own = own_name(key, table%aliases)
+        if (own /= '') then
+            i = index(own, '.')
+            hint = 'did you mean ' // quoted(own(i + 1:))
+            if (own(:i - 1) /= group) hint = hint // ' in group &' // own(:i - 1)
+            hint = hint // '?'
+            return
+        end if
         found = 0
         do i = 1, size(keys)
             if (table%parameters(i)%group /= group) cycle

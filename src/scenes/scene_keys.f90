@@ -12,6 +12,7 @@ module spintop_scene_keys
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
     use spintop_parts, only: describe_parts, parts_t
     use spintop_formulations, only: formulation_infos
+    use spintop_key_aliases, only: key_aliases
     use spintop_method_aliases, only: method_aliases
     use spintop_methods, only: method_infos
     use spintop_fit_keys, only: describe_fit, fit_scene_t
@@ -151,6 +152,7 @@ contains
         type(scene_t), target, intent(inout) :: scene !! its components are bound; it must exist as long as the table
         type(parameter_table_t), intent(out) :: table !! bound to the components of the scene
 
+        table%aliases = key_aliases
         call table%add('study.kind', scene%kind, join(study_kinds, '|'), 'what to compute')
         call table%add('study.title', scene%title, what='title of the scene, for tables and figures')
         call describe_top(scene, table)

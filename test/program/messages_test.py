@@ -3,11 +3,12 @@
 import fcntl
 import os
 import pty
+import re
 import struct
 import termios
 import time
 
-from program_test import GOOD, PROGRAM, ProgramCase
+from program_test import GOOD, PROGRAM, ROOT, ProgramCase
 
 SWEEP = GOOD[: GOOD.index("&output")].replace("&top", "&study kind = 'sweep' /\n&top")
 CLOSED = GOOD[: GOOD.index("&integration")]
@@ -102,6 +103,22 @@ class HintTest(ProgramCase):
         for number in ("2 rpm", "2rpm"):
             said = self.hint(GOOD.replace("psi_rate = 1.0", f"psi_rate = {number}"))
             self.assertIn("a number with its unit is in quotes, as '20 deg'", said)
+
+    def test_names_of_other_programs(self) -> None:
+        """Each other name leads to a key that exists, in its group or in another one."""
+        source = (ROOT / "src/scenes/key_aliases.f90").read_text(encoding="utf-8")
+        names = re.findall(r"'([a-z]\w*)=(\w+)\.(\w+)'", source)
+        self.assertGreater(len(names), 40)
+        keys = [f"{group}.{other}=1" for other, group, _ in names]
+        said = self.hint(GOOD, *keys)
+        for other, group, key in names:
+            self.assertIn(f"unknown key '{other}' in group &{group}", said)
+            self.assertIn(f"did you mean '{key}'?", said)
+        known = self.run_program("list", "parameters").stdout
+        for _, group, key in names:
+            self.assertRegex(known, rf"(?m)^{group}\.{key}\b")
+        said = self.hint(GOOD, "span.rtol=1e-9")
+        self.assertIn("did you mean 'relative_tolerance' in group &integration?", said)
 
     def test_units_of_axes(self) -> None:
         """The unit of an axis is that of its parameter."""

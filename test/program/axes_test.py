@@ -109,6 +109,18 @@ class CombinationTest(ProgramCase):
             for t_end, factor, unit in zip(table.column("t_end"), (0.5, 1, 3), period, strict=True):
                 self.assertAlmostEqual(t_end, factor * unit, delta=1e-14 * t_end)
 
+    def test_method_of_the_header(self) -> None:
+        """Where a tolerance is an axis, the header names that of the first case as such."""
+        text = SWEEP + "&integration method = 'taylor' /\n&output columns = 'theta_end' /\n"
+        text += "&sweep parameter(1) = 'integration.relative_tolerance'"
+        text += "  values(1,:) = 1e-6, 1e-9 /\n"
+        header = " ".join(self.compute(self.write(text)).header)
+        self.assertIn(
+            "relative tolerance 1e-06, absolute 1e-12, in the first case;"
+            " then that of the column integration.relative_tolerance",
+            header,
+        )
+
     def test_whole_numbers(self) -> None:
         """Numbers of steps as an axis: whole, given or drawn."""
         text = SWEEP + "&integration method = 'rk4' /\n&output columns = 'evaluations' /\n"

@@ -144,8 +144,18 @@ contains
         type(job_t), intent(in) :: job
         type(fact_t), intent(out) :: facts(fact_count)
         type(string_t), allocatable, intent(out) :: input(:)
+        character(:), allocatable :: method
+        integer :: i
         call print_input(job, input)
-        call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.false., facts=facts)
+        method = job%plan%method
+        if (allocated(job%axes%axis)) then
+            do i = 1, size(job%axes%axis)
+                associate (name => job%axes%axis(i)%name)
+                    if (index(name, 'tolerance') > 0) method = method // ', in the first case; then that of the column ' // name
+                end associate
+            end do
+        end if
+        call gather_facts(job%scene%title, job%plan%model, method, dated=.false., facts=facts)
     end subroutine gather
 
     !> The grid of the cases: that of the axes, or a single dimension.

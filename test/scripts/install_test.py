@@ -25,6 +25,15 @@ find_package(spintop {version} REQUIRED)
 add_executable(example example.c)
 target_link_libraries(example PRIVATE spintop::spintop)
 """
+FORTRAN = """\
+cmake_minimum_required(VERSION 3.16)
+project(example Fortran C CXX)
+find_package(spintop 0.1 REQUIRED)
+add_executable(by_module top.f90)
+target_link_libraries(by_module PRIVATE spintop::fortran)
+add_executable(example example.c)
+target_link_libraries(example PRIVATE spintop::spintop)
+"""
 
 
 class InstallTest(unittest.TestCase):
@@ -163,6 +172,24 @@ class InstallTest(unittest.TestCase):
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("9.0", done.stderr)
+
+    def test_cmake_of_fortran(self) -> None:
+        """A project has a program with the module and one in C."""
+        if not shutil.which("cmake") or not (shutil.which("make") or shutil.which("ninja")):
+            self.skipTest("no cmake, or no make that it could use")
+        project = self.folder / "fortran"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text(FORTRAN, "utf-8")
+        shutil.copy(self.source, project)
+        shutil.copy(ROOT / "example/exact_motion.f90", project / "top.f90")
+        build = project / "build"
+        self.call("cmake", "-S", project, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}")
+        self.call("cmake", "--build", build)
+        self.check_example(build / "example")
+        lines = self.call(build / "by_module").splitlines()
+        self.assertEqual(len(lines), 3)
+        for line in lines:
+            self.assertRegex(line, r"^t = +\d\.\d s: phi, theta, psi =( +\d\.\d{8}){3}$")
 
     def test_usage(self) -> None:
         """Without a folder the script says how it is used."""

@@ -122,6 +122,14 @@ void spintop_result_delete(spintop_result *result); /* NULL is allowed */
  * why. */
 spintop_result *spintop_top_events(const spintop_top *top, spintop_error **error);
 
+/* Sets a function that spintop_run and spintop_sweep ask about ten times a second, when the calling thread calls them:
+ * `share` of the work is done, from 0 to 1 (of a fit, which does not know, 0), and `data` is as given. If it returns another
+ * number than 0, the call ends soon, with the error "stopped, as the caller wants" of the code SPINTOP_FAILED; no file is then
+ * complete that is not. It may be called in another thread, by one at a time, and must not call this library. Each thread has
+ * its own; NULL is none. */
+typedef int (*spintop_progress)(double share, void *data);
+void spintop_on_progress(spintop_progress function, void *data);
+
 /* Runs an input of any kind of study. The tables are in memory; with a `folder` (else NULL) they are also written
  * there, as by the program. Paths in the input are relative to the folder of `name`. `threads` 0: all cores; at most 4096
  * are taken. NULL after an error; a motion that ends early is not an error but a result with a code. */

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from spintop.calls import Progress
 from spintop.inputs import names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
 from spintop.results import Figures, Result
@@ -22,6 +23,7 @@ def fit(
     *,
     sigma: float | Sequence[float] | Mapping[str, ArrayLike] | None = None,
     profile: bool = True,
+    progress: Progress = False,
 ) -> Result:
     """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
 
@@ -35,7 +37,7 @@ def fit(
     not `ok` if the search does not converge, the data do not determine the parameters, or the
     motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups `sensor`
     may stand in `given`. The `warnings` of the result say what is odd about the data and the
-    residuals.
+    residuals. `progress` and Ctrl-C are as for `run`, but the share of a fit is 0 up to its end.
     """
     columns = measurements(data)
     if isinstance(sigma, Mapping):
@@ -51,7 +53,7 @@ def fit(
     with written_input(columns, wanted, given) as scene:
         path = str(scene["fit"]["data"])
         with without_places(scene, path):
-            result = Result(call_run(*read_input(scene), None, 0), draw)
+            result = Result(call_run(*read_input(scene), None, 0, progress), draw)
         result.warnings = plain(result.warnings, path)
         return result
 

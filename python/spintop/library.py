@@ -4,7 +4,17 @@ import ctypes
 import os
 import sys
 from collections.abc import Iterator
-from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_longlong, c_size_t, c_void_p
+from ctypes import (
+    CFUNCTYPE,
+    POINTER,
+    Structure,
+    c_char_p,
+    c_double,
+    c_int,
+    c_longlong,
+    c_size_t,
+    c_void_p,
+)
 from functools import cache
 from pathlib import Path
 
@@ -102,6 +112,7 @@ class CResult(Structure):
 ERROR = POINTER(POINTER(CError))
 NAMES = POINTER(c_char_p)
 ARRAYS = POINTER(c_void_p)
+PROGRESS = CFUNCTYPE(c_int, c_double, c_void_p)
 FUNCTIONS = {
     "interface": (c_int,),
     "version": (c_char_p,),
@@ -113,6 +124,7 @@ FUNCTIONS = {
     "top_columns": (POINTER(CColumn), c_void_p),
     "top_at": (c_int, c_void_p, c_size_t, c_void_p, c_void_p, ERROR),
     "top_events": (POINTER(CResult), c_void_p, ERROR),
+    "on_progress": (None, PROGRESS, c_void_p),
     "run": (POINTER(CResult), c_char_p, c_char_p, c_char_p, c_int, ERROR),
     "sweep": (POINTER(CResult), c_char_p, c_int, NAMES, ARRAYS, c_size_t, c_int, ERROR),
     "result_delete": (None, POINTER(CResult)),

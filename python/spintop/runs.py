@@ -3,7 +3,7 @@
 import ctypes
 import json
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.animation import Animation, animate
-from spintop.inputs import Input, numbers, plain, read_input, thread_count, without_places
+from spintop.calls import Progress, call
+from spintop.inputs import Input, names_in, numbers, plain, read_input, thread_count, without_places
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
 from spintop.results import Figures, Result
 
@@ -20,40 +21,71 @@ if TYPE_CHECKING:
     from spintop_figures.tables.table import Table as FileTable
 
 
-def run(given: Input, *, folder: str | Path | None = None, threads: int = 0) -> Result:
+def run(
+    given: Input,
+    *,
+    columns: str | Sequence[str] | None = None,
+    folder: str | Path | None = None,
+    threads: int = 0,
+    progress: Progress = False,
+) -> Result:
     """Run an input: a path, the text of one, or a dictionary of its groups.
 
     The result has the tables in memory. With a folder they are also written there, as by the
-    program. `threads` 0 takes all cores. An InputError has the message of the program with file,
-    line and column; a motion that ends early is a result that is not `ok`.
+    program. `columns` are those of the group `output` of a dictionary. `threads` 0 takes all cores.
+    `progress` is True for a line on standard error, or a function that is called with the share
+    that is done, from 0 to 1. An InputError has the message of the program with file, line and
+    column; a motion that ends early is a result that is not `ok`. Ctrl-C ends the call.
     """
+    given = with_columns(given, columns)
     read = read_input(given)
     with without_places(given):
-        place = call_run(*read, None if folder is None else str(folder), threads)
+        place = call_run(*read, None if folder is None else str(folder), threads, progress)
     result = Result(place, partial(figures_of, read, threads), partial(animation_of, read, threads))
     if isinstance(given, Mapping):
         result.warnings = plain(result.warnings)
     return result
 
 
-def call_run(text: str, name: str, folder: str | None, threads: int) -> "ctypes._Pointer[CResult]":
+def with_columns(given: Input, columns: str | Sequence[str] | None) -> Input:
+    """An input of groups with columns in its group `output`."""
+    if columns is None:
+        return given
+    if not isinstance(given, Mapping):
+        message = "columns are an argument for a dictionary: here they are the key output.columns"
+        raise InputError(message, code=2)
+    return {**given, "output": {**given.get("output", {}), "columns": names_in(columns)}}
+
+
+def call_run(
+    text: str, name: str, folder: str | None, threads: int, progress: Progress = False
+) -> "ctypes._Pointer[CResult]":
     """Run the text of an input."""
     place = new_place()
     where = None if folder is None else bytes_of(folder)
     threads = thread_count(threads)
-    result = library().spintop_run(bytes_of(text), bytes_of(name), where, threads, place)
+    arguments = (bytes_of(text), bytes_of(name), where, threads, place)
+    result = call(library().spintop_run, *arguments, progress=progress)
     raise_error(place)
     return result
 
 
-def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0) -> Result:
+def sweep(
+    given: Input,
+    parameters: Mapping[str, ArrayLike],
+    *,
+    columns: str | Sequence[str] | None = None,
+    threads: int = 0,
+    progress: Progress = False,
+) -> Result:
     """Run a sweep over arrays: `{"initial.theta": [...], "top.length": [...]}`, side by side.
 
     `given` is an input without a group `sweep`. Arrays have one shape, or shapes that numpy
     broadcasts to one, which the columns of the table have, too: `theta[:, None]` with a `rate` of
     one dimension is a grid. Failed cases have a status and a note. Without parameters there is
-    one case.
+    one case. `columns`, `progress` and Ctrl-C are as for `run`.
     """
+    given = with_columns(given, columns)
     text, _ = read_input(as_sweep(given))
     named = {name: np.atleast_1d(numbers(values, name)) for name, values in parameters.items()}
     try:
@@ -63,11 +95,13 @@ def sweep(given: Input, parameters: Mapping[str, ArrayLike], *, threads: int = 0
     grid = grid_of(named, arrays[0].shape) if arrays and arrays[0].ndim > 1 else None
     count = len(arrays)
     place = new_place()
-    result = library().spintop_sweep(
+    result = call(
+        library().spintop_sweep,
         *(bytes_of(text), count),
         (ctypes.c_char_p * count)(*(bytes_of(name) for name in parameters)),
         (ctypes.c_void_p * count)(*(array.ctypes.data for array in arrays)),
         *(arrays[0].size if arrays else 0, thread_count(threads), place),
+        progress=progress,
     )
     with without_places(given):
         raise_error(place)

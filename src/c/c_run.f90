@@ -1,10 +1,11 @@
 !> Studies and lists for C. These calls read and make texts: they wait for each other, because gfortran keeps the
 !> length of the result of a text function in memory that all threads share.
 module spintop_c_run
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
-        c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, &
+        c_null_char, c_null_ptr, c_ptr, c_size_t
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_axes_of_arrays, only: given_axis_t
+    use spintop_caller, only: begin_call, end_call, set_caller
     use spintop_c_error, only: hand_error, is_null, is_wrong
     use spintop_c_result, only: hand_result
     use spintop_c_text, only: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
@@ -43,6 +44,13 @@ contains
     type(c_ptr) function library_version() bind(C, name='spintop_version')
         library_version = c_loc(version)
     end function library_version
+
+    !> Sets the function that runs of this thread ask whether they are to stop.
+    subroutine on_progress(asks, data) bind(C, name='spintop_on_progress')
+        type(c_funptr), value :: asks !! int (double share, void *data); null for none
+        type(c_ptr), value :: data !! its second argument
+        call set_caller(asks, data)
+    end subroutine on_progress
 
     !> Runs an input.
     type(c_ptr) function run_input(input, name, folder, threads, error) bind(C, name='spintop_run') result(handle)
@@ -114,7 +122,9 @@ contains
         call read_c_text(folder, options%output)
         if (name_of_text == '') name_of_text = 'input'
         options%threads = min(threads, most_threads)
+        call begin_call()
         call run_in_memory(text, name_of_text, options, run, error, given)
+        call end_call(error)
         if (allocated(error)) then
             call hand_error(error, place)
         else

@@ -1,6 +1,8 @@
 !> Integrates a motion from its start to the end of the span, and passes it to an observer.
 module spintop_integration
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
+    use spintop_caller, only: stop_is_wanted
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_events, only: event_search_t
@@ -102,7 +104,7 @@ contains
             end if
         end select
         do while (is_ok(status) .and. run%stepper%t < t_end .and. .not. observer%has_enough)
-            if (run%stepper%is_spent()) then
+            if (run%stepper%is_spent() .or. is_stopped(run%stepper%counts%steps)) then
                 status = status_step_limit
                 exit
             end if
@@ -132,5 +134,13 @@ contains
         end if
         if (ends) outcome%t = search%t
     end subroutine integrate
+
+    !> Whether the caller of the library wants the run to stop; it is asked after some steps.
+    logical function is_stopped(steps)
+        integer(int64), intent(in) :: steps
+        integer(int64), parameter :: steps_a_question = 16
+        is_stopped = mod(steps, steps_a_question) == 0
+        if (is_stopped) is_stopped = stop_is_wanted()
+    end function is_stopped
 
 end module spintop_integration

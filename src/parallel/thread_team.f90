@@ -10,6 +10,7 @@
 !>     call team%compute(workers, table)           ! in all ranks; in the writer the table is then written
 module spintop_thread_team
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_caller, only: current, refuse_if_stopped
     use spintop_clock, only: pause_for, processor_seconds, seconds
     use spintop_errors, only: error_t
     use spintop_journal, only: journal_entry_t
@@ -126,7 +127,7 @@ contains
         logical :: has_journal_thread
 
         journal_threads = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
-        !$omp parallel num_threads(self%threads + self%servers + journal_threads)
+        !$omp parallel num_threads(self%threads + self%servers + journal_threads) copyin(current)
         !$omp single
         self%active = self%threads + self%servers
         has_journal_thread = count_threads() > self%threads + self%servers
@@ -287,6 +288,7 @@ contains
         logical :: is_due
 
         !$omp critical (queue)
+        call refuse_if_stopped(self%queue%error)
         if (number > 0) call self%queue%hand_in(number, rows)
         call self%queue%begin_write(is_due)
         !$omp end critical (queue)

@@ -1,7 +1,8 @@
 !> Progress of a long computation on standard error: one line that is overwritten on a terminal, or a line
-!> every few seconds in a log.
+!> every few seconds in a log. The caller of the library is told of it, too.
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_caller, only: stop_is_wanted, tell_share
     use spintop_clock, only: seconds
     use spintop_plain_text, only: escaped
     use spintop_kinds, only: dp
@@ -84,15 +85,18 @@ contains
         if (self%mode == terminal) call complain_of(new_line('a'))
     end subroutine note
 
-    !> Shows the progress, if the last line is old enough.
+    !> Shows the progress, if the last line is old enough, and tells the caller.
     subroutine update(self, done)
         class(progress_t), intent(inout) :: self
         integer(int64), intent(in) :: done !! number of finished items
         character(:), allocatable :: text
         real(dp) :: now
         integer :: room
+        logical :: stops
 
-        if (self%mode == silent) return
+        call tell_share(real(done, dp) / max(self%total, 1_int64))
+        stops = stop_is_wanted()
+        if (stops .or. self%mode == silent) return
         now = seconds()
         if (now - self%shown < merge(terminal_pause, log_pause, self%mode == terminal)) return
         self%shown = now

@@ -9,6 +9,7 @@
 !> After an error call `discard`, or `abandon` if the part is to be kept.
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_caller, only: refuse_if_stopped
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: check_target, file_exists, input_file_t, output_file_t
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal
@@ -154,12 +155,14 @@ contains
         if (self%pending%length >= block_size) call self%write_pending(error)
     end subroutine add_row
 
-    !> Adds rows as text.
+    !> Adds rows as text; of a call that is to stop none are.
     subroutine append(self, text, error)
         class(table_file_t), intent(inout) :: self
         character(*), intent(in) :: text !! whole rows, with their line ends
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
+        call refuse_if_stopped(error)
+        if (allocated(error)) return
         call self%pending%append(text)
         self%bytes = self%bytes + len(text)
         if (self%pending%length >= block_size) call self%write_pending(error)

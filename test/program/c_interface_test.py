@@ -23,6 +23,30 @@ TOP = "&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.8660254037844387 /"
 START = "&initial theta_deg = 11.25 psi_rate = 1 /"
 
 
+STOPPING = """\
+#include <spintop.h>
+#include <stdio.h>
+
+static int ask(double share, void *data) {
+    if (share < 0 || share > 1) printf("share %g\\n", share);
+    return ++*(int *)data == 3;
+}
+
+int main(void) {
+    const char *input = "&top mass = 1 inertia = 0.9, 1, 0.3 length = 0.5 /\\n"
+                        "&initial theta = 1 psi_rate = 9 /\\n&span t_end = 1e9 samples = 3 /\\n"
+                        "&integration max_steps = 2147483646 /\\n";
+    int asked = 0;
+    spintop_error *error = NULL;
+    spintop_on_progress(ask, &asked);
+    if (spintop_run(input, NULL, NULL, 0, &error) != NULL) return 1;
+    printf("%d %d %s\\n", asked, error->code, error->message);
+    spintop_error_delete(error);
+    return 0;
+}
+"""
+
+
 def numbers(text: str) -> list[float]:
     """The numbers of a line."""
     return [float(word) for word in text.split()]
@@ -432,6 +456,13 @@ class CInterfaceTest(unittest.TestCase):
             with self.subTest(arguments):
                 last = self.run_it(driver, "again", *arguments).splitlines()[-1]
                 self.assertEqual(last, "grown by 0 bytes")
+
+    def test_a_stopped_run(self) -> None:
+        """A run asks its caller, and ends with an error when that wants it to."""
+        source = self.programs / "stopping.c"
+        source.write_text(STOPPING, encoding="utf-8")
+        text = self.run_it(self.build(source, "gcc -std=c99"))
+        self.assertEqual(text, "3 3 stopped, as the caller wants\n")
 
     def test_lists(self) -> None:
         """The registries are those of the program."""

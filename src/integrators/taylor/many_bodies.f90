@@ -5,6 +5,7 @@
 module spintop_many_bodies
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_caller, only: stop_is_wanted
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
@@ -142,6 +143,10 @@ contains
                 end do
             end do
             if (all(case_in == 0)) exit
+            if (stop_is_wanted()) then
+                run%now%t_end = run%now%t
+                cycle
+            end if
             call run%advance()
             if (monitor_count > 0) call run%find_powers()
             do i = 1, monitor_count

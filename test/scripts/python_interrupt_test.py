@@ -1,0 +1,138 @@
+"""Long calls from Python: their progress, and their end by Ctrl-C or by an exception."""
+
+import contextlib
+import io
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "python"))
+
+if "SPINTOP_LIBRARY" not in os.environ:
+    command = [ROOT / "scripts/install", "--library"]
+    subprocess.run(command, check=True, capture_output=True)
+
+import spintop  # noqa: E402
+
+TOP = {"mass": 1, "inertia": (0.9, 1.0, 0.3), "length": 0.5}
+START = {"theta": 1.0, "psi_rate": 9.0}
+LONG = {
+    "top": TOP,
+    "initial": START,
+    "span": {"t_end": 1e9, "samples": 11},
+    "integration": {"max_steps": 2147483646},
+}
+SHORT = {"top": TOP, "initial": START, "span": {"t_end": 1.0, "samples": 11}}
+LANES = {"top": TOP, "span": {"t_end": 1e4}, "output": {"columns": ("theta_end", "psi_end")}}
+ANGLES = {"initial.theta": np.linspace(0.5, 2.5, 100_000)}
+FRICTION = {**LANES, "effects": {"friction_torque": 1e-9}}
+
+
+def long_fit() -> spintop.Result:
+    """A fit whose motions take minutes."""
+    t = np.linspace(0, 2e4, 101)
+    data = {"t": t, "theta": 1 + 0.1 * np.cos(t), "phi": t}
+    given = {"top": {**TOP, "damping": (0, 0, 1e-9)}, "initial": START}
+    return spintop.fit(data, ["top.mass", "initial.theta"], given)
+
+
+CALLS: dict[str, Callable[[], Any]] = {
+    "motion": lambda: spintop.run(LONG),
+    "sweep in lanes": lambda: spintop.sweep(LANES, ANGLES),
+    "sweep one after another": lambda: spintop.sweep(FRICTION, ANGLES),
+    "fit": long_fit,
+}
+
+
+class InterruptTest(unittest.TestCase):
+    """The package is as before after each end."""
+
+    def check_usable(self) -> None:
+        """A short call has its rows."""
+        self.assertEqual(len(spintop.run(SHORT).rows["theta"]), 11)
+
+    def interrupt(self, function: Callable[[], Any]) -> None:
+        """Ctrl-C ends a call within a second or, of a busy machine, a little more."""
+        sent = []
+
+        def send() -> None:
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        timer = threading.Timer(0.5, send)
+        timer.start()
+        self.addCleanup(timer.cancel)
+        with self.assertRaises(KeyboardInterrupt):
+            function()
+        self.assertLess(time.monotonic() - sent[0], 3)
+        self.check_usable()
+
+    def test_interrupts(self) -> None:
+        """Of a motion, of sweeps and of a fit."""
+        for name, function in CALLS.items():
+            with self.subTest(name):
+                self.interrupt(function)
+
+    def test_files(self) -> None:
+        """A file of an interrupted run is not there, or it is a part."""
+        with tempfile.TemporaryDirectory() as folder:
+            self.interrupt(lambda: spintop.run(LONG, folder=folder))
+            self.assertEqual(list(Path(folder).glob("*.csv")), [])
+
+    def test_progress(self) -> None:
+        """The shares increase to 1; an exception of the function ends the call."""
+        shares = []
+        few = {"initial.theta": np.linspace(0.5, 2.5, 400)}
+        given = {**FRICTION, "span": {"t_end": 5}}
+        found = spintop.sweep(given, few, progress=shares.append, threads=2)
+        self.assertEqual(len(found.rows["psi_end"]), 400)
+        self.assertEqual(shares, sorted(shares))
+        self.assertEqual(shares[-1], 1)
+        self.assertGreater(len(set(shares)), 2)
+
+        def fail(share: float) -> None:
+            raise ZeroDivisionError(share)
+
+        with self.assertRaises(ZeroDivisionError):
+            spintop.run(LONG, progress=fail)
+        self.check_usable()
+
+    def test_line(self) -> None:
+        """True shows a line; other values are refused."""
+        with contextlib.redirect_stderr(io.StringIO()) as shown:
+            spintop.run(SHORT, progress=True)
+        self.assertTrue(shown.getvalue().endswith("spintop: 100%\n"))
+        with self.assertRaisesRegex(spintop.InputError, "progress is True, or a function"):
+            spintop.run(SHORT, progress="bar")
+
+    def test_columns(self) -> None:
+        """Columns are an argument for a dictionary, and keys of other inputs."""
+        found = spintop.run(SHORT, columns="theta")
+        self.assertEqual(set(found.rows), {"theta"})
+        swept = spintop.sweep(LANES, {"initial.theta": [0.5]}, columns=("phi_end",))
+        self.assertIn("phi_end", swept.rows)
+        with self.assertRaisesRegex(spintop.InputError, r"output\.columns"):
+            spintop.run("&top mass = 1 /", columns="theta")
+
+    def test_other_names(self) -> None:
+        """Names of other programs lead to those of the keys."""
+        top = spintop.Top(spintop.Body(**TOP), **START)
+        with self.assertRaisesRegex(spintop.InputError, "did you mean 'relative_tolerance'"):
+            top.integrate([1.0], rtol=1e-9)
+        with self.assertRaisesRegex(spintop.InputError, "did you mean 'inertia'"):
+            spintop.Top(spintop.Body(mass=1, I=(1, 1, 1), length=0.1), theta=1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -4,6 +4,7 @@
 !> lines of weights without a node, of the method and of an embedded one. `order 5 4` gives the orders of both.
 module spintop_tableau
     use spintop_kinds, only: dp
+    use spintop_literals, only: read_real
     use spintop_text, only: to_text
     implicit none
     private
@@ -15,8 +16,8 @@ module spintop_tableau
     integer, parameter :: highest_checked = 5
     !> Admissible residual of a condition, for coefficients of double precision.
     real(dp), parameter :: rounding = 1.0e-13_dp
-    !> Longest number.
-    integer, parameter :: longest = 64
+    !> Largest number of a table.
+    real(dp), parameter :: largest = 1.0e6_dp
 
     !> A table: k_i = f(t + c_i h, y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
     type :: tableau_t
@@ -131,32 +132,20 @@ contains
         real(dp), intent(out) :: value
         character(:), allocatable, intent(inout) :: problem
         real(dp) :: part(2)
-        integer :: slash, status(2)
+        character(:), allocatable :: wrong, hint
+        integer :: slash
 
         value = 0
         part = 1
-        status = 0
         slash = index(word // '/', '/')
-        call read_plain(word(:slash - 1), part(1), status(1))
-        if (slash <= len(word)) call read_plain(word(slash + 1:), part(2), status(2))
-        if (any(status /= 0) .or. abs(part(2)) <= 0) then
+        call read_real(word(:slash - 1), part(1), wrong, hint)
+        if (wrong == '' .and. slash <= len(word)) call read_real(word(slash + 1:), part(2), wrong, hint)
+        if (wrong /= '' .or. abs(part(2)) <= 0 .or. maxval(abs(part)) > largest) then
             problem = "'" // word // "' is not a number; expected a number or a fraction, as 0.25 or 1/4"
             return
         end if
         value = part(1) / part(2)
     end subroutine read_number
-
-    !> A number without a fraction bar.
-    subroutine read_plain(word, value, status)
-        character(*), intent(in) :: word
-        real(dp), intent(out) :: value
-        integer, intent(out) :: status
-        value = 0
-        status = 1
-        if (verify(word, '0123456789+-.eEdD') > 0 .or. scan(word, '0123456789') == 0 .or. len(word) > longest) return
-        read (word, *, iostat=status) value
-        if (status == 0 .and. .not. abs(value) <= 1.0e6_dp) status = 1
-    end subroutine read_plain
 
     !> Sets the orders of the method and of the embedded one.
     subroutine set_orders(values, tableau, problem)

@@ -116,7 +116,7 @@ class ColumnsTest(UnitsCase):
         np.testing.assert_array_equal(*found)
 
     def test_beside_all(self) -> None:
-        """Columns that `all` does not have are named after it; what it has, or nobody, is refused."""
+        """Columns that `all` does not have may follow; what it has, or nobody, is refused."""
         names = ["all", "theta_deg", "theta__initial.psi_rate"]
         table = self.compute(self.write(TOP + SPAN + chosen(names)))
         for name in ("theta", *names[1:]):

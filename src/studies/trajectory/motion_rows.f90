@@ -169,11 +169,8 @@ contains
         ! The next row; 0 as long as events are searched for.
         next = merge(0, 1, present(recorder))
         if (next == 1) call begin_rows()
-        if (allocated(writer%resumed)) then
-            call store_or_restore(writer%resumed)
-            if (.not. writer%resumed%is_spent()) outcome%status = status_integrator
-            if (.not. is_ok(outcome%status)) return
-        end if
+        if (allocated(writer%resumed)) call store_or_restore(writer%resumed)
+        if (.not. is_ok(outcome%status)) return
         t_end = case%t_end
         t_known = t_end
         if (present(recorder)) then
@@ -223,6 +220,7 @@ contains
             call archive%store_or_restore(outcome%t)
             call path%store_or_restore(archive)
             if (present(recorder)) call recorder%store_or_restore(archive)
+            if (archive%restores .and. .not. archive%is_spent()) outcome%status = status_integrator
         end subroutine store_or_restore
 
         !> Keeps this state.

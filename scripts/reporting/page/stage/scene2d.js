@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import { frameOf, wiresOf } from "./solid.js";
 import { countUpTo, strengthAt } from "./trace.js";
-import { FIRST_VIEW } from "./view.js";
+import { FIRST_VIEW, countPanes, placePanes } from "./view.js";
 
 const ROOM = 1.12;
 const FADES = 24; // strengths of a trace that are told apart
@@ -99,16 +99,17 @@ export class Scene2D {
   #project({ x, y, z }) {
     const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
     const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
-    const { width, height } = this.canvas;
+    const [left, top, width, height] = this.place;
     const unit = (this.nearness * Math.min(width, height)) / (2 * ROOM * this.view.radius);
     return [
-      width / 2 + unit * (ca * y - sa * x),
-      height / 2 - unit * (ce * (z - this.view.middle) - se * (ca * x + sa * y)),
+      left + width / 2 + unit * (ca * y - sa * x),
+      top + height / 2 - unit * (ce * (z - this.view.middle) - se * (ca * x + sa * y)),
     ];
   }
 
-  /** The same in pixels of CSS. */
+  /** Where a point of space is in the first pane, in pixels of CSS. */
   project(point) {
+    [this.place] = this.#places();
     return this.#project(point).map((value) => value / this.ratio);
   }
 
@@ -136,16 +137,36 @@ export class Scene2D {
 
   draw() {
     if (!this.moment || !this.view) return;
-    const { colours, pen, view } = this;
-    const { time, attitudes, vectors = {} } = this.moment;
+    const { pen, canvas } = this;
+    pen.fillStyle = this.colours.ground;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    this.#places().forEach((place, pane) => {
+      this.place = place;
+      pen.save();
+      pen.beginPath();
+      pen.rect(...place);
+      pen.clip();
+      this.#drawPane(pane);
+      pen.restore();
+    });
+  }
+
+  /** Where the panes are, in pixels of the canvas. */
+  #places() {
+    return placePanes(countPanes(this.tops), this.canvas.width, this.canvas.height);
+  }
+
+  #drawPane(pane) {
+    const { colours, view } = this;
+    const { time, attitudes } = this.moment;
+    const vectors = this.moment.vectors[pane];
+    const isHere = (item) => (item.pane ?? 0) === pane;
     const origin = new Vector3();
-    pen.fillStyle = colours.ground;
-    pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
     const axes = [0, 1, 2].map((i) => new Vector3().setComponent(i, view.tip));
     for (const [i, k] of [[0, 1], [0, 2], [1, 2]]) this.#circle(origin, axes[i], axes[k], colours.faint, 1);
-    if (this.#isShown("curves")) this.#drawCurves(attitudes[0]);
+    if (this.#isShown("curves")) this.#drawCurves(this.#curves.filter(isHere), attitudes[this.tops.findIndex(isHere)]);
     this.tops.forEach((top, k) => {
-      if (!this.#isShown(top.look === "ghost" ? "ghost" : "body")) return;
+      if (!isHere(top) || !this.#isShown(top.look === "ghost" ? "ghost" : "body")) return;
       this.#drawBody(top, attitudes[k]);
       if (this.#isShown("trace")) this.#drawTrace(top, time, attitudes[k]);
     });
@@ -158,8 +179,8 @@ export class Scene2D {
     }
   }
 
-  #drawCurves(attitude) {
-    for (const { points, colour, width = 1.5, frame = "space" } of this.#curves) {
+  #drawCurves(curves, attitude) {
+    for (const { points, colour, width = 1.5, frame = "space" } of curves) {
       const corners = [];
       for (let i = 0; i < points.length; i += 3) {
         const corner = new Vector3().fromArray(points, i);

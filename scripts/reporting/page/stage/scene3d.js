@@ -21,7 +21,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { Arrow } from "./arrow.js";
 import { makeBody } from "./body.js";
 import { Trace } from "./trace.js";
-import { FIRST_VIEW } from "./view.js";
+import { FIRST_VIEW, countPanes, placePanes } from "./view.js";
 
 const FIELD = 32; // degrees
 const NEAREST = 0.4; // times the first distance
@@ -86,6 +86,7 @@ function release(object) {
 
 export class Scene3D {
   #tops = [];
+  #panes = []; // of each a group of what it alone shows: tops, `arrows` by name, `curves`, those that turn with its top
   #curves = [];
   #hidden = new Set();
 
@@ -95,10 +96,13 @@ export class Scene3D {
    */
   constructor(canvas, colours, { calm, onChange }) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer.setScissorTest(true);
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera = new PerspectiveCamera(FIELD, 1);
     this.camera.up.set(0, 0, 1);
     this.middle = new Vector3();
+    this.tops = [];
+    this.size = [1, 1];
     this.distance = 1;
     this.controls = new OrbitControls(this.camera, canvas);
     Object.assign(this.controls, {
@@ -120,12 +124,12 @@ export class Scene3D {
     this.distance = (ROOM * view.radius) / Math.sin((FIELD * Math.PI) / 360);
     this.camera.near = this.distance / 50;
     this.camera.far = this.distance * 20;
-    this.camera.updateProjectionMatrix();
     this.controls.target.copy(this.middle);
     this.controls.minDistance = NEAREST * this.distance;
     this.controls.maxDistance = FARTHEST * this.distance;
     if (place) this.#putEye(new Spherical(this.distance / nearness, place.phi, place.theta));
     else this.reset();
+    this.#fit();
     this.#build();
   }
 
@@ -155,14 +159,20 @@ export class Scene3D {
     light.position.set(2, -3, 5);
     this.scene.add(light, new HemisphereLight("#ffffff", "#c8c8c8", 2.6));
     this.#addSpace();
+    this.#panes = Array.from({ length: countPanes(this.tops) }, () => this.#makePane());
     this.#tops = this.tops.map((top, k) => this.#makeTop(top, this.view.tips[k]));
-    const { tip } = this.view;
-    this.arrows = Object.fromEntries(
-      Object.keys(this.view.perUnit).map((name) => [name, new Arrow(this.colours[name], tip)]),
-    );
-    this.scene.add(...Object.values(this.arrows));
     this.#addCurves();
     this.#showHidden();
+  }
+
+  #makePane() {
+    const pane = new Group();
+    pane.arrows = Object.fromEntries(
+      Object.keys(this.view.perUnit).map((name) => [name, new Arrow(this.colours[name], this.view.tip)]),
+    );
+    pane.add(...Object.values(pane.arrows));
+    this.scene.add(pane);
+    return pane;
   }
 
   #makeTop(top, tip) {
@@ -175,7 +185,7 @@ export class Scene3D {
       trace: new Trace(top.trace, tip, { colour: isGhost ? ghost : trace, ground, width }),
       axis: new Vector3(...top.body.axis),
     };
-    this.scene.add(made.body, made.trace);
+    this.#panes[top.pane ?? 0].add(made.body, made.trace);
     return made;
   }
 
@@ -201,28 +211,32 @@ export class Scene3D {
   }
 
   #addCurves() {
-    release(this.curves);
-    this.curves = new Group();
-    this.turning = new Group();
-    this.curves.add(this.turning);
-    for (const { points, colour, width = 1.5, frame = "space" } of this.#curves) {
+    for (const pane of this.#panes) {
+      release(pane.curves);
+      pane.curves = new Group();
+      pane.turning = new Group();
+      pane.add(pane.curves.add(pane.turning));
+    }
+    for (const { points, colour, width = 1.5, frame = "space", pane = 0 } of this.#curves) {
       const line = makeLine(points, this.colours[colour] ?? colour, width);
       line.renderOrder = 4;
-      (frame === "body" ? this.turning : this.curves).add(line);
+      const { curves, turning } = this.#panes[pane];
+      (frame === "body" ? turning : curves).add(line);
     }
-    this.scene.add(this.curves);
   }
 
-  /** Show a moment: its time, an attitude (a quaternion) per top, and vectors or null by name. */
-  show({ time, attitudes, vectors = {} }) {
+  /** Show a moment: its time, an attitude (a quaternion) per top, and per pane vectors or null by name. */
+  show({ time, attitudes, vectors }) {
     this.#tops.forEach(({ body, trace, axis }, k) => {
       body.quaternion.copy(attitudes[k]);
       trace.show(time, axis.clone().applyQuaternion(attitudes[k]));
     });
-    this.turning.quaternion.copy(attitudes[0]);
-    for (const [name, arrow] of Object.entries(this.arrows)) {
-      arrow.point(vectors[name] ?? null, this.view.perUnit[name], this.#originOf(name, vectors));
-    }
+    this.#panes.forEach(({ turning, arrows }, k) => {
+      turning.quaternion.copy(attitudes[this.tops.findIndex(({ pane = 0 }) => pane === k)]);
+      for (const [name, arrow] of Object.entries(arrows)) {
+        arrow.point(vectors[k][name] ?? null, this.view.perUnit[name], this.#originOf(name, vectors[k]));
+      }
+    });
     this.draw();
   }
 
@@ -232,15 +246,28 @@ export class Scene3D {
     return name === "change" && momentum ? origin.addScaledVector(momentum, this.view.perUnit.momentum) : origin;
   }
 
-  /** Where a point of space is on the canvas, in its pixels of CSS. */
+  /** Where a point of space is in the first pane, in pixels of CSS. */
   project(point) {
     const { x, y } = point.clone().project(this.camera);
-    const { clientWidth, clientHeight } = this.renderer.domElement;
-    return [((x + 1) * clientWidth) / 2, ((1 - y) * clientHeight) / 2];
+    const [, , width, height] = this.#places()[0];
+    return [((x + 1) * width) / 2, ((1 - y) * height) / 2];
+  }
+
+  /** Where the panes are, in pixels of CSS. */
+  #places() {
+    return placePanes(countPanes(this.tops), ...this.size);
   }
 
   draw() {
-    if (this.scene) this.renderer.render(this.scene, this.camera);
+    if (!this.scene) return;
+    const { renderer } = this;
+    this.#places().forEach(([x, y, width, height], k) => {
+      this.#panes.forEach((pane, n) => { pane.visible = n === k; });
+      const below = this.size[1] - y - height;
+      renderer.setViewport(x, below, width, height);
+      renderer.setScissor(x, below, width, height);
+      renderer.render(this.scene, this.camera);
+    });
   }
 
   /** Show or hide `body`, `ghost`, `trace`, `curves`, or the arrow of a vector. */
@@ -256,13 +283,22 @@ export class Scene3D {
       body.visible = isShown(name);
       trace.visible = isShown("trace") && isShown(name);
     }
-    for (const [name, arrow] of Object.entries(this.arrows)) arrow.wanted = isShown(name);
-    this.curves.visible = isShown("curves");
+    for (const { arrows, curves } of this.#panes) {
+      for (const [name, arrow] of Object.entries(arrows)) arrow.wanted = isShown(name);
+      curves.visible = isShown("curves");
+    }
   }
 
-  /** To a size in pixels; a narrow view is taken from farther off. */
+  /** To a size in pixels. */
   resize(width, height) {
+    this.size = [width, height];
     this.renderer.setSize(width, height, false);
+    this.#fit();
+  }
+
+  /** Have the panes filled by the view; a narrow view is taken from farther off. */
+  #fit() {
+    const [, , width, height] = this.#places()[0];
     this.camera.aspect = width / height;
     this.camera.fov = width < height ? 2 * degrees(Math.atan(Math.tan(radians(FIELD / 2)) * (height / width))) : FIELD;
     this.camera.updateProjectionMatrix();

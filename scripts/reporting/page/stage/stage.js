@@ -127,10 +127,13 @@ export class Stage {
     this.redraw();
   }
 
-  /** Show a moment: `time`, `attitudes` (a quaternion per top), `vectors` by name (Vector3 or null). */
-  show(moment) {
-    this.#moment = moment;
-    this.#scene?.show(moment);
+  /**
+   * Show a moment: `time`, `attitudes` (a quaternion per top), `vectors` by name (Vector3 or null), of several panes a
+   * list of them.
+   */
+  show({ time, attitudes, vectors = {} }) {
+    this.#moment = { time, attitudes, vectors: [vectors].flat() };
+    this.#scene?.show(this.#moment);
   }
 
   /** Draw the latest moment again. */
@@ -187,7 +190,7 @@ export class Stage {
     this.#scene?.draw();
   }
 
-  /** Where a point of space (m) is on the stage, in pixels from its upper left corner; null while it is closed. */
+  /** Where a point of space (m) is in the first pane, in pixels from the upper left corner; null while it is closed. */
   project(point) {
     return this.#scene ? this.#scene.project(point) : null;
   }

@@ -62,6 +62,21 @@ function bandOf(tops, tips) {
   return low > 0 || high < 0 ? [low, high] : null;
 }
 
+/** How many panes tops are in: tops of one stand in one picture, and all panes are seen by one eye. */
+export function countPanes(tops) {
+  return 1 + Math.max(0, ...tops.map(({ pane = 0 }) => pane));
+}
+
+/**
+ * Where the panes of a canvas are, in its units: side by side, or one above the other on a tall one.
+ * Of each the left and upper edge, width and height.
+ */
+export function placePanes(count, width, height) {
+  const isTall = height > width;
+  const [across, down] = isTall ? [width, height / count] : [width / count, height];
+  return Array.from({ length: count }, (_, k) => (isTall ? [0, k * down, across, down] : [k * across, 0, across, down]));
+}
+
 /** How long a unit of each vector is drawn, m. */
 export function unitsOf(tops, vectors) {
   const tip = Math.max(...tops.map(({ body }) => tipOf(body)));

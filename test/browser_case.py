@@ -301,6 +301,13 @@ class LiveCase(BrowserCase):
         selector = f".control[data-name={name}] input[type={kind}]"
         return self.section.find_element("css selector", selector)
 
+    def type_into(self, box: object, text: str) -> None:
+        """Type a text in place of what a box contains."""
+        from selenium.webdriver.common.keys import Keys
+
+        box.send_keys(Keys.CONTROL + "a")
+        box.send_keys(text)
+
     def wait_for_text(self, name: str, words: str) -> None:
         """Wait until a part says this."""
         wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")

@@ -5,12 +5,11 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-import jinja2
 from markupsafe import Markup
 
 from reporting.bundle import bundle, styles
 from reporting.packages import PAGE, PackageError
-from reporting.page import policy, write_page
+from reporting.page import new_environment, policy, write_page
 from spintop_figures.files import show_path
 from spintop_figures.tables.characters import printable
 
@@ -49,11 +48,10 @@ def make_alone(option: str) -> str:
     """A page; raises a PackageError if what it is made with is not to be had."""
     page = PAGES[option]
     script, style = bundle(PAGE / page.script), styles()
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(PAGE), autoescape=True, undefined=jinja2.StrictUndefined
-    )
-    return environment.get_template(page.template).render(
-        policy=policy(style, script), style=Markup(style), script=Markup(script)
+    return (
+        new_environment()
+        .get_template(page.template)
+        .render(policy=policy(style, script), style=Markup(style), script=Markup(script))
     )
 
 

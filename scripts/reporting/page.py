@@ -7,6 +7,7 @@ script that stand in it, known by their hashes, and pictures that are part of it
 import base64
 import datetime
 import hashlib
+import json
 import re
 from collections import Counter
 from pathlib import Path
@@ -18,7 +19,7 @@ from reporting.bundle import bundle, styles
 from reporting.drawing import Glyphs
 from reporting.errata import Erratum
 from reporting.live_link import live_link
-from reporting.packages import PAGE, PackageError
+from reporting.packages import DICTIONARY, PAGE, PackageError
 from reporting.pictures import THUMBNAIL, Picture, fit
 from reporting.study import Section
 from reporting.words import of_kind, typeset
@@ -40,6 +41,19 @@ BYTES_PER_CELL, BYTES_PER_TABLE = 24, 6_000
 """About what a shown cell takes in the page, and what stands around the tables."""
 
 CODE = re.compile(r"`([^`]+)`")
+
+
+def new_environment() -> jinja2.Environment:
+    """What makes pages of templates; `texts` is the dictionary of the live top."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(PAGE),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.globals["texts"] = json.loads(DICTIONARY.read_text(encoding="utf-8"))
+    return environment
 
 
 def hash_of(text: str) -> str:
@@ -156,13 +170,7 @@ def make_page(
         if script and section.moves
     }
     lives = {s.anchor: live_link(s.table) for s in sections if s.anchor in motions}
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(PAGE),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
+    environment = new_environment()
     environment.filters |= {
         "prose": prose,
         "sentence": lambda text: text[:1].upper() + text[1:],

@@ -122,13 +122,6 @@ class LiveTest(LiveCase):
                 state = self.run_script("return liveTop.state")
                 self.assertEqual((state["mass"], state["theta"], state["omega3"]), (1, 50, 30))
 
-    def type_into(self, box: object, text: str) -> None:
-        """Type a text in place of what a box contains."""
-        from selenium.webdriver.common.keys import Keys
-
-        box.send_keys(Keys.CONTROL + "a")
-        box.send_keys(text)
-
     def test_boxes(self) -> None:
         """What is no number, or impossible, is said and not taken; the box shows what is used."""
         box, other = self.control("theta", "text"), self.control("omega3", "text")
@@ -316,7 +309,7 @@ class LiveTest(LiveCase):
         start = "Loops: the precession reverses in every nutation"
         wait_for(lambda: self.text("live").startswith(start), "the announcement")
         words = self.text("live")
-        self.assertIn("tilt 50.00° to 77.49°", words)
+        self.assertIn("Tilt 50.00° to 77.49°", words)
 
     def test_what_is_shown(self) -> None:
         """Path, body, arrows and cones come and go."""
@@ -359,7 +352,7 @@ class LiveTest(LiveCase):
         self.choose("cusp")
         wait_for(lambda: self.run_script("return liveTop.stage.dimensions"), "the stage")
         self.run_script("liveTop.section.scrollIntoView(); liveTop.seek(1.2)")
-        arrow = "liveTop.stage.project(liveTop.axisNow().multiplyScalar(liveTop.tip * {}))"
+        arrow = "liveTop.stage.project(liveTop.axisNow().multiplyScalar(liveTop.picture.tip * {}))"
         self.run_script("liveTop.seek(0)")
         self.drag(arrow.format("1"), 0, 60)
         theta = wait_for(
@@ -398,16 +391,60 @@ class LiveTest(LiveCase):
         """A motion is kept in grey while a slider changes the other; both move, and it goes."""
         button = self.part(self.section, "keep")
         button.click()
-        self.assertIn("the same motion", self.text("kept"))
+        self.wait_for_text("kept", "the same motion")
         self.type_into(self.control("omega3", "text"), "40\n")
         wait_for(lambda: self.text("kept") == "In grey: ω₃ = 30 rad/s.", "what differs")
-        self.assertEqual(self.run_script("return liveTop.kept.track.start.omega[2]"), 30)
+        self.assertEqual(self.run_script("return liveTop.second.track.start.omega[2]"), 30)
         self.assertEqual(self.run_script("return liveTop.track.start.omega[2]"), 40)
         with self.changing(self.section):
             self.run_script("liveTop.seek(2.2)")
         with self.changing(self.section):
             button.click()
         self.assertEqual(self.text("kept"), "")
+
+    def test_two_tops_beside(self) -> None:
+        """Two pictures, one eye, one time: all sliders are shared but the one that differs."""
+        self.choose("loop")
+        self.part(self.section, "keep").click()
+        look = self.part(self.section, "second_look")
+        with self.changing(self.section):
+            look.find_element("css selector", "[value=beside]").click()
+        differs = self.part(self.section, "differs")
+        self.assertEqual(differs.get_property("value"), "omega3")
+        differs.find_element("css selector", "[value=phi_rate]").click()
+        box = self.part(self.section, "second_control").find_element("css selector", "[type=text]")
+        self.type_into(box, "0.8\n")
+        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
+        self.wait_for_text("first_name", "φ\N{PRIME}₀ = \N{MINUS SIGN}1.2 rad/s: Loops")
+        self.type_into(self.control("theta", "text"), "40\n")
+        starts = (
+            "return [liveTop.track, liveTop.second.track].map((t) => [t.start.angle[1], t.phiRate])"
+        )
+        wait_for(lambda: self.run_script(starts)[0][0] < 0.7, "another tilt")
+        (first, slow), (second, fast) = self.run_script(starts)
+        self.assertEqual((first, slow, fast), (second, -1.2, 0.8))
+        with self.changing(self.section):  # in both pictures
+            self.run_script("liveTop.seek(1.1)")
+        link = wait_for(
+            lambda: (
+                "second=phi_rate:0.8&beside=yes"
+                in (found := self.run_script("return location.hash"))
+                and found
+            ),
+            "the link",
+        )
+        self.open(self.page, link)
+        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
+        self.set_screen(390, 844, touch=True)
+        places = """
+            return ["first_name", "second_name"].map((name) => {
+                const { left, top } = liveTop.parts[name].getBoundingClientRect();
+                return [left, top];
+            });
+        """
+        wait_for(lambda: self.run_script(places)[0][0] == self.run_script(places)[1][0], "a stack")
+        (_, upper), (_, lower) = self.run_script(places)
+        self.assertLess(upper + 100, lower)
 
     def test_full_screen(self) -> None:
         """The live top fills the screen, and leaves it."""

@@ -5,6 +5,13 @@ const FIGURES = 7;
 const FIGURE_SPACE = "\u2007"; // as wide as a digit
 const NOTHING = "\u2013";
 
+let mark = "."; // of the decimals
+
+/** Write numbers with this mark before their decimals. */
+export function setDecimalMark(character) {
+  mark = character;
+}
+
 /** An angle in degrees. */
 export function inDegrees(angle, decimals = 3) {
   return `${minus((angle * DEGREE).toFixed(decimals))}°`;
@@ -16,7 +23,7 @@ export function inFewDegrees(angle) {
   if (degrees === 0) return "0°";
   const text = Math.abs(degrees) < 0.01 ? degrees.toExponential(1) : degrees.toFixed(2);
   const [mantissa, power] = text.split("e");
-  return power ? `${mantissa} × 10${superscript(power)}°` : `${minus(text)}°`;
+  return power ? `${minus(mantissa)} × 10${superscript(power)}°` : `${minus(text)}°`;
 }
 
 function superscript(power) {
@@ -34,6 +41,16 @@ export function inShort(value) {
   return minus(String(Number(value.toPrecision(4))));
 }
 
+/** A number with so many figures, zeros at its end too, so that its text keeps its width. */
+export function inFigures(value, figures = 4) {
+  return minus(value.toPrecision(figures));
+}
+
+/** A number with all its digits, as one types it. */
+export function inBox(value) {
+  return String(value).replace(".", mark);
+}
+
 /** How many decimals numbers up to a size need for so many figures. */
 export function decimalsFor(size, figures = 6) {
   return Math.min(Math.max(figures - 1 - Math.floor(Math.log10(size || 1)), 0), 9);
@@ -46,14 +63,14 @@ export function withDecimals(value, decimals) {
 
 /** Numbers as texts, filled up so that their decimal points are one above the other. */
 export function aligned(texts) {
-  const behind = texts.map((text) => (text.includes(".") ? text.length - text.indexOf(".") : 0));
+  const behind = texts.map((text) => (text.includes(mark) ? text.length - text.indexOf(mark) : 0));
   const most = Math.max(...behind);
   return texts.map((text, i) => text + FIGURE_SPACE.repeat(most - behind[i]));
 }
 
-/** With a true minus sign, and none before a zero. */
-function minus(text) {
-  return Number(text) === 0 ? text.replace("-", "") : text.replaceAll("-", "\u2212");
+/** With a true minus sign, none before a zero, and the decimal mark. */
+export function minus(text) {
+  return (Number(text) === 0 ? text.replace("-", "") : text.replaceAll("-", "\u2212")).replace(".", mark);
 }
 
 /** What one would see, for those who do not. */

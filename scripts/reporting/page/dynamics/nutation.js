@@ -7,19 +7,6 @@
 // is a cubic whose roots u1 <= u2 <= 1 <= u3 are the turning points. The period, an elliptic integral, is
 // 2 pi over the arithmetic-geometric mean of sqrt(beta (u3 - u1)) and sqrt(beta (u3 - u2)).
 
-/** One phrase for each class of motion. */
-export const CLASS_MEANINGS = {
-  loop: "the precession reverses in every nutation",
-  cusp: "the precession comes to rest at the upper turning angle",
-  wave: "the precession keeps its direction",
-  steady: "steady precession: the inclination is constant",
-  sleeping: "the axis rests upright",
-  hanging: "the axis rests hanging",
-  separatrix: "separatrix: the axis approaches the upright and never reaches it",
-  libration: "plane pendulum, oscillating",
-  circulation: "plane pendulum, rotating over the top",
-};
-
 const ROUNDING = 32 * Number.EPSILON; // of data, in units of their largest terms
 const UNSURE = 1e-13; // of k'^2 and of a nutation: closer roots are equal
 

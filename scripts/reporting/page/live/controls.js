@@ -1,13 +1,12 @@
 // Sliders and boxes of the parameters. A slider and a box show one number; both write it.
 
+import { inBox } from "../text.js";
+import { say } from "./language.js";
 import { NUMBERS, refusal } from "./scene.js";
 import { readQuantity } from "./units.js";
 
 const STEPS = 1000;
 const ABOUT = 10; // a slider that goes by ratios covers this factor to both sides
-
-/** A number as its box has it: with all its digits, for it is this number with which the page computes. */
-export const inBox = String;
 
 /** A round number that is not smaller. */
 export function roundUp(value) {
@@ -21,7 +20,8 @@ export class Control {
 
   constructor(name, prefix) {
     this.name = name;
-    const { symbol, words, unit, log } = NUMBERS[name];
+    const { symbol, unit, log } = NUMBERS[name];
+    const words = say(`number_${name}`);
     this.isLog = Boolean(log);
     const id = `${prefix}-${name}`;
     this.element = document.createElement("div");
@@ -113,7 +113,7 @@ export class Control {
     const fault = read.fault ?? refusal(this.name, read.value);
     if (!fault) this.set(read.value);
     this.box.value = inBox(this.value);
-    this.#say(fault && `${fault}: it stays ${inBox(this.value)}${unit && ` ${unit}`}`);
+    this.#say(fault && say("fault", { fault, value: `${inBox(this.value)}${unit && ` ${unit}`}` }));
     if (this.value !== before) this.onChange(this.name, this.value);
   }
 

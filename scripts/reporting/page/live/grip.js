@@ -35,8 +35,8 @@ export class Grip {
       return Math.hypot(x - place[0], y - place[1]);
     };
     if (!live.stage.project(axis)) return null;
-    if (far(axis.clone().multiplyScalar(live.tip)) < (NEAR[event.pointerType] ?? NEAR.mouse)) return "tip";
-    const [solid] = live.drawing.solids;
+    if (far(axis.clone().multiplyScalar(live.picture.tip)) < (NEAR[event.pointerType] ?? NEAR.mouse)) return "tip";
+    const [solid] = live.picture.drawing.solids;
     if (!solid || !live.parts.body_shown.checked) return null;
     const middle = axis.clone().multiplyScalar(solid.place[2]);
     const aside = new Vector3(-axis.y, axis.x, 0).normalize().multiplyScalar(solid.radius ?? solid.edges[0] / 2);
@@ -75,7 +75,7 @@ export class Grip {
     let [best, least] = [0, Infinity];
     for (let k = 0; k <= TILTS; k += 1) {
       const theta = (Math.PI * k) / TILTS;
-      const [px, py] = live.stage.project(new Vector3(0, -Math.sin(theta), Math.cos(theta)).multiplyScalar(live.tip));
+      const [px, py] = live.stage.project(new Vector3(0, -Math.sin(theta), Math.cos(theta)).multiplyScalar(live.picture.tip));
       const far = (px - x) ** 2 + (py - y) ** 2;
       if (far < least) [best, least] = [k, far];
     }

@@ -1,6 +1,7 @@
 // What one keeps of a live top: a link, a picture, a film, an input.
 
 import { inShort } from "../text.js";
+import { say } from "./language.js";
 import { canFilm, film, save } from "./record.js";
 
 export const STILL = [1920, 1080]; // pixels of a picture
@@ -16,8 +17,8 @@ export class Keeper {
     parts.link.hidden = !live.ownsLink;
     parts.picture.addEventListener("click", () => save(live.stage.still(...STILL), "spintop.png"));
     parts.film.addEventListener("click", () => (this.#film ? this.endFilm() : this.#beginFilm()));
-    parts.link.addEventListener("click", () => this.#copy(location.href, "The link is copied."));
-    parts.copy.addEventListener("click", () => this.#copy(parts.input.textContent, "The input is copied."));
+    parts.link.addEventListener("click", () => this.#copy(location.href, say("copied_link")));
+    parts.copy.addEventListener("click", () => this.#copy(parts.input.textContent, say("copied_input")));
   }
 
   #say(words) {
@@ -29,8 +30,8 @@ export class Keeper {
     const { parts, clock } = this.live;
     clock.time = 0;
     this.#film = film(parts.stage.querySelector("canvas"));
-    parts.film.textContent = "Stop and save";
-    this.#say(`Filming ${inShort(clock.span / clock.speed)} s …`);
+    parts.film.textContent = say("film_stop");
+    this.#say(say("filming", { seconds: inShort(clock.span / clock.speed) }));
     this.live.play();
   }
 
@@ -39,9 +40,9 @@ export class Keeper {
     if (!this.#film) return;
     const running = this.#film;
     this.#film = null;
-    this.live.parts.film.textContent = "Film (WebM)";
+    this.live.parts.film.textContent = say("film");
     save(URL.createObjectURL(await running.stop()), "spintop.webm");
-    this.#say("The film is saved.");
+    this.#say(say("film_saved"));
   }
 
   async #copy(text, done) {
@@ -49,7 +50,7 @@ export class Keeper {
       await navigator.clipboard.writeText(text);
       this.#say(done);
     } catch {
-      this.#say("The browser does not let this page copy; the address bar has the link.");
+      this.#say(say("copy_refused"));
     }
   }
 }

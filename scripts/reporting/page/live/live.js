@@ -1,43 +1,30 @@
-// A live top: its controls, its stage and its charts, wired together. Whatever one sets, the motion
+// A live top: its controls, its picture and its charts, wired together. Whatever one sets, the motion
 // is computed anew and shown in the next frame.
 
-import { Quaternion, Vector3 } from "three";
+import { Vector3 } from "three";
 import { speedsFor } from "../player.js";
-import { tipOf } from "../stage/solid.js";
-import { Stage } from "../stage/stage.js";
-import { unitsOf } from "../stage/view.js";
+import { inShort } from "../text.js";
 import { Charts, linesOf } from "./charts.js";
 import { Clock } from "./clock.js";
 import { Control } from "./controls.js";
 import { Grip } from "./grip.js";
 import { Keeper, STILL } from "./keeper.js";
 import { bindKeys } from "./keys.js";
+import { fillWords, linkOfLanguage, say } from "./language.js";
 import { fillPanel, showMoment } from "./panel.js";
-import { FIRST, PRESETS } from "./presets.js";
+import { Picture } from "./picture.js";
+import { FIRST, PRESETS, presetOf } from "./presets.js";
 import { suitRanges } from "./ranges.js";
 import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
-import { COARSE, FINE, Track, drawingOf } from "./track.js";
+import { Second } from "./second.js";
+import { COARSE, FINE, Track } from "./track.js";
 import { Tour } from "./tour.js";
 import { accountOf } from "./words.js";
 
 const QUIET = 500; // ms without a change before it is announced and the link holds it
-const VECTORS = ["momentum", "omega", "force", "torque", "change"];
 const PLOTS = ["theta", "phi", "psi", "energy", "potential", "portrait"];
-const SPOKES = 36; // of a cone
-const SPHERE = { times: [0, 1, 2, 3, 4, 5], points: [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1] };
+const LABELLED = ["preset", "shape", "precession", "speed", "second_look", "differs"];
 let made = 0;
-
-/** Points of a cone about the pivot: its edge, and spokes to it. */
-function coneOf(table, perUnit) {
-  const edge = new Float32Array(table).map((value) => value * perUnit);
-  const count = edge.length / 3;
-  const spokes = [];
-  for (let k = 0; k <= SPOKES; k += 1) {
-    const i = 3 * Math.round(((count - 1) * k) / SPOKES);
-    spokes.push(0, 0, 0, edge[i], edge[i + 1], edge[i + 2]);
-  }
-  return [edge, [...spokes, 0, 0, 0]];
-}
 
 /** The time of so many nutations of a state, s; of a motion that has none, as many seconds. */
 function timeOf(state, nutations) {
@@ -49,7 +36,6 @@ export class LiveTop {
   #frame = 0;
   #isChanged = true;
   #isCoarse = false; // fewer points than there shall be, for speed
-  #drawn = "";
   #quiet = 0;
 
   /**
@@ -61,20 +47,22 @@ export class LiveTop {
     this.section = section;
     this.ownsLink = ownsLink;
     section.append(template.content.cloneNode(true));
+    fillWords(section);
     this.parts = Object.fromEntries(
       [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
     );
-    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.isCalm = calm;
+    this.isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.clock = new Clock();
-    this.stage = new Stage(this.parts.stage, { calm });
+    this.picture = new Picture(this.parts, this.isCalm);
+    this.stage = this.picture.stage;
     this.charts = new Charts(Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]])));
     this.#makeControls();
     this.#wire();
-    this.load(state ?? (ownsLink && stateOfLink(location.hash)) ?? null);
+    const link = ownsLink ? location.hash : "";
+    this.load(state ?? stateOfLink(link), { link });
     this.#watch();
     this.#openStage();
-    if (calm) this.pause();
+    if (this.isCalm) this.pause();
     else this.play();
   }
 
@@ -85,28 +73,31 @@ export class LiveTop {
 
   #makeControls() {
     const { parts } = this;
+    const prefix = `live${made}`;
     parts.preset.append(
-      ...Object.entries(PRESETS).map(([key, { title }]) => new Option(title, key)),
-      new Option("as set below", ""),
+      ...Object.keys(PRESETS).map((key) => new Option(say(`preset_${key}`), key)),
+      new Option(say("preset_none"), ""),
     );
-    parts.shape.append(...Object.entries(SHAPES).map(([key, { name }]) => new Option(name, key)));
+    parts.shape.append(...Object.keys(SHAPES).map((key) => new Option(say(`shape_${key}`), key)));
     this.controls = {};
     for (const name of Object.keys(NUMBERS)) {
-      const control = new Control(name, `live${made}`);
+      const control = new Control(name, prefix);
       control.onChange = (key, value) => this.change({ [key]: value });
       this.controls[name] = control;
       parts[NUMBERS[name].part].append(control.element);
     }
-    for (const part of ["preset", "shape", "precession", "speed"]) {
-      parts[part].id = `live${made}-${part}`;
+    for (const part of LABELLED) {
+      parts[part].id = `${prefix}-${part}`;
       this.section.querySelector(`label[data-for=${part}]`).htmlFor = parts[part].id;
     }
+    this.second = new Second(this, prefix);
   }
 
   #wire() {
     const { parts } = this;
     parts.preset.addEventListener("change", () => {
-      if (parts.preset.value) this.load(PRESETS[parts.preset.value].state, parts.preset.value);
+      const preset = parts.preset.value;
+      if (preset) this.load(PRESETS[preset], { preset });
     });
     parts.shape.addEventListener("change", () => {
       this.change({ shape: parts.shape.value });
@@ -128,13 +119,9 @@ export class LiveTop {
       else this.section.requestFullscreen();
     });
     document.addEventListener("fullscreenchange", () => {
-      parts.screen.textContent = document.fullscreenElement ? "Leave full screen" : "Full screen";
+      parts.screen.textContent = say(document.fullscreenElement ? "screen_leave" : "screen");
     });
     this.tour = new Tour(this);
-    parts.keep.addEventListener("click", () => this.keep(!this.kept));
-    for (const name of ["body_shown", "trace", "cones", ...VECTORS]) {
-      parts[name].addEventListener("change", () => this.#showParts());
-    }
     this.keeper = new Keeper(this);
     this.grip = new Grip(this);
     this.charts.onPick = (time) => this.seek(time);
@@ -155,8 +142,9 @@ export class LiveTop {
     addEventListener("afterprint", () => this.redraw());
     if (this.ownsLink) {
       addEventListener("hashchange", () => {
-        const state = stateOfLink(location.hash);
-        if (state && linkOf(state) !== linkOf(this.state)) this.load(state);
+        const link = location.hash;
+        const state = stateOfLink(link);
+        if (state && link !== `#${this.link()}`) this.load(state, { link });
       });
     }
   }
@@ -172,20 +160,25 @@ export class LiveTop {
     this.stage.recolour();
   }
 
-  /** Show a state, with ranges and a speed that suit it. */
-  load(state, preset = null) {
-    const isFirst = !state;
-    const { nutations, ...given } = state ?? PRESETS[FIRST].state;
+  /** What the address has after its #: the state, the second top, and the language, if it asks for one. */
+  link(language = linkOfLanguage()) {
+    return [linkOf(this.state), this.second.link(), language].filter(Boolean).join("&");
+  }
+
+  /** Show a state, with ranges and a speed that suit it; of a `link` also its second top. */
+  load(state, { preset = null, link = "" } = {}) {
+    const { nutations, ...given } = state ?? PRESETS[FIRST];
     this.state = complete(given);
     Object.assign(this.state, consequenceOf(this.state, {}).fields);
     if (nutations) this.state.t_end = timeOf(this.state, nutations);
-    this.#namePreset(preset ?? (isFirst ? FIRST : ""));
+    this.#namePreset(preset ?? presetOf(this.state));
     this.parts.limits.textContent = "";
     for (const name of Object.keys(NUMBERS)) this.controls[name].set(this.state[name]);
     this.parts.shape.value = this.state.shape;
     this.parts.precession.value = this.state.precession;
     suitRanges(this.controls, this.state);
-    this.#isChanged = true;
+    this.second.readLink(link);
+    this.second.follow();
     this.clock.time = 0;
     this.#compute();
     this.#suitSpeed();
@@ -200,8 +193,8 @@ export class LiveTop {
     for (const [name, value] of Object.entries(others)) this.controls[name].set(value);
     this.parts.limits.textContent = words;
     this.#namePreset("");
-    this.#isChanged = true;
-    this.#request();
+    this.second.follow();
+    this.requestMotion();
   }
 
   /** Change parameters, and have their controls show it. */
@@ -212,14 +205,14 @@ export class LiveTop {
 
   #namePreset(key) {
     this.parts.preset.value = key;
-    this.parts.preset_words.textContent = PRESETS[key]?.words ?? "";
+    this.parts.preset_words.textContent = key && say(`preset_${key}_words`);
   }
 
   #suitSpeed() {
     const { speeds, initial } = speedsFor(this.track.span);
     this.clock.speed = initial;
     this.parts.speed.replaceChildren(
-      ...speeds.map((speed) => new Option(`${speed} ×`, speed, false, speed === initial)),
+      ...speeds.map((speed) => new Option(`${inShort(speed)} ×`, speed, false, speed === initial)),
     );
   }
 
@@ -227,84 +220,33 @@ export class LiveTop {
   #compute(most = FINE) {
     const began = performance.now();
     this.#isChanged = false;
-    const track = new Track(this.state, most);
-    this.#isCoarse = most === COARSE && !track.isComplete;
-    this.track = track;
-    this.clock.span = track.span;
-    this.clock.time = Math.min(this.clock.time, track.span);
-    this.#fillStage();
-    this.redraw(false);
-    fillPanel(this);
+    this.track = new Track(this.state, most);
+    this.second.compute(most);
+    this.#isCoarse = most === COARSE && !(this.track.isComplete && (this.second.track?.isComplete ?? true));
+    this.clock.span = this.track.span;
+    this.clock.time = Math.min(this.clock.time, this.track.span);
+    this.#fill();
     this.#settle();
     const detail = performance.now() - began;
     this.section.dispatchEvent(new CustomEvent("computed", { detail }));
   }
 
-  #fillStage() {
-    const { state, track, stage } = this;
-    const { body, label } = drawingOf(state, track.body);
-    const trace = { times: track.t, points: track.axis };
-    const vectors = Object.fromEntries(VECTORS.map((name) => [name, track[name]]));
-    const { kept } = this;
-    const key = JSON.stringify([body, kept?.drawing]);
-    if (key !== this.#drawn) {
-      this.#drawn = key;
-      this.drawing = body; // the same while the body is the same
-      this.tip = tipOf(body);
-      const other = kept && { body: kept.drawing, trace: SPHERE, look: "ghost" };
-      stage.setTops([{ body, trace: SPHERE, look: "solid" }, other].filter(Boolean), vectors);
-      this.#showParts(false);
+  /** Bring picture, charts and panel up to the motions. */
+  #fill() {
+    const { state, track, second } = this;
+    const tops = [{ state, track, look: "solid", pane: 0 }];
+    if (second.state) {
+      const place = second.isBeside ? { look: "solid", pane: 1 } : { look: "ghost", pane: 0 };
+      tops.push({ state: second.state, track: second.track, ...place });
     }
-    stage.setTraces([trace, kept?.trace].filter(Boolean), vectors);
-    this.parts.label.textContent = [label, track.lack].filter(Boolean).join(" ");
-    this.#setCurves();
-  }
-
-  #setCurves() {
-    const { track, parts, tip } = this;
-    const curves = [];
-    if (parts.trace.checked) {
-      curves.push({ points: new Float32Array(track.axis).map((value) => value * tip), colour: "faint", width: 1.4 });
-    }
-    if (parts.cones.checked) {
-      const unit = unitsOf([{ body: this.drawing }], { omega: track.omega }).omega;
-      for (const [table, colour, frame] of [[track.omega, "omega", "space"], [track.omegaBody, "mark", "body"]]) {
-        const [edge, spokes] = coneOf(table, unit);
-        curves.push({ points: edge, colour, width: 2, frame }, { points: spokes, colour, width: 0.7, frame });
-      }
-    }
-    this.stage.setCurves(curves);
-  }
-
-  /** Show or hide an arrow, the path, or the cones, as its box does. */
-  show(name, on) {
-    this.parts[name].checked = on;
-    this.#showParts();
-  }
-
-  #showParts(isShown = true) {
-    const { parts, stage } = this;
-    stage.setVisible("body", parts.body_shown.checked);
-    for (const name of ["trace", ...VECTORS]) stage.setVisible(name, parts[name].checked);
-    if (!isShown) return;
-    this.#setCurves();
-    this.#show();
-  }
-
-  /** Keep the motion as a second top in grey, which stays while the sliders change the first; or remove it. */
-  keep(on) {
-    const { state, track, drawing, parts } = this;
-    this.kept = on ? { state: { ...state }, track, drawing, trace: { times: track.t, points: track.axis } } : null;
-    parts.keep.setAttribute("aria-pressed", String(on));
-    parts.keep.textContent = on ? "Remove the second top" : "Keep as second top";
-    this.#fillStage();
-    this.redraw();
+    this.picture.fill(tops);
+    this.redraw(false);
     fillPanel(this);
   }
 
   /** Draw the charts, and the moment. */
   redraw(isShown = true) {
-    this.charts.draw(this.track, linesOf(this.section), this.kept?.track);
+    this.charts.draw(this.track, linesOf(this.section), this.second.state && this.second.track);
     if (isShown) this.#show();
   }
 
@@ -323,10 +265,17 @@ export class LiveTop {
 
   #tell() {
     const { parts } = this;
-    parts.live.textContent = accountOf(this.track);
-    parts.stage.setAttribute("aria-label", `The top in space. ${accountOf(this.track)}`);
+    const account = accountOf(this.track);
+    parts.live.textContent = account;
+    parts.stage.setAttribute("aria-label", `${say("stage")}. ${account}`);
     parts.input.textContent = inputOf(this.state);
-    if (this.ownsLink) history.replaceState(null, "", `#${linkOf(this.state)}`);
+    if (this.ownsLink) history.replaceState(null, "", `#${this.link()}`);
+  }
+
+  /** Compute the motions anew, for the next frame of the screen. */
+  requestMotion() {
+    this.#isChanged = true;
+    this.#request();
   }
 
   #request() {
@@ -347,22 +296,9 @@ export class LiveTop {
 
   /** Show the moment of the clock. */
   #show() {
-    const { parts, track, clock } = this;
-    const moment = track.at(clock.time);
-    const moments = [moment, this.kept?.track.at(clock.time)].filter(Boolean);
-    this.stage.show({
-      time: clock.time,
-      attitudes: moments.map(({ quaternion: [w, x, y, z] }) => new Quaternion(x, y, z, w)),
-      vectors: {
-        momentum: new Vector3(...moment.momentum),
-        omega: new Vector3(...moment.omegaSpace),
-        force: new Vector3(...moment.force),
-        torque: new Vector3(...moment.torque),
-        change: new Vector3(...moment.change),
-      },
-    });
+    const moment = this.picture.show(this.clock.time);
     this.charts.show(moment);
-    showMoment(parts, moment, track);
+    showMoment(this.parts, moment, this.track);
   }
 
   /** The axis at the moment that is shown. */
@@ -388,7 +324,7 @@ export class LiveTop {
 
   #showPlay() {
     const { play } = this.parts;
-    play.setAttribute("aria-label", this.clock.playing ? "Pause" : "Play");
+    play.setAttribute("aria-label", say(this.clock.playing ? "pause" : "play"));
     play.dataset.state = this.clock.playing ? "playing" : "paused";
   }
 

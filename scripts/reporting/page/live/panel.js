@@ -1,11 +1,11 @@
 // The panel of a live top: what its motion is, and the readings of a moment.
 
-import { inDegrees, inShort } from "../text.js";
-import { NUMBERS, numbersOf } from "./scene.js";
+import { inDegrees, inFigures, inShort } from "../text.js";
+import { numbersOf } from "./scene.js";
 import { classOf, factsOf, sleepOf } from "./words.js";
 
 /** Bring the panel up to the motion of a live top. */
-export function fillPanel({ parts, track, controls, state, kept }) {
+export function fillPanel({ parts, track, controls, state, second }) {
   const { name, meaning } = classOf(track);
   parts.class.textContent = name;
   parts.meaning.textContent = meaning;
@@ -25,20 +25,8 @@ export function fillPanel({ parts, track, controls, state, kept }) {
   controls.omega3.markAt(track.threshold > 0 ? track.threshold : null);
   parts.threshold.disabled = !(track.threshold > 0);
   const names = numbersOf(state);
-  parts.kept.textContent = kept ? differenceOf(kept.state, state) : "";
+  second.describe(track);
   for (const [key, { element }] of Object.entries(controls)) element.hidden = !names.includes(key);
-}
-
-/** How a kept state differs from another. */
-function differenceOf(kept, state) {
-  const others = numbersOf(kept).filter((name) => kept[name] !== state[name]);
-  if (kept.shape !== state.shape) return "In grey: another body.";
-  if (!others.length) return "In grey: the same motion, until you change something.";
-  const numbers = others.map((name) => {
-    const { symbol, unit } = NUMBERS[name];
-    return `${symbol} = ${inShort(kept[name])} ${unit}`;
-  });
-  return `In grey: ${numbers.join(", ")}.`;
 }
 
 function newFact() {
@@ -49,7 +37,7 @@ function newFact() {
 
 /** The readings of a moment. */
 export function showMoment(parts, moment, track) {
-  parts.t.textContent = `${moment.t.toPrecision(4)} s`;
+  parts.t.textContent = `${inFigures(moment.t)} s`;
   ["phi", "theta", "psi"].forEach((name, k) => {
     parts[name].textContent = inDegrees(moment.angle[k], 2);
     const rate = moment.rate[k];

@@ -1,6 +1,7 @@
 // A plot on a canvas: axes, lines, and a mark that moves over it without drawing anew.
 
 import { extremesOf } from "../plot.js";
+import { minus } from "../text.js";
 
 const MARGIN = { left: 46, right: 10, top: 8, bottom: 22 };
 const FONT = "11px system-ui, sans-serif";
@@ -20,7 +21,7 @@ export function ticksOf(low, high, wanted) {
 function textOf(value, decimals) {
   const size = Math.abs(value);
   const text = size >= 1e5 || decimals > 5 ? value.toExponential(1) : value.toFixed(decimals);
-  return Number(text) === 0 ? "0" : text.replace("-", "\u2212");
+  return Number(text) === 0 ? "0" : minus(text);
 }
 
 /** The least and the largest of some columns, with a little room. */

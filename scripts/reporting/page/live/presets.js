@@ -1,4 +1,6 @@
-// The presets of a live top: title, what one sees, and the state.
+// The states of the presets of a live top. The dictionary has the title of each, and what one sees.
+
+import { complete, linkOf } from "./scene.js";
 
 const EXAMPLE_1 = { shape: "inertia", mass: 1, inertia1: 0.875, inertia3: 0.25, length: 0.8660254037844387, gravity: 9.81 };
 const EXAMPLE_2 = { shape: "spinning_wheel", radius: 0.1, thickness: 0.01, density: 7800, rod_length: 1, gravity: 9.81 };
@@ -14,68 +16,36 @@ const TOY = { shape: "cone", radius: 0.03, thickness: 0.06, density: 650, gravit
 const TIPS = { ...EXAMPLE_1, theta: 50, omega3: 30, t_end: 5 };
 
 export const PRESETS = {
-  cusp: { title: "Cusps", words: "Released at rest.", state: TIPS },
-  loop: { title: "Loops", words: "Released with backward precession.", state: { ...TIPS, phi_rate: -1.2 } },
-  wave: { title: "Waves", words: "Released with forward precession.", state: { ...TIPS, phi_rate: 0.8 } },
-  sleeping: {
-    title: "Sleeping top", words: "Almost upright, with a spin above the threshold.",
-    state: { ...EXAMPLE_1, theta: 1, omega3: 25, t_end: 10 },
-  },
-  falling: {
-    title: "Sleeping top, too slow", words: "Almost upright, with a spin below the threshold.",
-    state: { ...EXAMPLE_1, theta: 1, omega3: 19.6, t_end: 8 },
-  },
-  separatrix: {
-    title: "Separatrix", words: "It rises to the upright and never reaches it.",
-    state: { ...EXAMPLE_1, theta: 120, omega3: HALF_THRESHOLD, phi_rate: 6.231976237301238, t_end: 5 },
-  },
-  slow: {
-    title: "Slow steady precession", words: "Constant tilt, the small root.",
-    state: { ...EXAMPLE_1, theta: 60, omega3: 18, precession: "slow", t_end: 8 },
-  },
-  fast: {
-    title: "Fast steady precession", words: "Constant tilt, the large root.",
-    state: { ...EXAMPLE_1, theta: 60, omega3: 18, precession: "fast", t_end: 3 },
-  },
-  rest: {
-    title: "From sleep to rest", words: "A toy top with dry friction: it sleeps, wakes, falls, and lies still.",
-    state: { ...TOY, theta: 2, omega3: 280, friction: 4e-4, t_end: 16 },
-  },
-  damped: {
-    title: "Damped top", words: "Its nutation dies away, then it sinks.",
-    state: { ...EXAMPLE_1, theta: 20, omega3: 40, damping1: 0.1, damping3: 0.01, t_end: 60 },
-  },
+  cusp: TIPS,
+  loop: { ...TIPS, phi_rate: -1.2 },
+  wave: { ...TIPS, phi_rate: 0.8 },
+  sleeping: { ...EXAMPLE_1, theta: 1, omega3: 25, t_end: 10 },
+  falling: { ...EXAMPLE_1, theta: 1, omega3: 19.6, t_end: 8 },
+  separatrix: { ...EXAMPLE_1, theta: 120, omega3: HALF_THRESHOLD, phi_rate: 6.231976237301238, t_end: 5 },
+  slow: { ...EXAMPLE_1, theta: 60, omega3: 18, precession: "slow", t_end: 8 },
+  fast: { ...EXAMPLE_1, theta: 60, omega3: 18, precession: "fast", t_end: 3 },
+  rest: { ...TOY, theta: 2, omega3: 280, friction: 4e-4, t_end: 16 },
+  damped: { ...EXAMPLE_1, theta: 20, omega3: 40, damping1: 0.1, damping3: 0.01, t_end: 60 },
   kapitza: {
-    title: "Held upright by vibration", words: "A rod without spin on a pivot that vibrates fast along the vertical.",
-    state: {
-      shape: "inertia", mass: 1, inertia1: 0.9, inertia3: 0.3, length: 0.5, gravity: 9.81, theta: 10, omega3: 0,
-      amplitude: 0.15, vibration_rate: 60, t_end: 6,
-    },
+    shape: "inertia", mass: 1, inertia1: 0.9, inertia3: 0.3, length: 0.5, gravity: 9.81, theta: 10, omega3: 0,
+    amplitude: 0.15, vibration_rate: 60, t_end: 6,
   },
   chaotic: {
-    title: "Body without symmetry", words: "Three moments of inertia, and a centre of mass off the axis.",
-    state: {
-      shape: "body", mass: 1, inertia1: 0.9, inertia2: 0.6, inertia3: 0.35, centre_x: 0.1, centre_y: 0, centre_z: 0.4,
-      gravity: 9.81, theta: 60, omega3: 8, t_end: 15,
-    },
+    shape: "body", mass: 1, inertia1: 0.9, inertia2: 0.6, inertia3: 0.35, centre_x: 0.1, centre_y: 0, centre_z: 0.4,
+    gravity: 9.81, theta: 60, omega3: 8, t_end: 15,
   },
-  example1: {
-    title: "Example 1 of the paper", words: "A slow top, released at rest.",
-    state: { ...EXAMPLE_1, theta: 11.25, omega3: 1, t_end: 6 },
-  },
-  example2: {
-    title: "Example 2 of the paper", words: "A spinning wheel with spin ratio 2.",
-    state: { ...EXAMPLE_2, theta: 11.25, omega3: RATIO_2, t_end: 10 },
-  },
-  figure11: {
-    title: "Figure 11 of the paper", words: "The wheel with the author's inertia, without m l².",
-    state: { ...AUTHORS, theta: 11.25, omega3: RATIO_2, t_end: 0.6 },
-  },
-  pendulum: { title: "Plane pendulum", words: "No spin.", state: { ...EXAMPLE_1, theta: 120, omega3: 0, t_end: 7 } },
-  cone: {
-    title: "Toy top", words: "A wooden cone of 6 cm that sleeps.", state: { ...TOY, theta: 5, omega3: 300, t_end: 2 },
-  },
+  example1: { ...EXAMPLE_1, theta: 11.25, omega3: 1, t_end: 6 },
+  example2: { ...EXAMPLE_2, theta: 11.25, omega3: RATIO_2, t_end: 10 },
+  figure11: { ...AUTHORS, theta: 11.25, omega3: RATIO_2, t_end: 0.6 },
+  pendulum: { ...EXAMPLE_1, theta: 120, omega3: 0, t_end: 7 },
+  cone: { ...TOY, theta: 5, omega3: 300, t_end: 2 },
 };
 
 /** The preset with which the page begins. */
 export const FIRST = "cusp";
+
+/** The preset that has a state; empty if none has. */
+export function presetOf(state) {
+  const link = linkOf(state);
+  return Object.keys(PRESETS).find((key) => linkOf(complete(PRESETS[key])) === link) ?? "";
+}

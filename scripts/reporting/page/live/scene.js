@@ -3,6 +3,7 @@
 import { isPossible, makeBody, startFromAngles } from "../dynamics/body.js";
 import { buildShape } from "../dynamics/shapes.js";
 import { criticalOmega3, steadyRates } from "../dynamics/steady_motion.js";
+import { say } from "./language.js";
 
 const DEGREE = Math.PI / 180;
 const TOP_DAMPING = ["damping1", "damping3"];
@@ -10,56 +11,51 @@ const BODY = ["mass", "inertia1", "inertia2", "inertia3", "centre_x", "centre_y"
 const PRODUCTS = ["product23", "product31", "product12"];
 const BODY_LOSSES = ["damping1", "damping2", "damping3"];
 
-/** Which numbers a shape has, and its name. */
+/** Which numbers a shape has. */
 export const SHAPES = {
-  inertia: { name: "top: mass properties", needs: ["mass", "inertia1", "inertia3", "length", ...TOP_DAMPING] },
-  spinning_wheel: {
-    name: "spinning wheel on a rod", needs: ["radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
-  },
-  ring: {
-    name: "ring on a rod", needs: ["radius", "inner_radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
-  },
-  sphere: { name: "ball on a rod", needs: ["radius", "rod_length", "density", ...TOP_DAMPING] },
-  cylinder: { name: "cylinder on its base", needs: ["radius", "thickness", "density", ...TOP_DAMPING] },
-  cone: { name: "cone on its apex", needs: ["radius", "thickness", "density", ...TOP_DAMPING] },
-  body: { name: "any body in principal axes", needs: [...BODY, ...BODY_LOSSES, "psi"] },
-  tensor: { name: "any body, with products of inertia", needs: [...BODY, ...PRODUCTS, ...BODY_LOSSES, "psi"] },
+  inertia: ["mass", "inertia1", "inertia3", "length", ...TOP_DAMPING],
+  spinning_wheel: ["radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
+  ring: ["radius", "inner_radius", "thickness", "rod_length", "density", ...TOP_DAMPING],
+  sphere: ["radius", "rod_length", "density", ...TOP_DAMPING],
+  cylinder: ["radius", "thickness", "density", ...TOP_DAMPING],
+  cone: ["radius", "thickness", "density", ...TOP_DAMPING],
+  body: [...BODY, ...BODY_LOSSES, "psi"],
+  tensor: [...BODY, ...PRODUCTS, ...BODY_LOSSES, "psi"],
 };
 
 /**
- * The numbers, by their names in the link: symbol, words, unit, the part of the panel, and the values that are
- * possible. `log`: the slider goes by ratios; `range`: its ends, if they do not depend on the body.
+ * The numbers, by their names in the link: symbol, unit, the part of the panel, and the values that are possible. `log`: the slider goes by ratios; `range`: its ends, if they do not depend on the body.
  */
 export const NUMBERS = {
-  omega3: { symbol: "ω₃", words: "spin: angular velocity about the axis", unit: "rad/s", part: "start" },
-  theta: { symbol: "θ₀", words: "tilt at the start", unit: "°", part: "start", least: 0, most: 180, range: [0, 180] },
-  phi_rate: { symbol: "φ′₀", words: "precession rate at the start", unit: "rad/s", part: "start" },
-  theta_rate: { symbol: "θ′₀", words: "nutation rate at the start", unit: "rad/s", part: "start" },
-  psi: { symbol: "ψ₀", words: "spin angle at the start", unit: "°", part: "start", range: [-180, 180] },
-  mass: { symbol: "m", words: "mass", unit: "kg", part: "body", least: 1e-6, log: true },
-  inertia1: { symbol: "I₁", words: "inertia across the axis, about the pivot", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  inertia2: { symbol: "I₂", words: "inertia about body y, about the pivot", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  inertia3: { symbol: "I₃", words: "inertia about the axis", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  product23: { symbol: "I₂₃", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
-  product31: { symbol: "I₃₁", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
-  product12: { symbol: "I₁₂", words: "element of the inertia tensor", unit: "kg m²", part: "body" },
-  length: { symbol: "l", words: "pivot to centre of mass", unit: "m", part: "body", least: 0, log: true },
-  centre_x: { symbol: "x", words: "centre of mass, off the axis", unit: "m", part: "body" },
-  centre_y: { symbol: "y", words: "centre of mass, off the axis", unit: "m", part: "body" },
-  centre_z: { symbol: "z", words: "centre of mass, along the axis", unit: "m", part: "body" },
-  radius: { symbol: "r", words: "radius", unit: "m", part: "body", least: 1e-6, log: true },
-  inner_radius: { symbol: "s", words: "inner radius", unit: "m", part: "body", least: 0, log: true },
-  thickness: { symbol: "h", words: "thickness along the axis", unit: "m", part: "body", least: 1e-6, log: true },
-  rod_length: { symbol: "l", words: "length of the rod", unit: "m", part: "body", least: 0, log: true },
-  density: { symbol: "ρ", words: "density", unit: "kg/m³", part: "body", least: 1e-3, log: true },
-  gravity: { symbol: "g", words: "gravity", unit: "m/s²", part: "body", least: 0, range: [0, 25] },
-  damping1: { symbol: "d₁", words: "damping across the axis", unit: "N m s", part: "losses", least: 0 },
-  damping2: { symbol: "d₂", words: "damping about body y", unit: "N m s", part: "losses", least: 0 },
-  damping3: { symbol: "d₃", words: "damping about the axis", unit: "N m s", part: "losses", least: 0 },
-  friction: { symbol: "M", words: "dry friction of the pivot", unit: "N m", part: "losses", least: 0 },
-  amplitude: { symbol: "A", words: "amplitude of the vibrating pivot", unit: "m", part: "losses", least: 0 },
-  vibration_rate: { symbol: "Ω", words: "rate of the vibrating pivot", unit: "rad/s", part: "losses", least: 0 },
-  t_end: { symbol: "T", words: "time shown", unit: "s", part: "span", least: 1e-6, log: true },
+  omega3: { symbol: "ω₃", unit: "rad/s", part: "start" },
+  theta: { symbol: "θ₀", unit: "°", part: "start", least: 0, most: 180, range: [0, 180] },
+  phi_rate: { symbol: "φ′₀", unit: "rad/s", part: "start" },
+  theta_rate: { symbol: "θ′₀", unit: "rad/s", part: "start" },
+  psi: { symbol: "ψ₀", unit: "°", part: "start", range: [-180, 180] },
+  mass: { symbol: "m", unit: "kg", part: "body", least: 1e-6, log: true },
+  inertia1: { symbol: "I₁", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  inertia2: { symbol: "I₂", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  inertia3: { symbol: "I₃", unit: "kg m²", part: "body", least: 1e-9, log: true },
+  product23: { symbol: "I₂₃", unit: "kg m²", part: "body" },
+  product31: { symbol: "I₃₁", unit: "kg m²", part: "body" },
+  product12: { symbol: "I₁₂", unit: "kg m²", part: "body" },
+  length: { symbol: "l", unit: "m", part: "body", least: 0, log: true },
+  centre_x: { symbol: "x", unit: "m", part: "body" },
+  centre_y: { symbol: "y", unit: "m", part: "body" },
+  centre_z: { symbol: "z", unit: "m", part: "body" },
+  radius: { symbol: "r", unit: "m", part: "body", least: 1e-6, log: true },
+  inner_radius: { symbol: "s", unit: "m", part: "body", least: 0, log: true },
+  thickness: { symbol: "h", unit: "m", part: "body", least: 1e-6, log: true },
+  rod_length: { symbol: "l", unit: "m", part: "body", least: 0, log: true },
+  density: { symbol: "ρ", unit: "kg/m³", part: "body", least: 1e-3, log: true },
+  gravity: { symbol: "g", unit: "m/s²", part: "body", least: 0, range: [0, 25] },
+  damping1: { symbol: "d₁", unit: "N m s", part: "losses", least: 0 },
+  damping2: { symbol: "d₂", unit: "N m s", part: "losses", least: 0 },
+  damping3: { symbol: "d₃", unit: "N m s", part: "losses", least: 0 },
+  friction: { symbol: "M", unit: "N m", part: "losses", least: 0 },
+  amplitude: { symbol: "A", unit: "m", part: "losses", least: 0 },
+  vibration_rate: { symbol: "Ω", unit: "rad/s", part: "losses", least: 0 },
+  t_end: { symbol: "T", unit: "s", part: "span", least: 1e-6, log: true },
 };
 const LARGEST = 1e9;
 const THINNEST_RING = 0.99; // the largest hole, as a part of the radius
@@ -68,7 +64,7 @@ const ALWAYS = [...START, "gravity", "friction", "amplitude", "vibration_rate", 
 
 /** The numbers that a state has. */
 export function numbersOf({ shape }) {
-  return [...SHAPES[shape].needs, ...ALWAYS];
+  return [...SHAPES[shape], ...ALWAYS];
 }
 
 const DEFAULTS = {
@@ -87,9 +83,9 @@ export function complete(state) {
 /** Whether a number may stand for a parameter; else why not. */
 export function refusal(name, value) {
   const { least = -LARGEST, most = LARGEST } = NUMBERS[name];
-  if (!Number.isFinite(value)) return "not a number";
-  if (value < least) return `at least ${least}`;
-  if (value > most) return `at most ${most}`;
+  if (!Number.isFinite(value)) return say("fault_number");
+  if (value < least) return say("fault_least", { least });
+  if (value > most) return say("fault_most", { most });
   return "";
 }
 
@@ -100,17 +96,17 @@ export function refusal(name, value) {
 export function consequenceOf(state, changed) {
   const { shape, radius, inner_radius: inner, inertia1, inertia2, inertia3 } = state;
   if (shape === "ring" && inner > THINNEST_RING * radius) {
-    return { fields: { inner_radius: THINNEST_RING * radius }, words: "The hole of the ring is smaller than the ring." };
+    return { fields: { inner_radius: THINNEST_RING * radius }, words: say("limit_ring") };
   }
   if (shape === "tensor" && !isPossible([inertia1, inertia2, inertia3], PRODUCTS.map((name) => state[name]))) {
     const fields = Object.fromEntries(PRODUCTS.map((name) => [name, 0]));
-    return { fields, words: "No body has such products of inertia; they are set to zero." };
+    return { fields, words: say("limit_products") };
   }
   if (!state.friction || state.amplitude * state.vibration_rate === 0) return { fields: {}, words: "" };
   // A body that rests in friction would start again.
   return Object.hasOwn(changed, "friction")
-    ? { fields: { amplitude: 0 }, words: "The pivot stands still: with dry friction this page computes no vibration." }
-    : { fields: { friction: 0 }, words: "Without dry friction: this page computes none on a vibrating pivot." };
+    ? { fields: { amplitude: 0 }, words: say("limit_vibration") }
+    : { fields: { friction: 0 }, words: say("limit_friction") };
 }
 
 /** Mass properties of a state, about the pivot. */
@@ -128,7 +124,7 @@ function massOf(state) {
 
 /** The damping about the three axes. */
 function dampingOf({ shape, damping1, damping2, damping3 }) {
-  return [damping1, SHAPES[shape].needs.includes("damping2") ? damping2 : damping1, damping3];
+  return [damping1, SHAPES[shape].includes("damping2") ? damping2 : damping1, damping3];
 }
 
 /**
@@ -150,17 +146,15 @@ export function resolve(state) {
     phiRate = root ?? 0;
     if (root === undefined) lack = lackOfSteadiness(isTop, roots);
   }
-  const psi = SHAPES[state.shape].needs.includes("psi") ? state.psi * DEGREE : 0;
+  const psi = SHAPES[state.shape].includes("psi") ? state.psi * DEGREE : 0;
   const start = startFromAngles({ theta, psi, phiRate, thetaRate, omega3: state.omega3 });
   const hasThreshold = isTop && body.mgl > 0;
   return { body, start, roots, phiRate, thetaRate, lack, isTop, threshold: hasThreshold ? criticalOmega3(body) : 0 };
 }
 
 function lackOfSteadiness(isTop, roots) {
-  if (!isTop) return "Only a symmetric top precesses steadily; the body is released at rest.";
-  return roots.length
-    ? "A horizontal axis has no fast precession."
-    : "The spin is too slow for steady precession at this tilt; the top is released at rest.";
+  if (!isTop) return say("steady_symmetric");
+  return say(roots.length ? "steady_horizontal" : "steady_slow");
 }
 
 /** The state as a link: what follows the #. Losses and drives that are zero are left out. */
@@ -194,7 +188,7 @@ export function inputOf(state) {
   const { body, phiRate, thetaRate } = resolve(state);
   const number = (value) => (Number.isInteger(value) ? `${value}.0` : String(value));
   const list = (values) => values.map(number).join(", ");
-  const { needs } = SHAPES[state.shape];
+  const needs = SHAPES[state.shape];
   const sizes = needs.filter((name) => !name.startsWith("damping"));
   const [p, q, r] = body.products;
   const mass = [`mass = ${number(body.mass)}`, `inertia = ${list(body.inertia)}`];
@@ -221,7 +215,7 @@ export function inputOf(state) {
   }
   const group = (name, lines) => `&${name}\n${lines.map((line) => `    ${line}\n`).join("")}/\n`;
   return [
-    group("study", ["title = 'From the live top'"]),
+    group("study", [`title = '${say("input_title")}'`]),
     group("top", top),
     group("initial", start.map(([name, value]) => `${name} = ${number(value)}`)),
     group("span", [`t_end = ${number(state.t_end)}`]),

@@ -4,6 +4,7 @@ import { times } from "../dynamics/body.js";
 import { Motion } from "../dynamics/motion.js";
 import { describeNutation } from "../dynamics/nutation.js";
 import { extremesOf } from "../plot.js";
+import { say } from "./language.js";
 import { resolve } from "./scene.js";
 
 const PER_TURN = 60; // points, of the fastest turn
@@ -93,7 +94,6 @@ const DRAWN = {
   cylinder: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
   cone: (s) => ({ kind: "cone", radius: s.radius, height: s.thickness }),
 };
-const NO_SUCH_BODY = "No mass distribution has this inertia about the pivot with its centre of mass there. ";
 
 /**
  * The body of a state as the stage draws it, and what to say of it: the shape, or for mass properties the
@@ -115,9 +115,7 @@ export function drawingOf(state, body) {
   const [a, b, c] = central;
   const exists = Math.min(a + b - c, b + c - a, c + a - b) >= -1e-12 * Math.max(...inertia);
   const solid = solidOf(mass, exists ? central : inertia);
-  return made(solid, exists
-    ? `Drawn: the homogeneous ${nameOf(solid)} with this mass and inertia.`
-    : `${NO_SUCH_BODY}Drawn: the homogeneous ${nameOf(solid)} with these moments about its centre of mass.`);
+  return made(solid, say(exists ? "drawn" : "drawn_otherwise", { solid: say(nameOf(solid)) }));
 }
 
 /** The homogeneous cylinder with two equal moments across its axis, or the cuboid with three. */
@@ -132,7 +130,7 @@ function solidOf(mass, [a, b, c]) {
   return { kind: "cylinder", radius: drawn, height: Math.max(height, 2 * THINNEST * drawn) };
 }
 
-function nameOf({ kind, height, radius }) {
-  if (kind === "cuboid") return kind;
-  return height < radius / 2 ? "disc" : "cylinder";
+function nameOf({ kind, height, radius }) { // of the dictionary
+  if (kind === "cuboid") return "solid_cuboid";
+  return height < radius / 2 ? "solid_disc" : "solid_cylinder";
 }

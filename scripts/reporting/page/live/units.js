@@ -1,5 +1,7 @@
 // Numbers with units, as one types them: "300 rpm", "20 deg", "3 g cm^2", "0,5".
 
+import { say } from "./language.js";
+
 const [LENGTH, MASS, TIME, ANGLE] = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
 const DEGREE = Math.PI / 180;
 
@@ -33,13 +35,13 @@ function readUnit(text) {
 export function readQuantity(text, unit) {
   const clean = text.trim().replace("\u2212", "-").replace(",", ".");
   const [number] = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i.exec(clean) ?? [];
-  if (number === undefined) return { fault: "not a number" };
+  if (number === undefined) return { fault: say("fault_number") };
   const words = clean.slice(number.length);
   if (words.trim() === "") return { value: Number(number) };
   const [given, own] = [readUnit(words), readUnit(unit)];
-  if (!given) return { fault: `“${words.trim()}” is no unit` };
+  if (!given) return { fault: say("fault_no_unit", { unit: words.trim() }) };
   if (given.powers.some((power, k) => power !== own.powers[k])) {
-    return { fault: unit ? `“${words.trim()}” is no unit of this number, as ${unit} is` : "a number without unit" };
+    return { fault: say(unit ? "fault_unit" : "fault_unitless", { unit: words.trim(), own: unit }) };
   }
   return { value: Number(number) * (given.size / own.size) };
 }

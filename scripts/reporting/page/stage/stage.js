@@ -6,6 +6,7 @@ import { Scene2D } from "./scene2d.js";
 import { Scene3D, hasWebGL } from "./scene3d.js";
 import { unitsOf, viewOf } from "./view.js";
 
+const HINTS = ["Tap outside to scroll again", "Tap to turn the top"];
 const TAP = 10; // pixels that a finger may move in a tap
 
 export class Stage {
@@ -21,10 +22,12 @@ export class Stage {
   /**
    * @param element what holds the stage; its colours are those of the style that holds for it
    * @param calm whether less motion is asked for
+   * @param hints for fingers, while they turn the tops and while they do not
    */
-  constructor(element, { calm = false } = {}) {
+  constructor(element, { calm = false, hints = HINTS } = {}) {
     this.element = element;
     this.calm = calm;
+    this.hints = hints;
     this.hint = Object.assign(document.createElement("p"), { className: "hint", hidden: true });
     element.append(this.hint);
     this.#listen();
@@ -76,7 +79,7 @@ export class Stage {
   hold(on) {
     this.element.dataset.held = on ? "yes" : "no";
     this.hint.hidden = false;
-    this.hint.textContent = on ? "Tap outside to scroll again" : "Tap to turn the top";
+    this.hint.textContent = this.hints[on ? 0 : 1];
     if (on) this.element.focus({ preventScroll: true });
     this.#setTouch();
   }
@@ -91,7 +94,8 @@ export class Stage {
    * Put tops on the stage.
    *
    * @param tops of each the `body`, the `trace` of its axis (`times`, and `points`: unit vectors side
-   *   by side) and its `look`, "solid" or "ghost"
+   *   by side), its `look`, "solid" or "ghost", and the `pane` in which it stands (0 if there is none): panes
+   *   are pictures beside each other, seen by one eye
    * @param vectors by name (a colour: force, momentum, omega) all that will be shown of a vector,
    *   x, y, z side by side, or null; by them the arrows are so long that they stay in view
    */
@@ -112,8 +116,8 @@ export class Stage {
 
   /**
    * Draw curves beside the tops: of each its `points` (m, side by side), its `colour` (a name of
-   * colours.js or of CSS), `width` in pixels, and `frame`: "space", or "body" to turn with the first
-   * top.
+   * colours.js or of CSS), `width` in pixels, `frame`: "space", or "body" to turn with the first
+   * top of its pane, and its `pane`.
    */
   setCurves(curves) {
     this.#curves = curves;

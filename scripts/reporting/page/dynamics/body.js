@@ -53,8 +53,8 @@ export function isPossible([a, b, c], [p, q, r]) {
 }
 
 /** A matrix of three rows times a vector. */
-export function times(matrix, [x, y, z]) {
-  return matrix.map(([a, b, c]) => a * x + b * y + c * z);
+export function times([p, q, r], [x, y, z]) {
+  return [p[0] * x + p[1] * y + p[2] * z, q[0] * x + q[1] * y + q[2] * z, r[0] * x + r[1] * y + r[2] * z];
 }
 
 export function cross([a, b, c], [x, y, z]) {

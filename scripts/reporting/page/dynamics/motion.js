@@ -100,7 +100,7 @@ export class Motion {
   /** With dry friction at a standstill: it stays there, or goes on in the direction in which it can. */
   #leave(time, quaternion, omega, momentum) {
     const { body } = this;
-    const braking = dot(omega, accelerationOf(body, time, quaternion, momentum));
+    const braking = dot(omega, accelerationOf(body, time, { quaternion, momentum, omega }));
     const now = time + (braking < 0 ? -dot(omega, omega) / braking : 0);
     const torque = torqueOf(body, now, quaternion, [0, 0, 0]);
     if (norm(torque) <= body.friction) {
@@ -182,7 +182,7 @@ export class Motion {
   /** Mass times acceleration of the centre of mass, minus the weight, N; and the derivative of the momentum. */
   #accelerated(t, { quaternion, momentum }, omega) {
     const { body } = this;
-    const change = t >= this.stop ? [0, 0, 0] : accelerationOf(body, t, quaternion, momentum);
+    const change = t >= this.stop ? [0, 0, 0] : accelerationOf(body, t, { quaternion, momentum, omega });
     const swing = cross(omega, cross(omega, body.centre));
     const acceleration = cross(change, body.centre).map((value, k) => value + swing[k]);
     const [x, y, z] = toSpace(quaternion, acceleration);
@@ -195,13 +195,10 @@ export class Motion {
 }
 
 /** The derivative of the angular velocity in body axes, rad/s^2. */
-function accelerationOf(body, time, quaternion, momentum) {
-  const omega = times(body.inverse, momentum);
-  const speed = norm(omega);
-  const torque = torqueOf(body, time, quaternion, momentum);
-  return times(body.inverse, torque.map((value, k) => (
-    body.friction && speed > 0 ? value - (body.friction * omega[k]) / speed : value
-  )));
+function accelerationOf(body, time, { quaternion, momentum, omega }) {
+  const torque = torqueOf(body, time, quaternion, momentum, omega);
+  const speed = body.friction && norm(omega);
+  return times(body.inverse, speed > 0 ? torque.map((value, k) => value - (body.friction * omega[k]) / speed) : torque);
 }
 
 /** phi', theta', psi' from the angles and the angular velocity. */

@@ -137,8 +137,7 @@ export function reachOf(table, body) {
 }
 
 /** The derivative of the momentum, kg m^2/s^2, but for friction. */
-export function torqueOf(body, time, quaternion, momentum) {
-  const omega = times(body.inverse, momentum);
+export function torqueOf(body, time, quaternion, momentum, omega = times(body.inverse, momentum)) {
   const load = loadAt(body, time);
   const [x, y, z] = verticalOf(quaternion);
   const [r, s, t] = body.centre.map((value) => body.mass * load * value);

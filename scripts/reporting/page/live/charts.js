@@ -11,7 +11,7 @@ const LEAST_RANGE = 4; // degrees of inclination to each side that are shown at 
 const degrees = (column) => column.map((value) => value * DEGREE);
 
 /** Colours of lines, by the names of the style sheet. */
-export function linesOf(element) {
+function linesOf(element) {
   const style = getComputedStyle(element);
   const names = {
     rule: "--rule", quiet: "--quiet", ink: "--ink", trace: "--trace", kinetic: "--kinetic", potential: "--potential",
@@ -28,6 +28,7 @@ export class Charts {
 
   /** @param panes elements by name: theta, phi, psi, energy, potential, portrait */
   constructor(panes) {
+    this.recolour(panes.theta);
     this.plots = Object.fromEntries(Object.entries(panes).map(([name, pane]) => [name, new Plot(pane)]));
     for (const name of ["theta", "phi", "psi", "energy"]) {
       const { pane } = this.plots[name];
@@ -42,13 +43,18 @@ export class Charts {
     }
   }
 
+  /** Take the colours that hold for an element: to ask for them costs as much as to draw a chart. */
+  recolour(element = this.plots.theta.pane) {
+    this.colours = linesOf(element);
+  }
+
   resize() {
     for (const plot of Object.values(this.plots)) plot.resize();
   }
 
   /** Draw all charts of a track, and the angles of another beside it. */
-  draw(track, colours, other = null) {
-    const { plots } = this;
+  draw(track, other = null) {
+    const { colours, plots } = this;
     const pane = plots.potential.pane.parentElement;
     if (pane.hidden === Boolean(track.nutation)) { // of other bodies there is none
       pane.hidden = !track.nutation;

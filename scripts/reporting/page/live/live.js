@@ -4,7 +4,7 @@
 import { Vector3 } from "three";
 import { speedsFor } from "../player.js";
 import { inShort } from "../text.js";
-import { Charts, linesOf } from "./charts.js";
+import { Charts } from "./charts.js";
 import { Clock } from "./clock.js";
 import { Control } from "./controls.js";
 import { Grip } from "./grip.js";
@@ -133,13 +133,15 @@ export class LiveTop {
       this.charts.resize();
       this.redraw();
     }).observe(this.parts.plots);
-    const recolour = () => {
-      this.stage.recolour();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      this.#recolour();
       this.redraw();
-    };
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+    });
     addEventListener("beforeprint", () => this.#putOnPaper());
-    addEventListener("afterprint", () => this.redraw());
+    addEventListener("afterprint", () => {
+      this.#recolour();
+      this.redraw();
+    });
     if (this.ownsLink) {
       addEventListener("hashchange", () => {
         const link = location.hash;
@@ -149,10 +151,15 @@ export class LiveTop {
     }
   }
 
+  #recolour() {
+    this.stage.recolour();
+    this.charts.recolour();
+  }
+
   /** On paper the stage is a picture, and all is in the colours of paper. */
   #putOnPaper() {
     document.documentElement.dataset.paper = "yes";
-    this.stage.recolour();
+    this.#recolour();
     this.redraw();
     this.stage.open();
     this.parts.still.src = this.stage.still(...STILL);
@@ -246,7 +253,7 @@ export class LiveTop {
 
   /** Draw the charts, and the moment. */
   redraw(isShown = true) {
-    this.charts.draw(this.track, linesOf(this.section), this.second.state && this.second.track);
+    this.charts.draw(this.track, this.second.state && this.second.track);
     if (isShown) this.#show();
   }
 

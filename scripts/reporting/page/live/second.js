@@ -14,6 +14,7 @@ const FIRST_DIFFERENCE = "omega3";
 export class Second {
   #isChanged = false;
   #control = null;
+  #names = ""; // in which it may differ
 
   /** Its state, null if there is no second top. */
   state = null;
@@ -104,13 +105,18 @@ export class Second {
     parts.names.hidden = !this.isBeside;
     parts.kept.textContent = this.state ? this.#difference() : "";
     if (!this.state) return;
-    parts.differs.replaceChildren(
-      new Option(say("differs_all"), ""), ...names.map((name) => new Option(`${NUMBERS[name].symbol} ${say(`number_${name}`)}`, name)),
-    );
+    if (this.#names !== String(names)) this.#listNumbers(names);
     parts.differs.value = this.differs;
     if (!this.isBeside) return;
     parts.first_name.textContent = this.#nameOf(live.state, first);
     parts.second_name.textContent = this.#nameOf(this.state, this.track);
+  }
+
+  /** The numbers of a state as those in which the second top may differ. */
+  #listNumbers(names) {
+    this.#names = String(names);
+    const numbers = names.map((name) => new Option(`${NUMBERS[name].symbol} ${say(`number_${name}`)}`, name));
+    this.live.parts.differs.replaceChildren(new Option(say("differs_all"), ""), ...numbers);
   }
 
   #nameOf(state, track) {

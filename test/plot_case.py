@@ -10,11 +10,14 @@ import sys
 import tempfile
 import unittest
 import unittest.mock
+import warnings
 import xml.etree.ElementTree
 from pathlib import Path
 
+from figure_checks import problems_of
+from spintop_figures import draw
 from spintop_figures.registry import FIGURES
-from spintop_figures.tables.table import read_table
+from spintop_figures.tables.table import Table, read_table
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 
@@ -216,6 +219,17 @@ class TableCase(unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="plot test ")
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
+
+    def assert_good_look(self, table: Table, name: str, names: tuple[str, ...] = ()) -> None:
+        """A reader of a figure has nothing to complain of, on a page and in a column.
+
+        `names` are those of other programs, which look like keys.
+        """
+        for width in (None, "column"):
+            with self.subTest(name=name, width=width), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                found = problems_of(draw(table, name, width=width))
+                self.assertEqual([one for one in found if not one.startswith(names)], [])
 
     def put(self, name: str, text: str) -> Path:
         """Write a table."""

@@ -354,6 +354,7 @@ class BenchmarksTest(TableCase):
         table = read_table(self.folder / "benchmarks.csv")
         kind = next(kind for kind in FIGURES if kind.name == "benchmarks")
         self.assertEqual(kind.refusal(table), "")
+        self.assert_good_look(table, "benchmarks", ("'cvode_gyro'", "'engine_forward_test'"))
         axes = kind.draw(table).axes[0]
         rows = table.rows[table.rows["published_error"].notna()]
         groups = rows.groupby(["benchmark", "published_method"], sort=False)

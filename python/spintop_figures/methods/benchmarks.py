@@ -1,11 +1,13 @@
 """Published benchmarks: how far the published numbers are off, and what an equal error costs."""
 
+import textwrap
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.look import FAINT, GREY, LINES, by_width
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
@@ -16,11 +18,11 @@ WORDS = ("benchmark", "quantity", "published_method")
 LEAST = 1e-17
 """Smaller errors are drawn here."""
 
-ROW = 0.36
-"""Height of a line in inches."""
+ROW = (0.44, 0.62)
+"""Height of a line in inches, on a page and in a column."""
 
-LETTERS = 44
-"""Of what was published."""
+LETTERS = (44, 22)
+"""Of what was published, on a page and in a column."""
 
 
 def object_to_benchmarks(table: Table) -> str:
@@ -36,8 +38,8 @@ def draw_benchmarks(table: Table) -> Figure:
     """
     rows = table.rows[table.rows["published_error"].notna()]
     groups = list(rows.groupby(["benchmark", "published_method"], sort=False))
-    title = "Published benchmarks: errors of the published numbers and of spintop"
-    figure = new_figure(table, title, 1.5 + ROW * len(groups))
+    title = "Published benchmarks"
+    figure = new_figure(table, title, 1.5 + by_width(*ROW) * len(groups))
     axes = figure.add_subplot()
     looks = (
         ("published_error", "published", {"marker": "D", "color": LINES[1]["color"]}),
@@ -61,21 +63,30 @@ def draw_benchmarks(table: Table) -> Figure:
             color=GREY,
         )
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(numticks=9))
+    axes.xaxis.set_major_locator(LogLocator(numticks=by_width(9, 4)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_yticks(range(len(groups)), labels=labels, fontsize=8)
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(len(groups) - 0.5, -0.5)
-    axes.set_xlabel("error of a quantity, in its unit")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.12, 1.0), ncols=3, borderpad=0)
+    axes.set_xlabel(by_width("error of a quantity, in its unit", "error, in its unit"))
+    place_legend(figure)
     return figure
 
 
+def place_legend(figure: Figure) -> None:
+    """Beside the title, or in a column below the lines."""
+    (axes,) = figure.axes
+    if by_width(True, False):
+        handles, labels = axes.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", ncols=3, borderpad=0)
+    else:
+        axes.legend(loc="upper right", bbox_to_anchor=(1.2, -0.1), ncols=1, borderpad=0)
+
+
 def describe(benchmark: str, method: str) -> str:
-    """A benchmark and what was published, in two short lines."""
-    words = method.partition(";")[0]
-    short = words if len(words) <= LETTERS else words[: LETTERS - 1].rstrip() + "…"
-    return f"{benchmark.replace('_', ' ')}\n{short}"
+    """A benchmark and what was published, in three short lines at most."""
+    lines = textwrap.wrap(method, by_width(*LETTERS), max_lines=2, placeholder=" …")
+    return "\n".join([benchmark.replace("_", " "), *lines])
 
 
 def tell_time(times: pd.Series) -> str:

@@ -9,7 +9,7 @@ from spintop_figures.motion.trajectory import TIME, four_panels, numbers
 from spintop_figures.style.lines import draw_line, draw_sizes, has_wide_range
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.page import head, new_figure
 from spintop_figures.style.provenance import describe_run, model_of
 from spintop_figures.tables.names import with_unit
 from spintop_figures.tables.table import Table
@@ -42,7 +42,7 @@ def draw_residuals(table: Table) -> Figure:
         axes.set_ylabel(with_unit(label, table.units.get(name, "")))
         known = columns_of("trajectory")[name]["description"]
         meaning = table.meanings.get(name, known).partition(" (")[0]
-        axes.set_title(f"{name}: {meaning}", loc="left", fontsize=9.5, pad=18, parse_math=False)
+        head(axes, f"{name}: {meaning}", pad=18)
         scale = "scale of R1 and R2" if name in TOGETHER else f"scale of {name} alone"
         style = {"ha": "right", "fontsize": 8.5, "color": GREY}
         words = f"{scale}; {tell_largest(y)}"

@@ -60,7 +60,7 @@ def mark_zeros(axes: Axes, x: np.ndarray) -> None:
         marker="|",
         transform=axes.get_xaxis_transform(),
         rasterized=len(x) > MANY_POINTS,
-        label=f"exactly zero ({len(x)} rows)",
+        label=f"exactly zero ({len(x)} row{'s' * (len(x) > 1)})",
         **style,
     )
     axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)

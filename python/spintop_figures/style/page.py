@@ -199,10 +199,10 @@ def is_lowest(axes: Axes) -> bool:
     )
 
 
-def head(axes: Axes, words: str) -> None:
-    """The heading of a panel, in lines no longer than the panel is wide."""
+def head(axes: Axes, words: str, pad: float = 4) -> None:
+    """The heading of a panel, in lines no longer than it is wide, so many points above it."""
     lines = textwrap.fill(words, int(HEAD_LETTERS * width_of(axes)))
-    axes.set_title(lines, loc="left", fontsize=9.5, pad=4)
+    axes.set_title(lines, loc="left", fontsize=9.5, pad=pad)
 
 
 def width_of(axes: Axes) -> float:

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.style.look import FAINT, FAULT, LINES, by_width
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
 from spintop_figures.sweeps.statistics import beside, describe, tell_cases
@@ -71,7 +71,8 @@ def draw_indices(table: Table) -> Figure:
     if not np.isfinite(found["first_order"].to_numpy(float)).any():
         raise TableError("has no column that varies: no indices figure")
     groups = list(found.groupby("column", sort=False))
-    title = f"First-order and total Sobol' indices: {tell_cases(table)}"
+    title = by_width("Sobol' indices with 95 % intervals", "Sobol' indices")
+    title = f"{title}: {tell_cases(table)}"
     most = max(len(rows) for _, rows in groups)
     row = FRAME_HEIGHT + FACTOR_HEIGHT * most
     figure = new_figure(table, title, 1.2 + row * ((len(groups) + 1) // 2))
@@ -91,7 +92,7 @@ def draw_indices(table: Table) -> Figure:
     for axes in panels:
         axes.tick_params(labelleft=axes.get_subplotspec().is_first_col(), left=False)
         if is_lowest(axes):
-            axes.set_xlabel("share of the variance, with 95 % interval")
+            axes.set_xlabel("share of the variance")
     return figure
 
 

@@ -329,6 +329,7 @@ class ChoiceOfMethodTest(TableCase):
         self.assertAlmostEqual(found.ratio, own / good["time_s"].min())
         figure = draw_choice(table)
         self.assertIn("in 0 of 24 comparisons", figure.get_suptitle().replace("\n", " "))
+        self.assert_good_look(table, "choice")
         best = read_table(self.put("b.csv", self.study("exact,closed_form")))
         title = draw_choice(best).get_suptitle().replace("\n", " ")
         self.assertEqual(

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from spintop_figures.methods.curves import problems_of
 from spintop_figures.methods.known import family_of
 from spintop_figures.methods.styles import look_of
-from spintop_figures.style.look import FAINT, GREY
+from spintop_figures.style.look import FAINT, GREY, by_width
 from spintop_figures.style.numbers import with_power
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.ends import ended_well
@@ -95,7 +95,7 @@ def draw_choice(table: Table) -> Figure:
     )
     axes.set_xscale("log")
     axes.set_xlim(1 / 1.04, edge)
-    ticks = [tick for tick in (1, 1.1, 1.2, 1.5, 2, 3, 5, 10, 20, 50, 100) if tick < edge]
+    ticks = ratios_below(edge)
     axes.set_xticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.set_ylim(len(targets) - 0.5, -0.5)
@@ -105,6 +105,16 @@ def draw_choice(table: Table) -> Figure:
     axes.set_ylabel("error")
     axes.set_xlabel("time of the automatic choice over that of the cheapest method")
     return figure
+
+
+def ratios_below(edge: float) -> list[float]:
+    """Round ratios from 1 to an edge, so far apart on a log axis that their numbers have room."""
+    apart = by_width(0.07, 0.13) * np.log(edge)
+    found: list[float] = [1]
+    for ratio in (1.2, 1.5, 2, 3, 5, 10, 20, 50, 100):
+        if ratio < edge and np.log(ratio / found[-1]) >= apart:
+            found.append(ratio)
+    return found
 
 
 def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> None:

@@ -56,7 +56,7 @@ def check(
     "body" or "space" and `sign` "plus" or "minus". Arrays of the report at the common times `t`:
     `attitude_errors` (angle of the rotation from the reference, rad), `omega_errors` (rad/s);
     numbers: the largest of both, and the largest change of energy (over the kinetic energy at the
-    start plus m g |r|) and of momentum (over that at the start) against the reference;
+    start plus m g |r|) and of momentum (over the largest) against the reference;
     `attitude_floor`: what no program in double precision can be asked for, the error of the
     reference plus that by rounding of the data.
     """

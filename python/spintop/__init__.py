@@ -11,6 +11,7 @@ release the global interpreter lock, and any thread may call anything.
 """
 
 from spintop.animation import Animation, animate
+from spintop.exports import export
 from spintop.fits import fit
 from spintop.library import (
     InputError,
@@ -37,6 +38,7 @@ __all__ = [
     "Table",
     "Top",
     "animate",
+    "export",
     "fit",
     "plot",
     "read",

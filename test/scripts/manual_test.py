@@ -35,7 +35,7 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 SHELL = ("sh", "console")
 LANGUAGES = (*SHELL, "nml", "fortran", "toml", "python", "c", "text")
 WAYS = ("long", "timed", "part", "file", "wrong", "messages", "output", "mpi", "netcdf", "flint")
-WAYS += ("library", "setup", "slurm", "xarray")
+WAYS += ("node", "library", "setup", "slurm", "xarray")
 """Words behind the language: how a block is tested, besides exit=N and the path of an input."""
 
 NOT_RUN = WAYS[-3:]
@@ -140,7 +140,7 @@ SKIPPED = {
 """Blocks that are not run, so that a new one is noticed; for a program its first line."""
 
 SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop", "docker", "apptainer")
-SYSTEM_COMMANDS += ("python3", "source", "module", "export", "cmake", "gfortran")
+SYSTEM_COMMANDS += ("python3", "source", "module", "export", "cmake", "gfortran", "node")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""
 
@@ -231,7 +231,8 @@ class ManualCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
         shutil.copytree(ROOT / "input", self.folder / "input")
-        (self.folder / "python").symlink_to(ROOT / "python")
+        for name in ("python", "reference"):
+            (self.folder / name).symlink_to(ROOT / name)
         scripts = self.folder / "scripts"
         scripts.mkdir()
         for path in (ROOT / "scripts").iterdir():
@@ -247,7 +248,8 @@ class ManualCase(unittest.TestCase):
 
     def shell(self, command: str) -> subprocess.CompletedProcess:
         """Run a command as a user would type it."""
-        path = f"{self.folder / 'build/release'}:{os.environ['PATH']}"
+        folders = [self.folder / "build/release", Path(sys.executable).parent]
+        path = ":".join([*map(str, folders), os.environ["PATH"]])
         return subprocess.run(
             ["bash", "-c", command],
             cwd=self.folder,
@@ -381,7 +383,7 @@ class CommandsTest(ManualCase):
         netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
         flint = self.shell("spintop --check --set output.certified=.true. input/slow_top.nml")
         for block in BLOCKS:
-            if block.tags[0] == "python" and not set(block.tags) & {"library", *NOT_RUN}:
+            if block.tags[0] == "python" and not set(block.tags) & {"file", "library", *NOT_RUN}:
                 with self.subTest(str(block)):
                     self.run_python(block)
             if block.tags[0] not in SHELL:
@@ -390,6 +392,7 @@ class CommandsTest(ManualCase):
                 ("mpi" in block.tags and not has_mpi)
                 or ("netcdf" in block.tags and netcdf.returncode)
                 or ("flint" in block.tags and flint.returncode)
+                or ("node" in block.tags and not shutil.which("node"))
             ):
                 self.check_names(block)
             elif not set(block.tags) & set(NOT_RUN):
@@ -418,12 +421,13 @@ class CommandsTest(ManualCase):
     def test_inputs(self) -> None:
         """The program takes each of them, whole or with the rest of another."""
         for i, block in enumerate(BLOCKS):
+            text = block.text
+            if "file" in block.tags:
+                with self.subTest(str(block)):
+                    self.assertEqual(text, (ROOT / block.tags[-1]).read_text(encoding="utf-8"))
             if block.tags[0] != "nml":
                 continue
-            text = block.text
             with self.subTest(str(block)):
-                if "file" in block.tags:
-                    self.assertEqual(text, (ROOT / block.tags[-1]).read_text(encoding="utf-8"))
                 if "part" in block.tags:
                     text = with_groups((ROOT / block.tags[-1]).read_text(encoding="utf-8"), text)
                 result = self.check(text)

@@ -1,0 +1,136 @@
+"""A motion as a file of other programs: a trajectory of evo, input of NAIF msopck, a glTF scene."""
+
+import json
+import math
+import struct
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spintop.library import InputError
+
+QUATERNION = ("q0", "q1", "q2", "q3")
+OMEGA = ("omega1", "omega2", "omega3")
+PLACE = ("com_x", "com_y", "com_z")
+
+
+def export(motion: Mapping[str, Any], path: str | Path, t: Any = None) -> Path:
+    """Write a motion as the file that the ending of `path` names; returns the path.
+
+    `motion` is a table or a motion with the columns q0 to q3, and `t` its times, s, if it has no
+    column `t`. An InputError says what is missing.
+
+    `.tum`: a trajectory for evo, `t x y z qx qy qz qw` per line, with the centre of mass (columns
+    com_x, com_y, com_z) as the place, else the pivot.
+    `.msopck`: input for NAIF msopck, `t q0 q1 q2 q3` per line, with INPUT_DATA_TYPE = 'SPICE
+    QUATERNIONS' (space to body, scalar first) and INPUT_TIME_TYPE = 'ET'; behind them
+    omega1 to omega3 if there are these columns, for ANGULAR_RATE_FRAME = 'INSTRUMENT'.
+    `.glb`: a glTF 2.0 scene with the node `top` that moves: a cone whose tip is the pivot, with
+    a stripe that shows the spin.
+    """
+    path = Path(path)
+    writers = {".tum": tum, ".msopck": msopck, ".glb": glb}
+    if path.suffix not in writers:
+        raise InputError(f"{path.name}: the ending is one of {', '.join(writers)}", code=2)
+    wanted = QUATERNION if t is not None else ("t", *QUATERNION)
+    missing = [name for name in wanted if name not in motion]
+    if missing:
+        raise InputError(f"an export needs the column {missing[0]}", code=2)
+    times = np.asarray(motion["t"] if t is None else t, dtype=float)
+    columns = {
+        name: np.asarray(motion[name]) for name in (*QUATERNION, *OMEGA, *PLACE) if name in motion
+    }
+    if times.ndim != 1 or any(column.shape != times.shape for column in columns.values()):
+        raise InputError("an export needs a number in each column for each time", code=2)
+    path.write_bytes(writers[path.suffix](times, columns))
+    return path
+
+
+def lines(*columns: Any) -> bytes:
+    """Numbers with all their digits, a row per line."""
+    rows = np.stack([np.broadcast_to(column, len(columns[0])) for column in columns], axis=1)
+    return "".join(" ".join(map(repr, row)) + "\n" for row in rows.tolist()).encode()
+
+
+def tum(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
+    """A trajectory in the format of the TUM RGB-D benchmark."""
+    w, x, y, z = (columns[name] for name in QUATERNION)
+    place = [columns.get(name, 0.0) for name in PLACE]
+    return lines(times, *place, x, y, z, w)
+
+
+def msopck(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
+    """Attitudes as SPICE has them: from the reference frame to that of the body."""
+    w, x, y, z = (columns[name] for name in QUATERNION)
+    omega = [columns[name] for name in OMEGA if name in columns]
+    return lines(times, w, -x, -y, -z, *(omega if len(omega) == len(OMEGA) else []))
+
+
+def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners and colours of an inverted cone of height 1, three per triangle; and the normals."""
+    turns = 2 * math.pi * np.arange(corners + 1) / corners
+    rim = np.stack([np.cos(turns) / 2, np.sin(turns) / 2, np.ones(corners + 1)], axis=1)
+    tip, top = np.zeros((corners, 3)), np.tile([0.0, 0.0, 1.0], (corners, 1))
+    side = np.stack([tip, rim[1:], rim[:-1]], axis=1)
+    lid = np.stack([top, rim[:-1], rim[1:]], axis=1)
+    triangles = np.concatenate([side, lid])
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    colours = np.tile([0.55, 0.65, 0.8, 1.0], (2 * corners, 1))
+    colours[[0, corners]] = [0.8, 0.1, 0.1, 1.0]
+    return triangles.reshape(-1, 3), np.repeat(normals, 3, 0), np.repeat(colours, 3, 0)
+
+
+def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
+    """A scene of glTF 2.0 in one binary file."""
+    w, x, y, z = (columns[name] for name in QUATERNION)
+    turns = np.stack([x, y, z, w], axis=1)
+    turns = turns / np.linalg.norm(turns, axis=1, keepdims=True)
+    flips = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=1) < 0, -1, 1))
+    turns[1:] *= flips[:, None]  # viewers interpolate between neighbours
+    arrays = [*cone(), times, turns]
+    kinds = ["VEC3", "VEC3", "VEC4", "SCALAR", "VEC4"]
+    blob, views, accessors = b"", [], []
+    for array, kind in zip(arrays, kinds, strict=True):
+        data = np.ascontiguousarray(array, dtype="<f4")
+        table = data.reshape(len(data), -1)
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": data.nbytes})
+        accessors.append(
+            {
+                "bufferView": len(views) - 1,
+                "componentType": 5126,  # single precision
+                "count": len(data),
+                "type": kind,
+                "min": table.min(axis=0).tolist(),
+                "max": table.max(axis=0).tolist(),
+            }
+        )
+        blob += data.tobytes()
+    half = math.sqrt(0.5)
+    scene = {
+        "asset": {"version": "2.0", "generator": "spintop"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [  # the vertical of glTF is y
+            {"name": "space", "rotation": [-half, 0, 0, half], "children": [1]},
+            {"name": "top", "mesh": 0, "rotation": turns[0].tolist()},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}}]}],
+        "animations": [
+            {
+                "name": "motion",
+                "samplers": [{"input": 3, "output": 4, "interpolation": "LINEAR"}],
+                "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
+            }
+        ],
+        "buffers": [{"byteLength": len(blob)}],
+        "bufferViews": views,
+        "accessors": accessors,
+    }
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    size = 12 + 8 + len(text) + 8 + len(blob)
+    head = struct.pack("<4sII", b"glTF", 2, size) + struct.pack("<I4s", len(text), b"JSON")
+    return head + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob

@@ -1,0 +1,1 @@
+"""The reference set: motions with bounds or errors for every number, in `reference/`."""

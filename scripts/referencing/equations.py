@@ -119,6 +119,7 @@ class Equations:
         self.none = (self.zero,) * 3
         self.frame = self.none
         self.is_turning, self.has_rotor = "earth_rate" in data, "rotor_momentum" in data
+        self.has_space_torque = any(key.startswith("torque_space") for key in data)
         if self.is_turning:
             cosine, sine = arithmetic.turn(data["latitude"])
             self.frame = (self.zero, data["earth_rate"] * cosine, data["earth_rate"] * sine)
@@ -135,13 +136,25 @@ class Equations:
         frame = times(transposed(rotation(q)), self.frame)
         return add(times(self.inertia, add(omega, frame)), self.rotor(t))
 
+    def turns(self, name: str, t: Number) -> list[tuple[Number, Number, Number]]:
+        """The amplitudes of what is harmonic, each with the cosine and the sine of its angle."""
+        phases = self.data.get(f"{name}_phase", self.none)
+        angles = [self.data[f"{name}_rate"] * t + phase for phase in phases]
+        sizes = self.data[f"{name}_amplitude"]
+        return [(a, *self.arithmetic.turn(x)) for a, x in zip(sizes, angles, strict=True)]
+
+    def torque(self, name: str, t: Number) -> Vector:
+        """A given torque: its constant part and its harmonic one."""
+        constant = self.data.get(name, self.none)
+        if f"{name}_rate" not in self.data:
+            return constant
+        return add(constant, [a * cosine for a, cosine, _ in self.turns(name, t)])
+
     def pivot(self, t: Number) -> Vector:
         """The acceleration of the pivot, in space axes."""
-        rate, phases = self.data["vibration_rate"], self.data.get("vibration_phase", self.none)
-        turns = [self.arithmetic.turn(rate * t + phase) for phase in phases]
-        sizes = self.data["vibration_amplitude"]
-        place = tuple(a * turn[0] for a, turn in zip(sizes, turns, strict=True))
-        velocity = tuple(-rate * a * turn[1] for a, turn in zip(sizes, turns, strict=True))
+        rate, turns = self.data["vibration_rate"], self.turns("vibration", t)
+        place = tuple(a * cosine for a, cosine, _ in turns)
+        velocity = tuple(-rate * a * sine for a, _, sine in turns)
         turning = cross(self.frame, add(scaled(2, velocity), cross(self.frame, place)))
         return add(scaled(-rate * rate, place), turning)
 
@@ -158,9 +171,9 @@ class Equations:
             field = add(field, times(back, self.pivot(t)))
         torques = [cross(momentum, absolute), cross(scaled(data["mass"], field), self.centre)]
         torques.append(tuple(-d * w for d, w in zip(data["damping"], omega, strict=True)))
-        torques.append(data.get("torque_body", self.none))
-        if "torque_space" in data:
-            torques.append(times(back, data["torque_space"]))
+        torques.append(self.torque("torque_body", t))
+        if self.has_space_torque:
+            torques.append(times(back, self.torque("torque_space", t)))
         if "friction_torque" in data:
             speed = self.arithmetic.or_one(self.arithmetic.sqrt(dot(omega, omega)))
             torques.append(scaled(-data["friction_torque"] / speed, omega))

@@ -28,6 +28,8 @@ MARGIN = Decimal("1.5")
 LARGEST_DISAGREEMENT = 1e-9
 """Of the program's energies, momenta and forces with those of the second computation, relative."""
 
+TORQUE = re.compile(r"torque_(body|space)(_amplitude)?")
+
 QUANTITIES = {
     "attitude": ("rad", "rotation from the true attitude: quaternion and matrix"),
     "omega": ("rad/s", "angular velocity, in body and in space axes"),
@@ -136,7 +138,7 @@ class Motion:
     def size(self) -> Decimal:
         """A momentum that the weight and the torques give the body in the span."""
         data = self.answer.data
-        torques = [np.linalg.norm(data.get(f"torque_{axes}", 0)) for axes in ("body", "space")]
+        torques = [np.linalg.norm(x) for key, x in data.items() if TORQUE.fullmatch(key)]
         weight = data["mass"] * data["gravity"] * np.linalg.norm(data["centre_of_mass"])
         return Decimal(float(weight + sum(torques))) * self.times[-1]
 
@@ -216,18 +218,19 @@ class Motion:
                 raise MotionError(f"{self.name}: the program's {name} differs by {error:.1e}")
 
     def inherent_errors(self) -> list[float]:
-        """The inherent error at each time: each datum changed by half a unit, as independent."""
+        """The inherent error at each time: each datum changed by half a unit, as independent.
+
+        Elements of the inertia that are equal remain equal.
+        """
         first = [float(x) for x in self.states[0][:4]]
         data = self.answer.data | {"quaternion": first, "omega": self.answer.initial["omega"]}
         places = list(places_of(data))
-        displaced = {key: copies(value, len(places) + 1) for key, value in data.items()}
-        for k, (key, *at) in enumerate(places, 1):
-            array = displaced[key]
-            for index in at:
-                array = array[index]
-            array[k] *= 1 + DISPLACEMENT
-            if key == "inertia" and at[0] != at[1]:
-                displaced[key][at[1]][at[0]][k] = array[k]
+        displaced = {
+            key: np.repeat(np.asarray(value, dtype=float)[..., None], len(places) + 1, axis=-1)
+            for key, value in data.items()
+        }
+        for k, (key, at) in enumerate(places, 1):
+            displaced[key][(*at, k)] *= 1 + DISPLACEMENT
         q = displaced.pop("quaternion")
         norm = np.sqrt(sum(x * x for x in q))
         q, omega = [x / norm for x in q], displaced.pop("omega")
@@ -249,9 +252,11 @@ class Motion:
         names = ",".join(COLUMNS)
         lines = [names]
         for t, state, row, inherent in zip(self.times, self.states, self.rows, errors, strict=True):
-            cells = [shortest(t), *self.cells((*state[:4], state[0]), "attitude")]
-            for name, numbers in row.items():
-                cells += self.cells(numbers, OWNERS.get(name, name))
+            groups = {"attitude": (*state[:4], state[0]), **row}
+            cells = [shortest(t)]
+            for name, numbers in groups.items():
+                agree = numbers if t == 0 else self.digits(numbers, OWNERS.get(name, name))
+                cells += map(shortest, agree)
             lines.append(",".join([*cells, f"{inherent:.1e}"]))
         body = "\n".join([*lines, "# status: ok"]) + "\n"
         head = [
@@ -268,16 +273,16 @@ class Motion:
         end = f"# end: {len(self.rows)} rows, CRC-32 {zlib.crc32(body.encode()):08X}\n"
         return "".join(f"# {line}\n" for line in head) + body + end
 
-    def cells(self, numbers: Sequence[Decimal], quantity: str) -> list[str]:
-        """Numbers as text: proved ones in double precision, others as far as they agree.
+    def digits(self, numbers: Sequence[Decimal], quantity: str) -> Sequence[Decimal]:
+        """Numbers as far as two computations agree, where they are not proved.
 
         That is to a digit beyond the first that the error of the quantity reaches.
         """
         error = self.errors[quantity]
-        if error.kind != "proved":
-            place = Decimal(1).scaleb(Decimal(error.value).adjusted() - 1)
-            numbers = [number.quantize(place) for number in numbers]
-        return [shortest(number) for number in numbers]
+        if error.kind == "proved":
+            return numbers
+        place = Decimal(1).scaleb(Decimal(error.value).adjusted() - 1)
+        return [number.quantize(place) for number in numbers]
 
     def description(self) -> dict[str, Any]:
         """The motion as JSON: data, units, conventions, errors."""
@@ -306,20 +311,14 @@ class Motion:
         }
 
 
-def places_of(data: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
-    """The numbers other than 0 among the data, each once: key and indices."""
+def places_of(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The numbers other than 0 among the data: key and indices."""
     for key, value in data.items():
-        flat = np.asarray(value, dtype=float)
-        for at in np.ndindex(flat.shape):
-            if flat[at] and not (key == "inertia" and at[0] > at[1]):
-                yield (key, *at)
-
-
-def copies(value: Any, count: int) -> Any:
-    """Numbers as arrays of equal numbers."""
-    if isinstance(value, list):
-        return [copies(each, count) for each in value]
-    return np.full(count, float(value))
+        array = np.asarray(value, dtype=float)
+        if key == "inertia":
+            yield from ((key, np.nonzero(array == x)) for x in np.unique(array[array != 0]))
+        else:
+            yield from ((key, at) for at in np.ndindex(array.shape) if array[at])
 
 
 def rounded_up(error: Decimal) -> float:

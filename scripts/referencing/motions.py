@@ -268,7 +268,7 @@ class Motion:
                 for name, error in self.errors.items()
             ),
             "input:",
-            *("    " + line for line in self.answer.resolved),
+            *("    " + line for line in self.answer.given),
         ]
         end = f"# end: {len(self.rows)} rows, CRC-32 {zlib.crc32(body.encode()):08X}\n"
         return "".join(f"# {line}\n" for line in head) + body + end

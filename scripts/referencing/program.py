@@ -18,8 +18,14 @@ SETTINGS = {
     "integration.relative_tolerance": "1e-28",
 }
 """Proved numbers are certified, all others in quadruple precision."""
+OWN_GROUPS = [
+    "&integration  method = 'taylor_quadruple'  relative_tolerance = 1e-28 /",
+    "&output   columns = 't', 'q0', 'q1', 'q2', 'q3', 'omega1', 'omega2', 'omega3'",
+    "          certified = .true. /",
+]
+"""The same as groups of the input in the header of a table."""
 COLUMNS = ["t", "q0", "q1", "q2", "q3", "omega1", "omega2", "omega3"]
-"""The columns that the input in the header of a table has."""
+"""The columns that are compared as they are."""
 COMPARED = ["kinetic", "com_z", "lz", "force_x", "force_y", "force_z"]
 """Columns that are compared with numbers of the second computation."""
 BOUNDED = ("orientation", "omega1", "omega2", "omega3")
@@ -35,8 +41,8 @@ class Answer:
     """The table of an input."""
 
     title: str
-    resolved: list[str]
-    """The lines of the resolved input."""
+    given: list[str]
+    """The lines of the input, with the settings: other versions of the program resolve others."""
     data: dict[str, Any]
     """The body and the effects: numbers, lists and a matrix."""
     initial: dict[str, Any]
@@ -70,15 +76,11 @@ def answer_of(path: Path) -> Answer:
     rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
     numbers = (list(map(float, column)) for column in zip(*rows[1:], strict=True))
     columns = dict(zip(rows[0], numbers, strict=True))
-    inside = head[head.index("input:") + 1 : head.index("columns:")]
-    resolved = [line[4:] for line in inside]
+    resolved = [line[4:] for line in head[head.index("input:") + 1 : head.index("columns:")]]
     groups = groups_of(resolved)
-    start = resolved.index("&output")
-    resolved[start + 1] = f"    columns = {', '.join(repr(name) for name in COLUMNS)}"
-    del resolved[
-        start + 2 : next(i for i in range(start + 2, len(resolved)) if " = " in resolved[i])
-    ]
-    return Answer(groups["study"]["title"], resolved, data_of(groups), groups["initial"], columns)
+    source = path.read_text(encoding="utf-8").splitlines()
+    given = [line for line in source if not line.startswith("!")] + OWN_GROUPS
+    return Answer(groups["study"]["title"], given, data_of(groups), groups["initial"], columns)
 
 
 def groups_of(lines: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -45,7 +45,7 @@ def index() -> str:
 
 
 def differences(path: Path, text: str) -> Iterator[str]:
-    """What a file has that is not so."""
+    """The first place of a file that is not so."""
     if not path.exists():
         yield f"{path.name} is missing"
         return
@@ -55,6 +55,7 @@ def differences(path: Path, text: str) -> Iterator[str]:
             cells = zip_longest((a or "").split(","), (b or "").split(","), fillvalue="")
             pair = next(((x, y) for x, y in cells if x != y), ("", ""))
             yield f"{path.name}:{number}: {pair[0].strip()!r}, computed {pair[1].strip()!r}"
+            return
 
 
 def verified(table: Path) -> Iterator[str]:

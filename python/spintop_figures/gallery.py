@@ -159,6 +159,14 @@ GALLERY = (
         " points, and phase portrait of the inclination.",
     ),
     Exhibit(
+        "bifurcation",
+        one("tip_loop"),
+        ("bifurcation",),
+        "Bifurcation diagram of a top that makes loops: its energy and its momenta among those of"
+        " all motions with its momentum about the axis.",
+        documented=("bifurcation",),
+    ),
+    Exhibit(
         "toy",
         one("toy_top"),
         ("angles", "trace"),

@@ -24,6 +24,7 @@ from spintop_figures.methods.trials import object_to_trials
 from spintop_figures.methods.verdicts import draw_verdicts
 from spintop_figures.motion.account import COLUMNS as ACCOUNT
 from spintop_figures.motion.account import draw_account, object_to_account
+from spintop_figures.motion.bifurcation import draw_bifurcation, object_to_bifurcation
 from spintop_figures.motion.cones import draw_cones
 from spintop_figures.motion.drift import draw_drift, object_to_drift
 from spintop_figures.motion.events import (
@@ -195,6 +196,15 @@ FIGURES = (
         REDUCED,
         draw_portrait,
         object_to_reduced,
+        assumes=LAGRANGE,
+    ),
+    FigureKind(
+        "bifurcation",
+        "bifurcation diagram of a symmetric top: its momenta and energy among all motions",
+        "trajectory",
+        REDUCED,
+        draw_bifurcation,
+        object_to_bifurcation,
         assumes=LAGRANGE,
     ),
     FigureKind(

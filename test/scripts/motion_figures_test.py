@@ -15,6 +15,7 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
+from spintop_figures.motion.bifurcation import Constants  # noqa: E402
 from spintop_figures.motion.cones import (  # noqa: E402
     body_at_start,
     directions,
@@ -25,7 +26,7 @@ from spintop_figures.motion.cones import (  # noqa: E402
 from spintop_figures.motion.drift import CONSTANTS, method_of, running_maximum  # noqa: E402
 from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
 from spintop_figures.motion.potential import draw_portrait, draw_potential  # noqa: E402
-from spintop_figures.motion.reduced import find_reduced  # noqa: E402
+from spintop_figures.motion.reduced import Reduced, find_reduced  # noqa: E402
 from spintop_figures.motion.sphere import (  # noqa: E402
     WHOLE,
     find_cap,
@@ -116,6 +117,45 @@ class ReducedTest(MotionCase):
             "has no column theta, theta_rate",
             self.refusal("potential", self.compute("long_drift", "span.nutations=3")),
         )
+
+
+class BifurcationTest(MotionCase):
+    """A motion is a point among all motions with its momentum about the axis."""
+
+    def test_classes(self) -> None:
+        """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
+        for name, sign in (("tip_loop", 1), ("tip_cusp", 0), ("tip_wave", -1)):
+            constants = Constants(find_reduced(self.compute(name)))
+            self.assertEqual(np.sign(np.round(constants.excess, 12)), sign)
+            ratio, energy = constants.steady()
+            self.assertGreater(constants.excess, np.interp(constants.ratio, ratio, energy))
+            self.assertTrue(constants.sleeps())
+        self.assertFalse(Constants(find_reduced(self.compute("slow_top"))).sleeps())
+
+    def test_least_energies(self) -> None:
+        """The curve is the least effective potential for each ratio of the momenta."""
+        theta = np.linspace(1e-6, np.pi - 1e-6, 40_001)
+        for weight in (0.6, -0.6):
+            for l3 in (0.3, 0.9, -2.5):
+                reduced = Reduced(inertia=0.7, weight=weight, lz=0, l3=l3, energy=0)
+                ratio, energy = Constants(reduced).steady()
+                order = np.argsort(ratio)
+                for x in (-2.2, -1.2, -0.7, 0.1, 0.8, 0.95, 1.3, 3.0):
+                    least = reduced._replace(lz=x * l3).potential(theta).min() / abs(weight)
+                    least -= np.sign(weight) * x
+                    found = np.interp(x, ratio[order], energy[order])
+                    self.assertAlmostEqual(found, least, delta=1e-3 * (1 + abs(least)))
+
+    def test_drawn(self) -> None:
+        """The motion is in the picture; a top without spin has none."""
+        table = self.compute("tip_wave")
+        (axes,) = draw(table, "bifurcation").axes
+        (motion,) = [line for line in axes.lines if line.get_label() == "the motion"]
+        constants = Constants(find_reduced(table))
+        self.assertEqual(motion.get_xydata().tolist(), [[constants.ratio, constants.excess]])
+        self.assertEqual({text.get_text() for text in axes.texts}, {"loops", "waves", "no motion"})
+        spinless = self.compute("tip_wave", "initial.omega3=0")
+        self.assertIn("without a momentum about its axis", self.refusal("bifurcation", spinless))
 
 
 class DrawnTest(MotionCase):

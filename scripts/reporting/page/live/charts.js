@@ -1,6 +1,7 @@
 // The charts of a live top: angles and energies against time with a common cursor, the effective
 // potential, and the phase portrait with the present point.
 
+import { drawBifurcation } from "./bifurcation.js";
 import { Plot, rangeOf } from "./plot.js";
 
 const DEGREE = 180 / Math.PI;
@@ -75,6 +76,7 @@ export class Charts {
     const energies = ["kinetic", "potential", "energy"];
     byTime(plots.energy, energies.map((name) => track[name]), [colours.kinetic, colours.potential, colours.ink]);
     this.#drawPotential(track, colours);
+    drawBifurcation(plots.portrait.pane, track, colours);
   }
 
   /** Effective potential and phase portrait share the axis of the inclination. */

@@ -115,7 +115,7 @@ def test_free_body_about_another_axis(tmp_path: Path, axis: str) -> None:
 def test_constants_of_a_free_body(tmp_path: Path) -> None:
     """They do not depend on what else is asked for."""
     sweep = BODY.format("gravity = 0", "") + SWEEP
-    constants = "momentum_period", "momentum_turn", "omega_max"
+    constants = "momentum_period", "momentum_turn", "momentum_turn_geometric", "omega_max"
     (alone,) = rows_of(tmp_path, sweep, constants)
     (beside,) = rows_of(tmp_path, sweep, (*constants, "phi_rate_max", "com_z_min"))
     for name in constants:

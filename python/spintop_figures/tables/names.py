@@ -152,6 +152,7 @@ QUANTITIES = {
     "momentum_axis": Name("axis of the momentum"),
     "evaluations": Name("function evaluations"),
     "steps": Name("steps"),
+    "momentum_turn_geometric": Name("geometric phase of the momentum"),
     "time_s": Name("computing time"),
     "spin_ratio": Name("spin ratio", r"$\lambda=\omega_3\,/\sqrt{4mgl/I_3}$", "λ"),
     "mass": Name("mass", "$m$", "m"),

@@ -20,6 +20,7 @@ module spintop_free_motion
     use spintop_free_circular_series, only: circular_series_t, least_complement, prepare_circular_series
     use spintop_free_hyperbolic_series, only: hyperbolic_series_t, prepare_hyperbolic_series
     use spintop_free_theta, only: free_values_t
+    use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_unsuitable
     use spintop_validity, only: body_status, start_status
@@ -107,67 +108,39 @@ contains
         end do
     end function is_steady
 
-    !> Chooses the axes x, y, z and the series, and finds the constants.
+    !> Chooses the series, and finds the constants.
     pure subroutine set_series(free)
         type(free_motion_t), intent(inout) :: free
-        real(xp) :: inertia(3), omega(3), momentum(3), total, excess, part(3), d_xy, d_xz, d_yz, side
-        real(xp) :: a, b, c, modulus, complement, rate, ratio, spin
-        integer :: axis(3)
+        type(momentum_path_t) :: path
+        real(xp) :: rate, ratio, spin
         type(free_values_t) :: values
 
-        ! The body axes in the order of their inertia.
-        axis([1, 3]) = [minloc(free%inertia, dim=1), maxloc(free%inertia, dim=1, back=.true.)]
-        axis(2) = 6 - axis(1) - axis(3)
-        inertia = free%inertia(axis)
-        omega = free%omega(axis)
-        ! The only difference of products: its sign is the class of the motion, its zero the separatrix.
-        excess = inertia(3) * (inertia(3) - inertia(2)) * omega(3)**2 &
-                 - inertia(1) * (inertia(2) - inertia(1)) * omega(1)**2
-        side = 1
-        if (excess < 0 .or. (.not. excess > 0 .and. .not. inertia(3) > inertia(2))) then
-            side = -1
-            axis([1, 3]) = axis([3, 1])
-            excess = -excess
-            inertia = free%inertia(axis)
-            omega = free%omega(axis)
-        end if
-        free%axis = axis
-        free%about = axis(3)
-        momentum = inertia * omega
-        total = sqrt(sum(momentum**2))
-        free%sign_of(1) = real(side * sign(1.0_xp, momentum(1)), dp)
-        free%sign_of(3) = real(sign(1.0_xp, momentum(3)), dp)
-        free%sign_of(2) = free%sign_of(1) * free%sign_of(3) * merge(1, -1, modulo(axis(2) - axis(1), 3) == 1)
-        part = [abs(momentum(1)), free%sign_of(2) * momentum(2), abs(momentum(3))] / total
+        path = find_momentum_path(free%inertia, free%omega)
+        free%axis = path%axis
+        free%about = path%axis(3)
+        free%sign_of = path%sign_of
+        associate (total => path%total, inertia => path%inertia, a => path%a, b => path%b, c => path%c)
+            rate = total * c * sqrt(path%d_xz * path%d_yz)
+            ratio = a / (1 + c)
+            spin = total * (c / inertia(3) + ratio * a / inertia(1))
+            free%greatest = real(total * [path%side * a, b, c] / inertia, dp)
+            free%greatest_rate = norm2(free%greatest([1, 3]))
+            free%least_rate = real(total * sqrt((b / inertia(2))**2 + (path%complement * c / inertia(3))**2), dp)
+            free%axis_angle = angle_range(path%axis, real([a, b, c, path%complement * c], dp), free%sign_of(3))
 
-        d_xy = abs(inertia(1) - inertia(2)) / (inertia(1) * inertia(2))
-        d_xz = abs(inertia(1) - inertia(3)) / (inertia(1) * inertia(3))
-        d_yz = abs(inertia(2) - inertia(3)) / (inertia(2) * inertia(3))
-        a = sqrt(part(1)**2 + part(2)**2 * (d_yz / d_xz))
-        b = sqrt(part(2)**2 + part(1)**2 * (d_xz / d_yz))
-        c = sqrt(part(3)**2 + part(2)**2 * (d_xy / d_xz))
-        modulus = b * sqrt(d_xy / d_xz) / c
-        complement = sqrt(inertia(3) * excess / abs(inertia(3) - inertia(2))) / (total * c)
-        rate = total * c * sqrt(d_xz * d_yz)
-        ratio = a / (1 + c)
-        spin = total * (c / inertia(3) + ratio * a / inertia(1))
-        free%greatest = real(total * [side * a, b, c] / inertia, dp)
-        free%greatest_rate = norm2(free%greatest([1, 3]))
-        free%least_rate = real(total * sqrt((b / inertia(2))**2 + (complement * c / inertia(3))**2), dp)
-        free%axis_angle = angle_range(axis, real([a, b, c, complement * c], dp), free%sign_of(3))
-
-        free%is_circular = complement >= least_complement
-        if (free%is_circular) then
-            call prepare_circular_series(free%circular, modulus, complement, rate, ratio, spin, side, &
-                                         a * part(2), b * part(1))
-            free%period = real(free%circular%period(), dp)
-            free%turn = real(free%circular%turn(total / inertia(1)), dp)
-        else
-            call prepare_hyperbolic_series(free%hyperbolic, modulus, complement, rate, ratio, spin, side, &
-                                           a * part(2), b * part(1))
-            free%period = real(free%hyperbolic%period(), dp)
-            free%turn = real(free%hyperbolic%turn(), dp)
-        end if
+            free%is_circular = path%complement >= least_complement
+            if (free%is_circular) then
+                call prepare_circular_series(free%circular, path%modulus, path%complement, rate, ratio, spin, path%side, &
+                                             a * path%part(2), b * path%part(1))
+                free%period = real(free%circular%period(), dp)
+                free%turn = real(free%circular%turn(total / inertia(1)), dp)
+            else
+                call prepare_hyperbolic_series(free%hyperbolic, path%modulus, path%complement, rate, ratio, spin, path%side, &
+                                               a * path%part(2), b * path%part(1))
+                free%period = real(free%hyperbolic%period(), dp)
+                free%turn = real(free%hyperbolic%turn(), dp)
+            end if
+        end associate
         call find_values(free, 0.0_xp, values)
         free%unturn = [real(values%upper, dp), -real(values%lower, dp), -aimag(values%lower), -aimag(values%upper)]
     end subroutine set_series

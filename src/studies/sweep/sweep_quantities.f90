@@ -10,6 +10,7 @@ module spintop_sweep_quantities
     use spintop_motion, only: motion_t
     use spintop_free_motion, only: free_constants_t, free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
+    use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_recorder, only: nutation_recorder_t, no_class
     use spintop_status, only: is_ok, status_meanings, status_non_finite
@@ -17,7 +18,7 @@ module spintop_sweep_quantities
     use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
         note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
         note_no_precession_period, note_not_free, note_not_stuck
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_fastest, of_free, of_range, of_whole, &
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
         sweep_result_t
     use spintop_vectors, only: cross
     implicit none
@@ -348,6 +349,7 @@ contains
                 else
                     values%momentum_period = free%period
                     values%momentum_turn = free%turn
+                    if (wanted(of_geometric)) values%momentum_turn_geometric = geometric_phase(case)
                 end if
             end if
             ! The range of an axis that is not a principal axis was measured.
@@ -363,6 +365,18 @@ contains
             values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
         end associate
     end subroutine set_free_constants
+
+    !> The geometric phase of a free body, rad.
+    pure real(dp) function geometric_phase(case)
+        type(case_t), intent(in) :: case
+        type(momentum_path_t) :: path
+        if (case%turn%to_principal_axes) then
+            path = find_momentum_path(case%body%inertia, case%start%omega)
+        else
+            path = find_momentum_path(case%given_body%inertia, case%given_start%omega)
+        end if
+        geometric_phase = real(path%geometric_turn(), dp)
+    end function geometric_phase
 
     !> What a case without T_p lacks.
     pure function needs_of_period(case) result(needs)

@@ -10,7 +10,7 @@ module spintop_sweep_result
     public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range, of_whole, &
         of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, &
         of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
-        of_singular, of_multiplier, of_free, of_proof, of_threshold
+        of_singular, of_multiplier, of_free, of_proof, of_threshold, of_geometric
 
     !> Whether the bounds of a case are proved: `none` without a result.
     character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
@@ -43,10 +43,11 @@ module spintop_sweep_result
     integer, parameter :: of_free = 24              !! the constants of a free motion
     integer, parameter :: of_proof = 25             !! bounds of the errors
     integer, parameter :: of_threshold = 26         !! the threshold of the sleeping top
-    integer, parameter :: kinds_of_work = of_threshold
+    integer, parameter :: of_geometric = 27         !! the geometric phase of a free motion
+    integer, parameter :: kinds_of_work = of_geometric
 
     !> Number of values in the list of a result, as many as there are columns.
-    integer, parameter :: value_count = 52
+    integer, parameter :: value_count = 53
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -70,7 +71,8 @@ module spintop_sweep_result
         real(dp) :: spin_per_nutation = nan, theta_rate_max = nan, force_max = nan
         real(dp) :: force_z_min = nan, force_z_max = nan
         real(dp) :: t_end = nan, t_stuck = nan
-        real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_axis = nan, omega_max = nan
+        real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_turn_geometric = nan
+        real(dp) :: momentum_axis = nan, omega_max = nan
         real(dp) :: critical_omega3 = nan, sleeping_ratio = nan
         real(dp) :: growth_rate = nan
         real(dp) :: lyapunov_exponent = nan
@@ -114,7 +116,7 @@ contains
                   self%force_z_min, self%force_z_max, self%t_end, self%t_stuck, self%critical_omega3, &
                   self%sleeping_ratio, self%growth_rate, self%lyapunov_exponent, self%largest_singular_value, &
                   self%upright_multiplier, &
-                  self%momentum_period, self%momentum_turn, self%momentum_axis, self%omega_max, &
+                  self%momentum_period, self%momentum_turn, self%momentum_turn_geometric, self%momentum_axis, self%omega_max, &
                   self%bounds(proof_of_theta), self%bounds(proof_of_phi), self%bounds(proof_of_psi), &
                   self%bounds(proof_of_period), self%bounds(proof_of_precession), &
                   self%bounds(proof_of_momentum_period), self%bounds(proof_of_momentum_turn), real(self%proof, dp)]

@@ -27,7 +27,7 @@ module spintop_trajectory_columns
         vector_momenta = 11, vector_residuals = 12, vector_changes = 13, vector_force = 14, &
         vector_force_beside_axis = 15, vector_errors = 16, vector_inherent_error = 17, vector_norm_error = 18, &
         vector_axis_z_rate = 19, vector_kovalevskaya = 20, vector_goryachev = 21, vector_accelerometer = 22, &
-        vector_work = 23, vector_bounds = 24, vector_proof = 25, vectors = 25
+        vector_work = 23, vector_bounds = 24, vector_proof = 25, vector_omega_in_space = 26, vectors = 26
 
     !> Number of components of the longest vector.
     integer, parameter :: longest = max(proof_count, works + 1)
@@ -86,6 +86,9 @@ module spintop_trajectory_columns
         trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, passing_omega), &
         trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, passing_omega), &
         trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, passing_omega), &
+        trajectory_column_t('omega_x', 'rad/s', 'angular velocity about space x', 'rates', vector_omega_in_space, 1), &
+        trajectory_column_t('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 2), &
+        trajectory_column_t('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 3), &
         trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion, 1), &
         trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 2), &
         trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 3), &
@@ -254,6 +257,8 @@ contains
             vector(:3) = now%motion%rate
         case (vector_omega)
             vector(:3) = now%motion%omega
+        case (vector_omega_in_space)
+            vector(:3) = to_space(now%motion%quaternion, now%motion%omega)
         case (vector_quaternion)
             vector(:4) = now%motion%quaternion
         case (vector_vertical) ! upward, in body axes

@@ -43,7 +43,14 @@ module spintop_benchmark_cases
         by_ottr = 'OTTR, OpenTurbine in Rust, test of the heavy top: Lie group generalized-alpha, step 0.002 s', &
         by_openturbine = 'OpenTurbine test PrecessionTest: Lie group generalized-alpha, step 0.01 s', &
         by_nasa_1 = 'NASA check-case 2, simulation 1', by_nasa_5 = 'NASA check-case 2, simulation 5', &
-        by_mujoco = 'MuJoCo test engine_forward_test: Euler, step 0.01 s, energy 1.09 times that of the start'
+        by_mujoco = 'MuJoCo test engine_forward_test: Euler, step 0.01 s, energy 1.09 times that of the start', &
+        by_implicitfast = 'MuJoCo test FreeBodyConservation: implicitfast, step 0.01 s, energy 0.93 times that of the start', &
+        by_exudyn_lie = 'Exudyn test explicitLieGroupIntegratorPythonTest: RK4 on the Lie group, converged to 14 digits', &
+        by_exudyn_parameters = 'Exudyn test explicitLieGroupIntegratorTest: generalized-alpha, index 2, Euler parameters', &
+        by_exudyn_vector = 'Exudyn test explicitLieGroupIntegratorTest: RK4 in the rotation vector, 4000 steps', &
+        by_exudyn_rk4 = 'Exudyn test explicitLieGroupIntegratorTest: RK4 on the Lie group, step 1e-4 s', &
+        by_exudyn_dopri5 = 'Exudyn test explicitLieGroupIntegratorTest: DOPRI5 on the Lie group, tolerance 1e-14', &
+        by_metis_eml = 'metis, reference solution EML_ref_sol', by_metis_emh = 'metis, reference solution EMH_ref_sol'
     !> y1' = y2 y3, y2' = -y1 y3, y3' = -0.51 y1 y2 from (0, 1, 1) is the motion of a body with moments 25, 42 and 18, of
     !> which the angular velocities are 9/5 y1, 3/4 y2 and 5/2 y3.
     real(dp), parameter :: detest(3) = [-0.9396570798729192_dp * 9 / 5, -0.3421177754000779_dp * 3 / 4, &
@@ -51,14 +58,23 @@ module spintop_benchmark_cases
     !> The angular velocity of simulation 5, rad/s; it is given in degrees. The moments of the brick stand below in slug ft^2,
     !> because their unit does not matter to a free body.
     real(dp), parameter :: brick(3) = [12.61842377_dp, -17.3974441_dp, 31.11960301_dp] * degree
-    !> 1.09 times the kinetic energy of the box at the start, J.
-    real(dp), parameter :: mujoco_energy = 1.09_dp * 0.49_dp / 3
+    !> Its attitude, from the published roll, pitch and yaw. These are relative to north, east and down where the brick is, axes
+    !> that turn about north with the Earth, 7.292115e-5 rad/s, and with the longitude, which is 1.0027827516629e-6 rad at 30 s;
+    !> a free body has an attitude relative to the axes of the start. The signs are those of the true quaternion.
+    real(dp), parameter :: brick_attitude_1(4) = [-0.8811471852979136_dp, 0.4701825277883141_dp, 0.011728252325837848_dp, &
+                                                  0.048687539489454555_dp]
+    real(dp), parameter :: brick_attitude_5(4) = [-0.881147354599921_dp, 0.4701822699715538_dp, 0.01172837307154365_dp, &
+                                                  0.04868693614361647_dp]
+    !> The kinetic energy of the box at the start, J.
+    real(dp), parameter :: box_energy = 0.49_dp / 3
 
     !> The catalogue.
     type(benchmark_t), parameter :: benchmarks(*) = [ &
         benchmark_t('heavy_top', 'fast top with its axis along body y, to t = 2', of_heavy_top, heavy_top // 'span.t_end=2'), &
         benchmark_t('heavy_top_start', 'the same to t = 0.2', of_heavy_top, heavy_top // 'span.t_end=0.2'), &
         benchmark_t('heavy_top_middle', 'the same to t = 0.8', of_heavy_top, heavy_top // 'span.t_end=0.8'), &
+        benchmark_t('heavy_top_first', 'the same to t = 0.01', of_heavy_top, heavy_top // 'span.t_end=0.01'), &
+        benchmark_t('heavy_top_rate', 'the same to t = 2, its angular velocity', of_heavy_top, heavy_top // 'span.t_end=2'), &
         benchmark_t('simo_wong', 'fast top that is nearly upright', &
                     'J. C. Simo, K. K. Wong, Unconditionally stable algorithms for rigid body dynamics that exactly ' // &
                     'preserve energy and momentum, Int. J. Numer. Meth. Engng 31, 1991', &
@@ -91,6 +107,24 @@ module spintop_benchmark_cases
                     'MuJoCo, test/engine/engine_forward_test.cc, Google DeepMind, 2026', &
                     'top.mass=1;top.inertia=0.043333333333333335,0.033333333333333333,0.016666666666666666;top.length=0;' // &
                     'initial.quaternion=1,0,0,0;initial.omega=1,2,3;span.t_end=5'), &
+        benchmark_t('flipping_body', 'free body that turns nearly about its intermediate axis', &
+                    'R. van Zon, J. Schofield, Numerical implementation of the exact dynamics of free rigid bodies, ' // &
+                    'J. Comput. Phys. 225, 2007, with the start of JSBSim, check_cases/notebooks/rotation, 2026', &
+                    'top.mass=1;top.inertia=10,20,26;top.length=0;initial.quaternion=1,0,0,0;initial.omega=1,15,1;' // &
+                    'span.t_end=10'), &
+        benchmark_t('flipping_box', 'free box of 0.1 x 0.4 x 0.9 m that turns nearly about its intermediate axis', &
+                    'S. Peters, benchmark of boxes of the Open Source Robotics Foundation, complex scenario, 2015', &
+                    'top.mass=10;top.inertia=0.8083333333333333,0.6833333333333333,0.1416666666666667;top.length=0;' // &
+                    'initial.quaternion=1,0,0,0;initial.omega=0.1,5,0.1;span.t_end=10'), &
+        benchmark_t('free_body', 'free body without symmetry, to t = 0.1', &
+                    'P. L. Kinon, P. Betsch, input MUBO_kinon_betsch_2024 in the code metis, 2024', &
+                    'top.mass=1;top.inertia=6,8,3;top.length=0;initial.quaternion=1,0,0,0;initial.omega=10,20,20;' // &
+                    'span.t_end=0.1'), &
+        benchmark_t('torqued_body', 'y1'' = -2 y2 y3, y2'' = 1.25 y1 y3, y3'' = -0.5 y1 y2 + 0.25 sin(t)^2', &
+                    'C. Rackauckas, RigidBody_wpd of SciMLBenchmarks, 2026', &
+                    'top.mass=1;top.inertia=1,2.5,3;top.length=0;initial.quaternion=1,0,0,0;initial.omega=1.25,0,2.25;' // &
+                    'effects.torque_body=0,0,0.9375;effects.torque_body_amplitude=0,0,-0.9375;' // &
+                    'effects.torque_body_rate=2;span.t_end=10'), &
         benchmark_t('staude', 'stable permanent rotation about an axis that is no principal one', &
                     'O. Staude, Ueber permanente Rotationsaxen bei der Bewegung eines schweren Koerpers um einen festen ' // &
                     'Punkt, J. reine angew. Math. 113, 1894', &
@@ -141,6 +175,13 @@ module spintop_benchmark_cases
         figure_t('heavy_top_middle', 'q1', 0.21672292516262048_dp, by_ottr), &
         figure_t('heavy_top_middle', 'q2', -0.9597292673920982_dp, by_ottr), &
         figure_t('heavy_top_middle', 'q3', -0.016969254156485276_dp, by_ottr), &
+        figure_t('heavy_top_first', 'omega_y', 149.8473939540758_dp, by_exudyn_lie), &
+        figure_t('heavy_top_first', 'omega_y', 149.84738885863888_dp, by_exudyn_parameters), &
+        figure_t('heavy_top_first', 'omega_y', 149.89507599262697_dp, by_exudyn_vector), &
+        figure_t('heavy_top_first', 'omega_x'), &
+        figure_t('heavy_top_first', 'omega_z'), &
+        figure_t('heavy_top_rate', 'omega_y', -106.16380619750855_dp, by_exudyn_rk4), &
+        figure_t('heavy_top_rate', 'omega_y', -106.16380414306643_dp, by_exudyn_dopri5), &
         figure_t('simo_wong', 'energy', 1269.975_dp, 'Solfec validation: the start'), &
         figure_t('simo_wong', 'com_x'), &
         figure_t('simo_wong', 'com_y'), &
@@ -163,7 +204,43 @@ module spintop_benchmark_cases
         figure_t('tumbling_brick', 'omega1', brick(1), by_nasa_5), &
         figure_t('tumbling_brick', 'omega2', brick(2), by_nasa_5), &
         figure_t('tumbling_brick', 'omega3', brick(3), by_nasa_5), &
-        figure_t('tumbling_box', 'kinetic', mujoco_energy, by_mujoco), &
+        figure_t('tumbling_brick', 'q0', brick_attitude_1(1), by_nasa_1), &
+        figure_t('tumbling_brick', 'q1', brick_attitude_1(2), by_nasa_1), &
+        figure_t('tumbling_brick', 'q2', brick_attitude_1(3), by_nasa_1), &
+        figure_t('tumbling_brick', 'q3', brick_attitude_1(4), by_nasa_1), &
+        figure_t('tumbling_brick', 'q0', brick_attitude_5(1), by_nasa_5), &
+        figure_t('tumbling_brick', 'q1', brick_attitude_5(2), by_nasa_5), &
+        figure_t('tumbling_brick', 'q2', brick_attitude_5(3), by_nasa_5), &
+        figure_t('tumbling_brick', 'q3', brick_attitude_5(4), by_nasa_5), &
+        figure_t('tumbling_box', 'kinetic', 1.09_dp * box_energy, by_mujoco), &
+        figure_t('tumbling_box', 'kinetic', 0.93_dp * box_energy, by_implicitfast), &
+        figure_t('flipping_body', 'omega1'), &
+        figure_t('flipping_body', 'omega2'), &
+        figure_t('flipping_body', 'omega3'), &
+        figure_t('flipping_body', 'q0'), &
+        figure_t('flipping_body', 'q1'), &
+        figure_t('flipping_body', 'q2'), &
+        figure_t('flipping_body', 'q3'), &
+        figure_t('flipping_box', 'omega1'), &
+        figure_t('flipping_box', 'omega2'), &
+        figure_t('flipping_box', 'omega3'), &
+        figure_t('flipping_box', 'q0'), &
+        figure_t('flipping_box', 'q1'), &
+        figure_t('flipping_box', 'q2'), &
+        figure_t('flipping_box', 'q3'), &
+        figure_t('free_body', 'axis_x', 0.5608118150306917_dp, by_metis_eml), &
+        figure_t('free_body', 'axis_y', 0.08722427373011672_dp, by_metis_eml), &
+        figure_t('free_body', 'axis_z', -0.8233359181975696_dp, by_metis_eml), &
+        figure_t('free_body', 'gamma1', -0.010663491175453288_dp, by_metis_eml), &
+        figure_t('free_body', 'gamma2', 0.5674541882493388_dp, by_metis_eml), &
+        figure_t('free_body', 'axis_x', 0.5608118134437128_dp, by_metis_emh), &
+        figure_t('free_body', 'axis_y', 0.08722426346159023_dp, by_metis_emh), &
+        figure_t('free_body', 'axis_z', -0.823335920366382_dp, by_metis_emh), &
+        figure_t('free_body', 'gamma1', -0.01066349978493103_dp, by_metis_emh), &
+        figure_t('free_body', 'gamma2', 0.5674541849407575_dp, by_metis_emh), &
+        figure_t('torqued_body', 'omega1'), &
+        figure_t('torqued_body', 'omega2'), &
+        figure_t('torqued_body', 'omega3'), &
         figure_t('staude', 'omega1'), &
         figure_t('staude', 'gamma3'), &
         figure_t('grioli', 'omega1'), &

@@ -40,7 +40,7 @@ module spintop_benchmark_columns
         listed_column_t('published', '', 'published figure (nan: none)', 'published'), &
         listed_column_t('published_error', '', 'its difference from the true value', 'published'), &
         listed_column_t('published_method', '', 'who published it, with which method', 'published', words=.true.), &
-        listed_column_t('goal', '', 'a hundredth of that difference; 1e-10 without a figure', 'best'), &
+        listed_column_t('goal', '', 'a hundredth of that difference, over max(1, true value); 1e-10 without a figure', 'best'), &
         listed_column_t('method', '', 'fastest method whose errors are within the goal', 'best', words=.true.), &
         listed_column_t('formulation', '', 'its formulation', 'best', words=.true.), &
         listed_column_t('setting', '', 'its setting', 'best', words=.true.), &

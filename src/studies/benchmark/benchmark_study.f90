@@ -189,7 +189,8 @@ contains
             call summary%add(benchmark%name, 'no reference: ' // status_meaning(status))
             return
         end if
-        goals = merge(better * abs(wanted%published - truth), goal_without_figure, is_finite(wanted%published))
+        goals = merge(better * abs(wanted%published - truth) / max(1.0_dp, abs(truth)), goal_without_figure, &
+                      is_finite(wanted%published))
         call try_methods(scene, case, wanted, truth, goals, attempts)
         do k = 1, size(wanted)
             call cells%clear()

@@ -182,11 +182,9 @@ contains
                 call begin_rows()
             end do
             t_known = recorder%t
-            if (recorder%has_enough) then
-                t_end = recorder%t
-            else if (recorder%t < t_end) then
-                outcome%status = merge(status_too_many_events, status_step_limit, recorder%is_full)
-            end if
+            if (.not. recorder%has_enough .and. t_known < t_end) outcome%status = &
+                merge(status_too_many_events, status_step_limit, recorder%is_full)
+            if (recorder%has_enough) t_end = t_known
         end if
         path%counts_turns = writer%counts_turns
         do i = next, plan%samples

@@ -3,12 +3,11 @@
 // u = cos(theta) has x - u = (1 - u^2)(1 -+ r)/(2 u), r^2 = 1 - 2 u/p; no motion has less energy. The
 // ordinate is the energy without that of the spin, over m g l, less x, which is that of cusps.
 
+import { say } from "./language.js";
 import { Plot } from "./plot.js";
 
 const SAMPLES = 160; // of each part of the curve
 const ROOM = 1.12; // beside the motion and the poles
-const CAPTION = "Bifurcation diagram, energy over L<sub>z</sub>/L<sub>3</sub>: <b>steady precession</b>; loops above "
-  + "the dashes, waves below; dots: upright, hanging; <b class=\"motion\">motion</b>";
 const plots = new WeakMap();
 
 /** p, x and the ordinate of a motion; null where the top has no momentum about its axis, or no weight. */
@@ -49,7 +48,8 @@ function plotBeside(pane) {
     const figure = document.createElement("figure");
     figure.className = "plot";
     figure.style.gridColumn = "1 / -1";
-    figure.innerHTML = `<figcaption>${CAPTION}</figcaption><div class="pane" data-mark="point"></div>`;
+    figure.innerHTML = '<figcaption></figcaption><div class="pane" data-mark="point"></div>';
+    figure.firstChild.textContent = say("plot_bifurcation");
     pane.parentElement.after(figure);
     plots.set(pane, new Plot(figure.lastChild));
   }

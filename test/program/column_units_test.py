@@ -121,7 +121,7 @@ class ColumnsTest(UnitsCase):
         table = self.compute(self.write(TOP + SPAN + chosen(names)))
         for name in ("theta", *names[1:]):
             self.assertIn(name, table.names)
-        for name, problem in (("theta", "is named twice"), ("nonsense", "unknown column")):
+        for name, problem in (("theta", "is named twice"), ("nonsense", "there is no column")):
             scene = self.write(TOP + SPAN + chosen(["all", name]))
             self.assertIn(problem, self.refuse(scene))
 

@@ -124,14 +124,15 @@ int ball_knows_turns(const top_motion *m) { return !ball_has_turns(m) && !m->mee
 
 int ball_attitude(arb_ptr answer, const top_motion *m, double t) {
     const slong bits = m->bits;
-    int is_known = 1;
+    int reason = PROVED;
     acb_t upper, lower;
     arb_ptr w = _arb_vec_init(5), time = w, plus = w + 1, minus = w + 2, high = w + 3, low = w + 4;
     acb_init(upper), acb_init(lower);
     arb_set_d(time, t), arb_set(plus, BALL(m, sum)), arb_set(minus, BALL(m, difference));
-    if (m->regime >= ROTATING) ball_free_attitude(upper, lower, m, time);
+    if (m->regime == STEPPING) reason = ball_tube_attitude(upper, lower, m, t);
+    else if (m->regime >= ROTATING) ball_free_attitude(upper, lower, m, time);
     else if (m->regime == STEADY || m->regime == SLEEPING) resting(upper, lower, plus, minus, m, time);
-    else is_known = nutating(upper, lower, plus, minus, m, time);
+    else if (!nutating(upper, lower, plus, minus, m, time)) reason = UNDECIDED_BRANCH;
     arb_set(answer + Q0, acb_realref(upper)), arb_set(answer + Q3, acb_imagref(upper));
     arb_set(answer + Q1, acb_realref(lower)), arb_set(answer + Q2, acb_imagref(lower));
     acb_abs(high, upper, bits), acb_abs(low, lower, bits);
@@ -149,7 +150,7 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t) {
     if (!ball_knows_turns(m)) angles_of(answer, bits);
     acb_clear(upper), acb_clear(lower);
     _arb_vec_clear(w, 5);
-    return is_known ? PROVED : UNDECIDED_BRANCH;
+    return reason;
 }
 
 void ball_periods(arb_ptr answer, const top_motion *m) {
@@ -158,7 +159,9 @@ void ball_periods(arb_ptr answer, const top_motion *m) {
     arb_t pi;
     arb_init(pi), arb_const_pi(pi, bits);
     arb_set(answer + MOMENTUM_PERIOD, BALL(m, momentum_period)), arb_set(answer + MOMENTUM_TURN, BALL(m, momentum_turn));
-    if (m->regime >= ROTATING) { // the axis of a symmetric body goes round the momentum; of others nothing is known
+    if (m->regime == STEPPING) {
+        arb_indeterminate(period), arb_indeterminate(turn);
+    } else if (m->regime >= ROTATING) { // the axis of a symmetric body goes round the momentum; of others nothing is known
         arb_set(period, BALL(m, period));
         arb_add(turn, BALL(m, jump_plus), BALL(m, jump_minus), bits);
     } else if (m->regime == STEADY || m->regime == SLEEPING) { // of infinitely small nutations, where they oscillate

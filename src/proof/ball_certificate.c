@@ -6,7 +6,13 @@
 
 // The precisions that are tried one after the other, bits.
 static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384};
-enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
+// Those of any body, whole words with some bits for sums.
+static const slong steps_precisions[] = {112, 176, 240, 368, 560, 880};
+enum {
+    LEVELS = sizeof precisions / sizeof *precisions,
+    LEVELS_OF_STEPS = sizeof steps_precisions / sizeof *steps_precisions,
+    LEVELS_OF_RADII = 3
+};
 
 // A top, and its motion at the precisions that were needed so far.
 typedef struct {
@@ -37,7 +43,7 @@ void spintop_proof_close(top_proof *proof) {
         if (!m) continue;
         for (i = 0; i < BALLS; i++) arb_clear(m->ball + i);
         acb_clear(m->w + PLUS), acb_clear(m->w + MINUS);
-        ball_components_clear(&m->first);
+        ball_components_clear(&m->first), ball_tube_close(m->tube);
         free(m);
     }
     free(proof);
@@ -55,6 +61,12 @@ static int passes_pole(const top_motion *m) {
     return passes;
 }
 
+// The bits of a precision; 0 if there is none.
+static slong bits_of_level(const top_proof *proof, int level) {
+    if (proof->data.given & ANY_BODY) return level < LEVELS_OF_STEPS ? steps_precisions[level] : 0;
+    return level < LEVELS ? precisions[level] : 0;
+}
+
 // The motion at a precision; NULL without memory.
 static top_motion *motion_at_level(top_proof *proof, int level) {
     top_motion *m = proof->motion[level];
@@ -65,7 +77,11 @@ static top_motion *motion_at_level(top_proof *proof, int level) {
     for (i = 0; i < BALLS; i++) arb_init(m->ball + i);
     acb_init(m->w + PLUS), acb_init(m->w + MINUS);
     ball_components_init(&m->first);
-    m->bits = precisions[level];
+    m->bits = bits_of_level(proof, level);
+    if (proof->data.given & ANY_BODY) {
+        m->regime = STEPPING, *reason = ball_tube_open(m, &proof->data);
+        return m;
+    }
     *reason = proof->data.given & FREE_BODY ? ball_free_body(m, &proof->data) : ball_start(m, &proof->data);
     if (m->regime == NUTATING || m->regime == FREE) {
         if (*reason == PROVED) *reason = ball_roots(m);
@@ -136,7 +152,8 @@ static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, dou
     int reason = NO_ANGLES, i;
     if (ball_knows_turns(m) || !(wanted[ANGLE_PHI] || wanted[ANGLE_PSI])) return PROVED;
     if (!(arb_is_finite(answer + ANGLE_PHI) && arb_is_finite(answer + ANGLE_PSI))) return NO_ANGLES;
-    if (ball_has_turns(m)) reason = ball_count_turns(&proof->turns, m, &proof->data, t);
+    if (m->regime == STEPPING) reason = ball_tube_turns(&proof->turns.phi, &proof->turns.psi, m);
+    else if (ball_has_turns(m)) reason = ball_count_turns(&proof->turns, m, &proof->data, t);
     if (reason != PROVED && reason != NO_ANGLES) return reason;
     for (i = ANGLE_PHI; i <= ANGLE_PSI; i++) {
         if (mag_cmp_2exp_si(arb_radref(answer + i), 0) > 0) return TOO_WIDE;
@@ -175,6 +192,7 @@ static double width(arb_srcptr answer, const int wanted[]) {
 static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns) {
     if (which == ANGLE_PHI || which == ANGLE_PSI) return turns;
     if (arb_is_finite(answer + which)) return PROVED;
+    if (m->regime == STEPPING && which >= PERIOD && which != ORIENTATION) return NO_CLOSED_FORM;
     if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
         return m->regime == TUMBLING && !arb_is_zero(BALL(m, tau)) ? PROVED : NO_CIRCULATION;
     if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
@@ -193,7 +211,7 @@ static int needs_attitude(const int wanted[]) {
 // Whether no other precision is to be tried.
 static int is_final(int reason) {
     return reason == PROVED || reason == NO_ANGLES || reason == NO_PERIOD || reason == NOT_PERIODIC || reason == TOO_MANY_TURNS
-           || reason == NO_CIRCULATION;
+           || reason == NO_CIRCULATION || reason == TOO_MANY_STEPS || reason == NO_CLOSED_FORM;
 }
 
 // Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
@@ -204,7 +222,7 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
     double last_width = INFINITY, now_width;
     arb_ptr answer = _arb_vec_init(QUANTITIES);
     for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? TOO_WIDE : PROVED;
-    for (level = 0; level < LEVELS && open && precisions[level] <= most_bits; level++) {
+    for (level = 0; open && bits_of_level(proof, level) && bits_of_level(proof, level) <= most_bits; level++) {
         const top_motion *m = motion_at_level(proof, level);
         int why = m ? proof->reason[level] : TOO_WIDE;
         if (!m) break;

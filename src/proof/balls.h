@@ -11,16 +11,19 @@
 
 // The numbers of a motion, in the order in which certificate.f90 gives them.
 enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, INERTIA2,
-       OMEGA1, OMEGA2, OMEGA3, QUATERNION, ROTOR = QUATERNION + 4, DATA };
-// Which of them say how it starts, that it is free, and that it is a top about body x or y.
-enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32,
+       OMEGA1, OMEGA2, OMEGA3, QUATERNION, ROTOR = QUATERNION + 4,
+       CENTRE, DAMPING = CENTRE + 3, FRAME = DAMPING + 3, ROTORS = FRAME + 3, ROTOR_DRIVE = ROTORS + 3,
+       TORQUE_BODY = ROTOR_DRIVE + 3, TORQUE_SPACE = TORQUE_BODY + 3, SWING = TORQUE_SPACE + 3, SWING_PHASE = SWING + 3,
+       SWING_RATE = SWING_PHASE + 3, HARMONIC_BODY, HARMONIC_SPACE = HARMONIC_BODY + 7, DATA = HARMONIC_SPACE + 7 };
+// Which of them say how it starts, that it is free, that it is a top about body x or y, and that it is any body.
+enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32, ANY_BODY = 64,
        GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
 // The quantities that are enclosed.
 enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, MOMENTUM_PERIOD, MOMENTUM_TURN,
        QUANTITIES };
 // Why something is not proved; certificate.f90 has the sentences.
 enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, TOO_MANY_TURNS,
-       NO_CIRCULATION, NO_LIBRARY };
+       NO_CIRCULATION, TOO_MANY_STEPS, NO_CLOSED_FORM, NO_LIBRARY };
 
 // clang-format on
 
@@ -59,8 +62,8 @@ enum { BALL_NAMES(AS_INDEX) BALLS };
 #define BALL(m, name) ((m)->ball + ball_##name)
 
 // The regimes of a motion: those of a top, and of a free body about fixed axes, with two equal moments of inertia, and
-// with three different ones.
-enum regime { NUTATING, FREE, STEADY, SLEEPING, ROTATING, CONING, TUMBLING };
+// with three different ones; and that of any body, which has no closed form.
+enum regime { NUTATING, FREE, STEADY, SLEEPING, ROTATING, CONING, TUMBLING, STEPPING };
 
 enum { PLUS, MINUS, SIDES };
 
@@ -87,8 +90,9 @@ typedef struct {
     int body_axis, is_negated;   // a top about body x, y, z: 0, 1, 2; computed with the opposite quaternion
     int axis[3], sign[3];        // of a free body: the axes x, y, z of its momentum, and their signs
     arb_struct ball[BALLS];
-    acb_struct w[SIDES];  // the factors e^(i phase) of the poles
-    top_components first; // at the start
+    acb_struct w[SIDES];    // the factors e^(i phase) of the poles
+    top_components first;   // at the start
+    struct ball_tube *tube; // the steps of any body
 } top_motion;
 
 // Whole turns along a motion: where they are counted up to, phi and psi there, and q0 + i q3 and q1 + i q2 by their
@@ -133,6 +137,11 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t);
 // Whether the closed form gives phi and psi with all their turns; else, whether these can be counted along the motion.
 int ball_knows_turns(const top_motion *m);
 int ball_has_turns(const top_motion *m);
+// ball_tube.c: the motion of any body; q0 .. q3 at a time; phi and psi there, within half a turn.
+int ball_tube_open(top_motion *m, const top_data *data);
+void ball_tube_close(struct ball_tube *tube);
+int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t);
+int ball_tube_turns(double *phi, double *psi, const top_motion *m);
 // ball_turns.c: bounds of the size of a ball; continues a count of turns to a time. NO_ANGLES if a pole is on the way.
 double ball_most(const arb_t x);
 double ball_least(const arb_t x);

@@ -1,6 +1,7 @@
-!> Proved bounds of printed numbers of a symmetric top without damping, with or without a rotor, or of a free body. Balls
-!> (FLINT) enclose the exact motion of the data, which are doubles; the bound of a number is at least its distance from
-!> the true value. Where phi and psi jump on a pole, their bounds leave whole turns out.
+!> Proved bounds of printed numbers of a motion. Balls (FLINT) enclose the exact motion of the data, which are doubles; the
+!> bound of a number is at least its distance from the true value. Where phi and psi jump on a pole, their bounds leave
+!> whole turns out. Symmetric tops without damping, with or without a rotor, and free bodies have a closed form; the motion of
+!> any other body is enclosed step by step, where its equations are polynomials.
 !>
 !>     call certificate%open(body, start)
 !>     call certificate%bound(t, wanted, printed, bounds, reasons)
@@ -13,7 +14,7 @@ module spintop_certificate
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite, is_zero
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, harmonic_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     implicit none
@@ -33,7 +34,8 @@ module spintop_certificate
         'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
-    integer, parameter :: proved = 0, no_library = 10, no_top = 11, no_principal_axes = 12, other_radii = 13, no_memory = 14
+    integer, parameter :: proved = 0, no_library = 12, not_polynomial = 13, no_principal_axes = 14, other_radii = 15, &
+        no_closed_radii = 16, no_numbers = 17, no_memory = 18
     integer, parameter :: last_reason = no_memory
     character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
         'proved', &
@@ -46,10 +48,14 @@ module spintop_certificate
         'the balls do not decide a phase', &
         'phi and psi turn too often for their turns to be counted', &
         'the momentum does not circulate in the body, or the body is not free', &
+        'the motion takes too many steps', &
+        'periods are proved of symmetric tops without damping and of free bodies only', &
         'this build has no FLINT', &
-        'the body is neither a symmetric top nor free, or it has damping, or effects but a rotor', &
+        'dry friction, drag of the air and tables of torques are not enclosed', &
         'the body axes are not principal axes', &
         'the radii are not those of the numbers that give the start', &
+        'radii of data are enclosed for symmetric tops without damping and for free bodies only', &
+        'a moment of inertia is zero, or a number is not finite', &
         'not enough memory']
 
     !> Whether a row is proved, as words of tables.
@@ -62,9 +68,10 @@ module spintop_certificate
     !> The largest precision that is tried, bits.
     integer, parameter :: most_proof_bits = 16384
     !> Numbers that describe a motion in balls.h, and how many of them have radii: the first.
-    integer, parameter :: data_count = 20, radius_count = 11
+    integer, parameter :: data_count = 62, radius_count = 11
     !> How the start and the body are given, as sums of these numbers of balls.h.
-    integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0]
+    integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0], &
+        any_body = 64
 
     !> The exact motion of a top in balls.
     type :: certificate_t
@@ -121,41 +128,54 @@ contains
 
     !> Prepares a motion: body and start in the axes in which they were given. The numbers of the data are exact, or known up to
     !> the radii, in the order of `numbers_of`; both equal moments of inertia have the first radius.
-    subroutine open(self, body, start, radii)
+    subroutine open(self, body, start, radii, by_steps)
         class(certificate_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties, as given
         type(motion_t), intent(in) :: start !! attitude and rates, as given
         real(dp), intent(in), optional :: radii(radius_count) !! radii of the data; default 0
+        logical, intent(in), optional :: by_steps !! whether to go without the closed form, too; default not
         real(dp) :: radius(data_count)
         integer :: axis
+        logical :: has_form
 
         call self%close()
         radius = 0
         if (present(radii)) radius(:radius_count) = radii
-        axis = axis_of(body)
+        has_form = has_closed_form(body)
+        if (present(by_steps)) has_form = has_form .and. .not. by_steps
+        axis = merge(axis_of(body), 3, has_form)
         if (axis /= 3) radius(1:2) = maxval(radius(1:2))
         radius(12) = radius(1)
-        self%reason = obstacle(body, start, radius)
+        self%reason = obstacle(body, start, radius, has_form)
         if (self%reason /= proved) return
-        self%balls = c_open(numbers_of(body, start, axis), radius, int(way_of(body, start, axis), c_int))
+        self%balls = c_open(numbers_of(body, start, axis), radius, &
+                            int(merge(way_of(body, start, axis), way_of_start(start) + any_body, has_form), c_int))
         if (c_associated(self%balls)) return
         self%reason = merge(no_memory, no_library, has_balls())
     end subroutine open
 
     !> The data of a motion: I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'; I2, omega,
-    !> quaternion, the rotor's momentum. Of a top about body x or y, I3, l and the rotor are those of its axis.
+    !> quaternion, the rotor's momentum. Of a top about body x or y, I3, l and the rotor are those of its axis. Then what other
+    !> bodies have: centre of mass, damping, effects.
     pure function numbers_of(body, start, axis) result(numbers)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        real(dp) :: numbers(data_count), rate(3), rotor
+        real(dp) :: numbers(data_count), rate(3)
+        type(effects_t) :: effects
+        type(harmonic_t) :: in_body, in_space
         rate = start%rate
         if (start%gives_omega3) rate(3) = start%omega(3)
         if (start%gives_omega) rate = 0 ! they do not exist on a pole
-        rotor = 0
-        if (allocated(body%effects)) rotor = body%effects%rotor_momentum(axis)
+        if (allocated(body%effects)) effects = body%effects
+        if (allocated(effects%harmonic_body)) in_body = effects%harmonic_body
+        if (allocated(effects%harmonic_space)) in_space = effects%harmonic_space
         numbers = [body%inertia(mod(axis, 3) + 1), body%inertia(axis), body%mass, body%gravity, body%centre_of_mass(axis), &
-                   start%angle, rate, body%inertia(2), start%omega, start%quaternion, rotor]
+                   start%angle, rate, body%inertia(2), start%omega, start%quaternion, &
+                   effects%rotor_momentum(axis), body%centre_of_mass, body%damping, effects%frame_rate, effects%rotor_momentum, &
+                   effects%rotor_torque, effects%torque_body, effects%torque_space, effects%vibration_amplitude, &
+                   effects%vibration_phase, effects%vibration_rate, in_body%even, in_body%odd, in_body%rate, in_space%even, &
+                   in_space%odd, in_space%rate]
     end function numbers_of
 
     !> How the motion is given, for balls.h.
@@ -163,15 +183,27 @@ contains
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        way = about_axis(axis)
-        if (start%gives_omega3) way = way + by_omega3
-        if (start%gives_omega) way = way + by_omega
-        if (start%gives_quaternion) way = way + by_quaternion
+        way = way_of_start(start) + about_axis(axis)
         ! That of a symmetric body about z from its angles is a top without weight, of which phi and psi are known.
         if (moves_freely(body) .and. (.not. body%is_symmetric() .or. start%gives_omega .or. start%gives_quaternion)) then
             way = way + free_body
         end if
     end function way_of
+
+    !> How the start is given, for balls.h.
+    pure integer function way_of_start(start) result(way)
+        type(motion_t), intent(in) :: start
+        way = 0
+        if (start%gives_omega3) way = way + by_omega3
+        if (start%gives_omega) way = way + by_omega
+        if (start%gives_quaternion) way = way + by_quaternion
+    end function way_of_start
+
+    !> Whether the motion has a closed form: that of a top or of a free body, without damping.
+    pure logical function has_closed_form(body)
+        type(body_t), intent(in) :: body
+        has_closed_form = all(is_zero(body%damping)) .and. (moves_freely(body) .or. is_top_about(body, axis_of(body)))
+    end function has_closed_form
 
     !> Whether there is no moment of weight; products of small numbers may vanish without that.
     pure logical function is_weightless(body)
@@ -212,19 +244,25 @@ contains
     end function is_top_about
 
     !> Why the motion cannot be enclosed; `proved` if it can.
-    pure integer function obstacle(body, start, radius) result(reason)
+    pure integer function obstacle(body, start, radius, has_form) result(reason)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: radius(data_count)
+        logical, intent(in) :: has_form
         reason = proved
         if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0))) then
             reason = other_radii
         end if
+        if (.not. has_form .and. any(radius > 0)) reason = no_closed_radii
         if (body%has_products()) reason = no_principal_axes
-        if (.not. (moves_freely(body) .or. is_top_about(body, axis_of(body)))) reason = no_top
-        if (.not. all(is_zero(body%damping))) reason = no_top
-        if (.not. all(is_finite(numbers_of(body, start, axis_of(body))))) reason = no_top
-        if (.not. (body%is_symmetric() .or. all(body%inertia > 0))) reason = no_top
+        if (allocated(body%effects)) then
+            associate (effects => body%effects)
+                if (effects%has_friction() .or. effects%drag_force > 0 .or. any(effects%drag_moment > 0) &
+                    .or. allocated(effects%table)) reason = not_polynomial
+            end associate
+        end if
+        if (.not. all(is_finite(numbers_of(body, start, axis_of(body))))) reason = no_numbers
+        if (.not. (all(body%inertia > 0) .or. (has_form .and. body%is_symmetric()))) reason = no_numbers
     end function obstacle
 
     !> Bounds of the wanted ones of the printed numbers at a time. With `certified` these become the middles of their

@@ -1,0 +1,223 @@
+// The equations of motion of any body, and its start.
+#include "ball_tube.h"
+#ifdef SPINTOP_FLINT
+#include <math.h>
+#include <string.h>
+
+const int ball_pair[PAIRS][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+// R_sb = (q0^2 - |q|^2) [s = b] + 2 q_s q_b - 2 q0 e_sbc q_c, with s, b, c = 1, 2, 3.
+int ball_rotation(int space, int body, int pair) {
+    const int a = ball_pair[pair][0], b = ball_pair[pair][1], third = 3 - space - body;
+    if (space == body) return a != b ? 0 : a == 0 || a == space + 1 ? 1 : -1;
+    if (a == 0 && b == third + 1) return (body - space + 3) % 3 == 1 ? -2 : 2;
+    return a > 0 && a != b && a != third + 1 && b != third + 1 ? 2 : 0;
+}
+
+// A cross product, one component.
+static void cross(arb_t c, arb_srcptr a, arb_srcptr b, int i, slong bits) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    arb_mul(c, a + j, b + k, bits), arb_submul(c, a + k, b + j, bits);
+}
+
+static void read_vector(arb_ptr v, const top_data *data, int first) {
+    int i;
+    for (i = 0; i < 3; i++) ball_datum(v + i, data, first + i);
+}
+
+// What acts on the body: in space axes the force m (g z + z'') on the centre of mass, and a torque; a torque in body axes;
+// and the frame, relative to which it is damped.
+typedef struct {
+    arb_ptr force, couple, torque, frame;
+} load;
+
+// Adds to T_n the forms of (R^T force x r + R^T couple + torque |q|^2 + d R^T frame)/I. |q| = 1, so that the solution does
+// not feel the factor.
+static void add_forms(ball_field *f, int n, const load *l, arb_srcptr centre, arb_srcptr damping, arb_srcptr inertia) {
+    const slong bits = f->sums;
+    arb_ptr w = _arb_vec_init(8), force = w, sum = w + 3, part = w + 4;
+    int i, p, b, s;
+    for (p = 0; p < PAIRS; p++) {
+        for (b = 0; b < 3; b++)
+            for (s = 0, arb_zero(force + b); s < 3; s++) arb_addmul_si(force + b, l->force + s, ball_rotation(s, b, p), bits);
+        for (i = 0; i < 3; i++) {
+            cross(sum, force, centre, i, bits);
+            for (s = 0; s < 3; s++) {
+                arb_mul(part, damping + i, l->frame + s, bits), arb_add(part, part, l->couple + s, bits);
+                arb_addmul_si(sum, part, ball_rotation(s, i, p), bits);
+            }
+            if (p < 4) arb_add(sum, sum, l->torque + i, bits);
+            arb_div(sum, sum, inertia + i, bits);
+            arb_add(f->form + (n * 3 + i) * PAIRS + p, f->form + (n * 3 + i) * PAIRS + p, sum, bits);
+        }
+    }
+    _arb_vec_clear(w, 8);
+}
+
+// Adds to H_n the matrix ([rotor]x - diag damping)/I.
+static void add_gyro(ball_field *f, int n, arb_srcptr rotor, arb_srcptr damping, arb_srcptr inertia) {
+    int i;
+    for (i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        arb_ptr row = f->gyro + (n * 3 + i) * 3;
+        if (damping) arb_div(row + i, damping + i, inertia + i, f->sums), arb_neg(row + i, row + i);
+        arb_div(row + k, rotor + j, inertia + i, f->sums), arb_div(row + j, rotor + k, inertia + i, f->sums);
+        arb_neg(row + j, row + j);
+    }
+}
+
+// The force m (-W^2 z + 2 side W O x z_other + O x (O x z)) of a vibrating pivot.
+static void find_shake(arb_ptr force, arb_srcptr z, arb_srcptr other, int side, arb_srcptr rate, arb_srcptr frame,
+                       arb_srcptr mass, slong bits) {
+    arb_ptr w = _arb_vec_init(5), turned = w, term = w + 3, square = w + 4;
+    int i;
+    for (i = 0; i < 3; i++) cross(turned + i, frame, z, i, bits);
+    arb_sqr(square, rate, bits);
+    for (i = 0; i < 3; i++) {
+        cross(force + i, frame, turned, i, bits), arb_submul(force + i, square, z + i, bits);
+        cross(term, frame, other, i, bits), arb_mul(term, term, rate, bits), arb_mul_si(term, term, 2 * side, bits);
+        arb_add(force + i, force + i, term, bits), arb_mul(force + i, force + i, mass, bits);
+    }
+    _arb_vec_clear(w, 5);
+}
+
+// The coefficients, in seconds.
+static void find_coefficients(ball_field *f, const top_data *data) {
+    static const int harmonic[2] = {HARMONIC_BODY, HARMONIC_SPACE};
+    const slong bits = f->sums;
+    arb_ptr w = _arb_vec_init(48), inertia = w, centre = w + 3, damping = w + 6, frame = w + 9, rotor = w + 12, drive = w + 15,
+            z = w + 18, force = w + 24, couple = w + 27, torque = w + 30, none = w + 33, mass = w + 36, angle = w + 37;
+    const load swing = {force, couple, torque, none};
+    int i, n, side;
+    load constant = {force, couple, torque, frame};
+    ball_datum(inertia, data, INERTIA1), ball_datum(inertia + 1, data, INERTIA2), ball_datum(inertia + 2, data, INERTIA3);
+    ball_datum(mass, data, MASS), read_vector(centre, data, CENTRE), read_vector(damping, data, DAMPING);
+    read_vector(frame, data, FRAME), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
+    for (i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        arb_sub(f->coupling + i, inertia + j, inertia + k, bits), arb_div(f->coupling + i, f->coupling + i, inertia + i, bits);
+    }
+    _arb_vec_set(f->turn, frame, 3);
+    // Gravity, constant torques, damping, and the rotor: of momentum h + h' t.
+    ball_datum(force + 2, data, GRAVITY), arb_mul(force + 2, force + 2, mass, bits);
+    read_vector(couple, data, TORQUE_SPACE), read_vector(torque, data, TORQUE_BODY);
+    for (i = 0; i < 3; i++) arb_sub(torque + i, torque + i, drive + i, bits);
+    add_forms(f, 0, &constant, centre, damping, inertia);
+    add_gyro(f, 0, rotor, damping, inertia), add_gyro(f, 1, drive, NULL, inertia);
+    // The pivot: cos and sin.
+    _arb_vec_zero(couple, 3), _arb_vec_zero(torque, 3);
+    ball_datum(f->rate, data, SWING_RATE);
+    for (i = 0; i < 3; i++) {
+        ball_datum(angle, data, SWING_PHASE + i), arb_sin_cos(z + 3 + i, z + i, angle, bits);
+        ball_datum(angle, data, SWING + i), arb_mul(z + i, z + i, angle, bits);
+        arb_neg(angle, angle), arb_mul(z + 3 + i, z + 3 + i, angle, bits);
+    }
+    for (n = 0; n < 2; n++) {
+        find_shake(force, z + 3 * n, z + 3 - 3 * n, n ? -1 : 1, f->rate, frame, mass, bits);
+        add_forms(f, 2 + n, &swing, centre, none, inertia);
+    }
+    // Harmonic torques in body and in space axes: even cos - odd sin.
+    _arb_vec_zero(force, 3);
+    for (side = 0; side < 2; side++) {
+        ball_datum(f->rate + 1 + side, data, harmonic[side] + 6);
+        for (n = 0; n < 2; n++) {
+            read_vector(side ? couple : torque, data, harmonic[side] + 3 * n);
+            if (n) _arb_vec_neg(side ? couple : torque, side ? couple : torque, 3);
+            add_forms(f, 4 + 2 * side + n, &swing, centre, none, inertia);
+        }
+        _arb_vec_zero(torque, 3);
+    }
+    _arb_vec_clear(w, 48);
+}
+
+// The unit of time: 2^unit is at least 2 sqrt(|w|^2 + max_i sum|T_i|), in seconds. Everything in these units.
+static void choose_unit(ball_field *f) {
+    double most = 0, speed = 0, sum;
+    int i, n, p;
+    for (i = 0; i < 3; i++) {
+        for (sum = 0, n = 0; n < WAVES; n++)
+            for (p = 0; p < PAIRS; p++) sum += ball_most(f->form + (n * 3 + i) * PAIRS + p);
+        most = fmax(most, sum), speed += pow(ball_most(f->start + 4 + i), 2);
+    }
+    if (speed + most > 0) f->unit = (int)ceil(log2(2 * sqrt(speed + most)));
+    _arb_vec_scalar_mul_2exp_si(f->start + 4, f->start + 4, 3, -f->unit);
+    _arb_vec_scalar_mul_2exp_si(f->turn, f->turn, 3, -f->unit);
+    _arb_vec_scalar_mul_2exp_si(f->rate, f->rate, SWINGS, -f->unit);
+    _arb_vec_scalar_mul_2exp_si(f->form, f->form, WAVES * 3 * PAIRS, -2 * f->unit);
+    _arb_vec_scalar_mul_2exp_si(f->gyro, f->gyro, WAVES * 9, -f->unit);
+    _arb_vec_scalar_mul_2exp_si(f->gyro + 9, f->gyro + 9, 9, -f->unit); // of t
+}
+
+// The Euclidean norm of balls.
+static double size_of(arb_srcptr x, int count) {
+    double sum = 0;
+    int i;
+    for (i = 0; i < count; i++) sum += pow(ball_most(x + i), 2);
+    return sqrt(sum) * SAFE;
+}
+
+// Middles as doubles, and norms. T is symmetric: its products of different components have each half.
+static void find_doubles(ball_field *f) {
+    int i, j, n, p;
+    for (i = 0; i < 3; i++) {
+        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR),
+        f->o[i] = arf_get_d(arb_midref(f->turn + i), ARF_RND_NEAR);
+        f->kappa = fmax(f->kappa, ball_most(f->coupling + i));
+    }
+    f->frame = size_of(f->turn, 3);
+    for (n = 0; n < WAVES; n++) {
+        double square = 0;
+        for (i = 0; i < 3; i++) {
+            for (p = 0; p < PAIRS; p++) {
+                arb_srcptr x = f->form + (n * 3 + i) * PAIRS + p;
+                const int a = ball_pair[p][0], b = ball_pair[p][1];
+                f->t[n][i][a][b] = f->t[n][i][b][a] = arf_get_d(arb_midref(x), ARF_RND_NEAR) / (a == b ? 1 : 2);
+                square += pow(ball_most(x), 2) / (a == b ? 1 : 2);
+                if (!arb_is_zero(x)) f->has_pair[p] = f->has_wave[n] = 1;
+            }
+            for (j = 0; j < 3; j++) {
+                arb_srcptr x = f->gyro + (n * 3 + i) * 3 + j;
+                f->h[n][i][j] = arf_get_d(arb_midref(x), ARF_RND_NEAR);
+                if (!arb_is_zero(x)) f->has_wave[n] = 1;
+            }
+        }
+        f->tau[n] = sqrt(square) * SAFE, f->eta[n] = size_of(f->gyro + n * 9, 9);
+    }
+}
+
+// The start: w = omega + R^T O.
+static int find_start(ball_field *f, top_motion *m, const top_data *data) {
+    const int is_known = ball_given(m, data);
+    arb_srcptr q = BALL(m, q0);
+    arb_t product;
+    int i, s, p;
+    _arb_vec_set(f->start, q, 4), _arb_vec_set(f->start + 4, BALL(m, omega1), 3);
+    arb_init(product);
+    for (p = 0; p < PAIRS; p++)
+        for (s = 0; s < 3; s++) {
+            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], f->sums),
+                arb_mul(product, product, f->turn + s, f->sums);
+            for (i = 0; i < 3; i++) arb_addmul_si(f->start + 4 + i, product, ball_rotation(s, i, p), f->sums);
+        }
+    arb_clear(product);
+    return is_known;
+}
+
+enum { NUMBERS = 3 + 3 + WAVES * 3 * PAIRS + WAVES * 9 + SWINGS + STATES };
+
+int ball_field_init(ball_field *f, top_motion *m, const top_data *data) {
+    int i, is_known;
+    memset(f, 0, sizeof *f);
+    f->bits = m->bits, f->sums = m->bits, f->order = (int)(0.36 * (double)m->bits);
+    f->ball = f->coupling = _arb_vec_init(NUMBERS), f->turn = f->coupling + 3, f->form = f->turn + 3;
+    f->gyro = f->form + WAVES * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
+    find_coefficients(f, data);
+    is_known = find_start(f, m, data);
+    for (i = 0; i < NUMBERS; i++) is_known = is_known && arb_is_finite(f->ball + i);
+    if (!is_known) return UNDECIDED_SIGN;
+    choose_unit(f), find_doubles(f);
+    return PROVED;
+}
+
+void ball_field_clear(ball_field *f) { _arb_vec_clear(f->ball, NUMBERS); }
+#endif

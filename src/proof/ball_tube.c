@@ -1,0 +1,246 @@
+// The motion of any body: a polynomial, and around it a tube e in Q [-r, r] + the rest of a step, which contains the motion
+// of the data. Lengths of errors are in ulps.
+#include "ball_tube.h"
+#ifdef SPINTOP_FLINT
+#include <math.h>
+#include <string.h>
+
+// Steps of a motion, after which it is given up; the condition of the axes Q from which they are made orthogonal; and the
+// distance from zero, rounding included, at which a component may be zero.
+enum { MOST_STEPS = 30000 };
+static const double most_skew = 0x1p14, least_component = 1e-12;
+
+typedef struct ball_tube {
+    ball_field field;
+    ball_step step;
+    arb_ptr state, time; // exact, at the start of the step; time in units of time
+    matrix axes;         // Q
+    double radius[STATES];
+    slong halvings;                     // of h in the next step
+    int steps, has_step, reach, reason; // reach: where the step ends, in 64ths of h
+    // phi and psi at the point `counted` of the step, whether they are known, and at the start.
+    double counted, phi, psi, given[2];
+    int has_turns;
+} ball_tube;
+
+// The start of the motion, forwards or backwards in time.
+static void begin(ball_tube *tube, int sense) {
+    const double ulps = ldexp(1, (int)tube->field.bits), turn = 6.283185307179586;
+    double q[4], upper, lower;
+    int i;
+    tube->steps = tube->has_step = 0, tube->reason = PROVED, tube->step.sense = sense, tube->halvings = 2;
+    memset(tube->axes, 0, sizeof tube->axes), arb_zero(tube->time);
+    for (i = 0; i < STATES; i++) {
+        AT(tube->axes, i, i) = 1, tube->radius[i] = mag_get_d(arb_radref(tube->field.start + i)) * ulps * SAFE;
+        arb_set(tube->state + i, tube->field.start + i), mag_zero(arb_radref(tube->state + i));
+    }
+    // Both angles, with their turns, are those of the components, which a negative sine or cosine of theta/2 turns over.
+    for (i = 0; i < 4; i++) q[i] = arf_get_d(arb_midref(tube->state + i), ARF_RND_NEAR);
+    upper = atan2(q[3], q[0]), lower = atan2(q[2], q[1]), tube->phi = tube->given[0], tube->psi = tube->given[1];
+    tube->has_turns = fabs(remainder(upper + lower - tube->phi, turn)) < 0.5
+                      && fabs(remainder(upper - lower - tube->psi, turn)) < 0.5;
+}
+
+// The step from here, and how far it goes; the next one is to use more than half of its h.
+static int prepare(ball_tube *tube) {
+    int far = 0;
+    while (far <= 8 || (far > 64 && !tube->steps)) {
+        if (labs(tube->halvings) > 200) return TOO_WIDE;
+        tube->step.halvings = tube->halvings;
+        ball_expand(&tube->step, tube->state, tube->time), far = ball_longest(&tube->step);
+        tube->halvings += far > 64 ? -1 : far >= 32 ? 0 : far > 8 ? 1 : 3;
+    }
+    tube->reach = FLINT_MIN(far, 64), tube->counted = 0, tube->has_step = 1;
+    ball_find_matrix(&tube->step, tube->reach / 64.0);
+    return PROVED;
+}
+
+// The theorem: u, a bound of |e(s) - V(s) e(0)|, and E, one of |e| up to s, where |e(0)| <= start.
+static int bound(double *u, double *most, const ball_step *step, double start, double s) {
+    const int n = step->field->order, count = 2 * n + 1;
+    const double ulp = ldexp(1, -(int)step->field->bits), h = ldexp(1, -(int)step->halvings);
+    const double a = ball_series(step->a, n + 1, s, 0), growth = exp(ball_series(step->growth, count, s, 1)) * SAFE;
+    const double delta = s * step->lost + ball_series(step->tail + n, count, s, n + 1) + s * h * step->beyond * a * a;
+    *most = 2 * growth * (start + delta) * SAFE;
+    *u = growth * (step->bend * s * *most * ulp * *most + delta + ball_series(step->defect, count + step->degree, s, 1) * start)
+         * SAFE;
+    return step->bend * s * *most * ulp < 0.69 ? PROVED : TOO_WIDE;
+}
+
+// The value of a component at a point of a step, q0 + i q3 (PLUS) or q1 + i q2 (MINUS).
+static void component(double z[2], const ball_step *step, int side, double s) {
+    const int n = step->field->order;
+    const double *x = step->real + (side == PLUS ? 0 : 1) * (n + 1), *y = step->real + (side == PLUS ? 3 : 2) * (n + 1);
+    int k;
+    for (z[0] = z[1] = 0, k = n; k >= 0; k--) z[0] = z[0] * s + x[k], z[1] = z[1] * s + y[k];
+}
+
+// Continues phi and psi along the step to s. Between two points of a path, which are together farther from zero than it is
+// long, it lies in an ellipse without zero and turns as its chord does; so does each path within `margin` of it.
+static void count_turns(ball_tube *tube, double s, double margin) {
+    const ball_step *step = &tube->step;
+    const int n = step->field->order;
+    int side, k;
+    for (side = PLUS; side <= MINUS; side++) {
+        const double *x = step->real + (side == PLUS ? 0 : 1) * (n + 1), *y = step->real + (side == PLUS ? 3 : 2) * (n + 1);
+        double here = tube->counted, there, speed = 0, z[2], next[2];
+        for (k = n; k > 0; k--) speed = speed * s + k * hypot(x[k], y[k]) * SAFE;
+        component(z, step, side, here);
+        for (there = s; here < s && tube->has_turns;) {
+            component(next, step, side, there);
+            if (speed * (there - here) + margin < hypot(z[0], z[1]) + hypot(next[0], next[1])) {
+                const double turn = atan2(next[1] * z[0] - next[0] * z[1], next[0] * z[0] + next[1] * z[1]);
+                tube->phi += turn, tube->psi += side == PLUS ? turn : -turn;
+                here = there, there = s, memcpy(z, next, sizeof z);
+            } else {
+                there = (here + there) / 2, tube->has_turns = there - here > 1e-13;
+            }
+        }
+    }
+    tube->counted = s;
+}
+
+// At a point of the step the error is in A z + a ball of radius `rest`, |z_i| <= r_i.
+static int spread(matrix a, double *rest, ball_tube *tube, double s) {
+    double start[STATES] = {0}, most, size;
+    matrix v;
+    int i, j, reason;
+    for (i = 0; i < STATES; i++)
+        for (j = 0; j < STATES; j++) start[i] += fabs(AT(tube->axes, i, j)) * tube->radius[j];
+    reason = bound(rest, &most, &tube->step, ball_norm(start, STATES), s);
+    if (reason != PROVED) return reason;
+    count_turns(tube, s, least_component + 2 * ldexp(most, -(int)tube->field.bits));
+    size = ball_matrix_at(v, &tube->step, s), ball_multiply(a, v, tube->axes);
+    *rest += 16 * ROUNDING * size * ball_norm(tube->axes, STATES * STATES) * ball_norm(tube->radius, STATES);
+    return PROVED;
+}
+
+// X(s), in balls.
+static void value_at(arb_ptr x, const ball_step *step, const arb_t s) {
+    const int n = step->field->order;
+    int c, k;
+    for (c = 0; c < STATES; c++)
+        for (arb_zero(x + c), k = n; k >= 0; k--) {
+            arb_mul(x + c, x + c, s, step->field->sums), arb_add(x + c, x + c, SERIES(step, c) + k, step->field->sums);
+        }
+}
+
+// A bound of |1 - inverse Q|.
+static double error_of_inverse(const matrix inverse, const matrix axes) {
+    matrix product;
+    int i;
+    ball_multiply(product, inverse, axes);
+    for (i = 0; i < STATES; i++) AT(product, i, i) -= 1;
+    return ball_norm(product, STATES * STATES)
+           + 8 * ROUNDING * ball_norm(inverse, STATES * STATES) * ball_norm(axes, STATES * STATES);
+}
+
+// Errors A z + a ball in new axes: A itself, until they are skew; then orthogonal ones.
+static int change_axes(ball_tube *tube, const matrix a, double rest) {
+    const double length = ball_norm(a, STATES * STATES) * ball_norm(tube->radius, STATES);
+    double radius[STATES], error, size;
+    matrix inverse, turned;
+    int i, j, is_kept = ball_invert(inverse, a);
+    is_kept = is_kept && ball_norm(inverse, STATES * STATES) * ball_norm(a, STATES * STATES) < most_skew;
+    if (is_kept) memcpy(tube->axes, a, sizeof tube->axes);
+    else ball_orthogonal(tube->axes, a, tube->radius);
+    if (!is_kept && !ball_invert(inverse, tube->axes)) return TOO_WIDE;
+    error = error_of_inverse(inverse, tube->axes), size = ball_norm(inverse, STATES * STATES);
+    if (!(error < 0x1p-10)) return TOO_WIDE;
+    ball_multiply(turned, inverse, a);
+    for (i = 0; i < STATES; i++) {
+        radius[i] = is_kept ? tube->radius[i] : (8 * ROUNDING + 2 * error) * size * length;
+        for (j = 0; j < STATES && !is_kept; j++) radius[i] += fabs(AT(turned, i, j)) * tube->radius[j];
+        radius[i] = (radius[i] + (ball_norm(inverse + i * STATES, STATES) + 2 * error * size) * rest) * SAFE;
+    }
+    memcpy(tube->radius, radius, sizeof radius);
+    return PROVED;
+}
+
+// Over the step, whose end becomes the next start, rounded to ulps.
+static int advance(ball_tube *tube) {
+    const slong bits = tube->field.bits;
+    int i, reason;
+    double rest;
+    matrix a;
+    arb_ptr w = _arb_vec_init(STATES + 1), end = w, s = w + STATES;
+    reason = spread(a, &rest, tube, tube->reach / 64.0);
+    arb_set_si(s, tube->reach), arb_mul_2exp_si(s, s, -6), value_at(end, &tube->step, s);
+    for (i = 0; i < STATES && reason == PROVED; i++) {
+        arf_set_round(arb_midref(tube->state + i), arb_midref(end + i),
+                      FLINT_MAX(2, bits + arf_abs_bound_lt_2exp_si(arb_midref(end + i))), ARF_RND_NEAR);
+        arb_sub(end + i, end + i, tube->state + i, bits), arb_mul_2exp_si(end + i, end + i, bits), rest += ball_most(end + i);
+    }
+    if (reason == PROVED) reason = change_axes(tube, a, rest);
+    arb_mul_si(s, s, tube->step.sense, ARF_PREC_EXACT), arb_mul_2exp_si(s, s, -tube->step.halvings);
+    arb_add(tube->time, tube->time, s, ARF_PREC_EXACT), tube->has_step = 0;
+    if (++tube->steps >= MOST_STEPS && reason == PROVED) reason = TOO_MANY_STEPS;
+    _arb_vec_clear(w, STATES + 1);
+    return reason;
+}
+
+// A time as point s of the step.
+static void place_in_step(arb_t s, const ball_tube *tube, double t) {
+    arb_set_d(s, t), arb_mul_2exp_si(s, s, tube->field.unit), arb_sub(s, s, tube->time, ARF_PREC_EXACT);
+    arb_mul_si(s, s, tube->step.sense, ARF_PREC_EXACT), arb_mul_2exp_si(s, s, tube->step.halvings);
+}
+
+// The step that holds a time, after those before it; a time that lies back needs a new beginning.
+static int reach_time(arb_t s, ball_tube *tube, double t) {
+    const int sense = t < 0 ? -1 : 1;
+    place_in_step(s, tube, t);
+    if (sense != tube->step.sense || (tube->has_step && arf_cmp_d(arb_midref(s), tube->counted) < 0)) begin(tube, sense);
+    while (tube->reason == PROVED) {
+        if (!tube->has_step) tube->reason = prepare(tube);
+        if (tube->reason != PROVED) break;
+        place_in_step(s, tube, t), arb_mul_2exp_si(s, s, 6);
+        if (arf_cmp_si(arb_midref(s), tube->reach) <= 0) break;
+        tube->reason = advance(tube);
+    }
+    arb_mul_2exp_si(s, s, -6);
+    return tube->reason;
+}
+
+int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) {
+    ball_tube *tube = m->tube;
+    const slong bits = tube->field.bits;
+    int i, j, reason;
+    double rest;
+    matrix a;
+    mag_t radius;
+    arb_ptr w = _arb_vec_init(STATES + 1), x = w, s = w + STATES;
+    mag_init(radius);
+    reason = reach_time(s, tube, t);
+    if (reason == PROVED) reason = spread(a, &rest, tube, arf_get_d(arb_midref(s), ARF_RND_NEAR));
+    if (reason == PROVED) value_at(x, &tube->step, s);
+    for (i = 0; i < STATES && reason == PROVED; i++) {
+        double sum = rest;
+        for (j = 0; j < STATES; j++) sum += fabs(AT(a, i, j)) * tube->radius[j];
+        mag_set_d(radius, sum * SAFE), mag_mul_2exp_si(radius, radius, -bits), arb_add_error_mag(x + i, radius);
+    }
+    acb_set_arb_arb(upper, x, x + 3), acb_set_arb_arb(lower, x + 1, x + 2);
+    mag_clear(radius), _arb_vec_clear(w, STATES + 1);
+    return reason;
+}
+
+int ball_tube_turns(double *phi, double *psi, const top_motion *m) {
+    *phi = m->tube->phi, *psi = m->tube->psi;
+    return m->tube->has_turns ? PROVED : NO_ANGLES;
+}
+
+int ball_tube_open(top_motion *m, const top_data *data) {
+    ball_tube *tube = m->tube = flint_calloc(1, sizeof *tube);
+    const int reason = ball_field_init(&tube->field, m, data);
+    ball_step_init(&tube->step, &tube->field);
+    tube->state = _arb_vec_init(STATES + 1), tube->time = tube->state + STATES;
+    tube->given[0] = data->value[PHI], tube->given[1] = data->value[PSI];
+    if (reason == PROVED) begin(tube, 1);
+    return reason;
+}
+
+void ball_tube_close(ball_tube *tube) {
+    if (!tube) return;
+    ball_step_clear(&tube->step), ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
+    flint_free(tube);
+}
+#endif

@@ -76,6 +76,8 @@ module spintop_capabilities
 
     !> The same in quadruple precision.
     type, abstract, extends(capability_t) :: quadruple_series_t
+        !> The state at the start, set with body and start; zero if it is the one in double precision.
+        real(qp) :: y_start(max_states) = 0
     contains
         procedure(expand_quadruple), deferred :: expand
     end type quadruple_series_t

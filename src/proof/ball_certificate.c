@@ -4,15 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The precisions that are tried one after the other, bits.
-static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384};
-// Those of any body, whole words with some bits for sums.
-static const slong steps_precisions[] = {112, 176, 240, 368, 560, 880};
-enum {
-    LEVELS = sizeof precisions / sizeof *precisions,
-    LEVELS_OF_STEPS = sizeof steps_precisions / sizeof *steps_precisions,
-    LEVELS_OF_RADII = 3
-};
+// The precisions that are tried one after the other, bits; and those of any body, whole words with some bits for sums.
+static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384, 0};
+static const slong precisions_of_steps[] = {112, 176, 240, 368, 560, 880, 0};
+enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
 
 // A top, and its motion at the precisions that were needed so far.
 typedef struct {
@@ -61,10 +56,8 @@ static int passes_pole(const top_motion *m) {
     return passes;
 }
 
-// The bits of a precision; 0 if there is none.
 static slong bits_of_level(const top_proof *proof, int level) {
-    if (proof->data.given & ANY_BODY) return level < LEVELS_OF_STEPS ? steps_precisions[level] : 0;
-    return level < LEVELS ? precisions[level] : 0;
+    return (proof->data.given & ANY_BODY ? precisions_of_steps : precisions)[level];
 }
 
 // The motion at a precision; NULL without memory.

@@ -25,109 +25,98 @@ static void read_vector(arb_ptr v, const top_data *data, int first) {
     for (i = 0; i < 3; i++) ball_datum(v + i, data, first + i);
 }
 
-// What acts on the body: in space axes the force m (g z + z'') on the centre of mass, and a torque; a torque in body axes;
-// and the frame, relative to which it is damped.
+// The body, and what acts on it: in space axes the force m (g z + z'') on the centre of mass, and a torque; a torque in body
+// axes.
 typedef struct {
-    arb_ptr force, couple, torque, frame;
+    arb_ptr inertia, mass, centre, damping, frame, force, couple, torque;
 } load;
 
-// Adds to T_n the forms of (R^T force x r + R^T couple + torque |q|^2 + d R^T frame)/I. |q| = 1, so that the solution does
-// not feel the factor.
-static void add_forms(ball_field *f, int n, const load *l, arb_srcptr centre, arb_srcptr damping, arb_srcptr inertia) {
-    const slong bits = f->sums;
+// T_n: the forms of (R^T force x r + R^T couple + torque |q|^2 + d R^T O)/I, the last one for n = 0, as the frame turns
+// with what damps the body. |q| = 1, so that the solution does not feel the factor.
+static void add_forms(ball_field *f, int n, const load *l) {
+    const slong bits = f->bits;
     arb_ptr w = _arb_vec_init(8), force = w, sum = w + 3, part = w + 4;
-    int i, p, b, s;
+    int i, p, s;
     for (p = 0; p < PAIRS; p++) {
-        for (b = 0; b < 3; b++)
-            for (s = 0, arb_zero(force + b); s < 3; s++) arb_addmul_si(force + b, l->force + s, ball_rotation(s, b, p), bits);
+        for (i = 0, _arb_vec_zero(force, 3); i < 3; i++)
+            for (s = 0; s < 3; s++) arb_addmul_si(force + i, l->force + s, ball_rotation(s, i, p), bits);
         for (i = 0; i < 3; i++) {
-            cross(sum, force, centre, i, bits);
+            cross(sum, force, l->centre, i, bits);
             for (s = 0; s < 3; s++) {
-                arb_mul(part, damping + i, l->frame + s, bits), arb_add(part, part, l->couple + s, bits);
+                arb_set(part, l->couple + s);
+                if (n == 0) arb_addmul(part, l->damping + i, l->frame + s, bits);
                 arb_addmul_si(sum, part, ball_rotation(s, i, p), bits);
             }
             if (p < 4) arb_add(sum, sum, l->torque + i, bits);
-            arb_div(sum, sum, inertia + i, bits);
-            arb_add(f->form + (n * 3 + i) * PAIRS + p, f->form + (n * 3 + i) * PAIRS + p, sum, bits);
+            arb_div(f->form + (n * 3 + i) * PAIRS + p, sum, l->inertia + i, bits);
         }
     }
     _arb_vec_clear(w, 8);
 }
 
-// Adds to H_n the matrix ([rotor]x - diag damping)/I.
-static void add_gyro(ball_field *f, int n, arb_srcptr rotor, arb_srcptr damping, arb_srcptr inertia) {
+// H_n: the matrix ([rotor]x - diag damping)/I, the damping for n = 0.
+static void add_gyro(ball_field *f, int n, arb_srcptr rotor, const load *l) {
     int i;
     for (i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         arb_ptr row = f->gyro + (n * 3 + i) * 3;
-        if (damping) arb_div(row + i, damping + i, inertia + i, f->sums), arb_neg(row + i, row + i);
-        arb_div(row + k, rotor + j, inertia + i, f->sums), arb_div(row + j, rotor + k, inertia + i, f->sums);
+        if (n == 0) arb_div(row + i, l->damping + i, l->inertia + i, f->bits), arb_neg(row + i, row + i);
+        arb_div(row + k, rotor + j, l->inertia + i, f->bits), arb_div(row + j, rotor + k, l->inertia + i, f->bits);
         arb_neg(row + j, row + j);
     }
 }
 
-// The force m (-W^2 z + 2 side W O x z_other + O x (O x z)) of a vibrating pivot.
-static void find_shake(arb_ptr force, arb_srcptr z, arb_srcptr other, int side, arb_srcptr rate, arb_srcptr frame,
-                       arb_srcptr mass, slong bits) {
+// The force m (-W^2 z + 2 side W O x z_other + O x (O x z)) of a vibrating pivot, of which z and z_other are cos and sin.
+static void find_shake(const load *l, arb_srcptr z, arb_srcptr other, int side, arb_srcptr rate, slong bits) {
     arb_ptr w = _arb_vec_init(5), turned = w, term = w + 3, square = w + 4;
     int i;
-    for (i = 0; i < 3; i++) cross(turned + i, frame, z, i, bits);
+    for (i = 0; i < 3; i++) cross(turned + i, l->frame, z, i, bits);
     arb_sqr(square, rate, bits);
     for (i = 0; i < 3; i++) {
-        cross(force + i, frame, turned, i, bits), arb_submul(force + i, square, z + i, bits);
-        cross(term, frame, other, i, bits), arb_mul(term, term, rate, bits), arb_mul_si(term, term, 2 * side, bits);
-        arb_add(force + i, force + i, term, bits), arb_mul(force + i, force + i, mass, bits);
+        cross(l->force + i, l->frame, turned, i, bits), arb_submul(l->force + i, square, z + i, bits);
+        cross(term, l->frame, other, i, bits), arb_mul(term, term, rate, bits), arb_mul_si(term, term, 2 * side, bits);
+        arb_add(l->force + i, l->force + i, term, bits), arb_mul(l->force + i, l->force + i, l->mass, bits);
     }
     _arb_vec_clear(w, 5);
 }
 
 // The coefficients, in seconds.
 static void find_coefficients(ball_field *f, const top_data *data) {
-    static const int harmonic[2] = {HARMONIC_BODY, HARMONIC_SPACE};
-    const slong bits = f->sums;
-    arb_ptr w = _arb_vec_init(48), inertia = w, centre = w + 3, damping = w + 6, frame = w + 9, rotor = w + 12, drive = w + 15,
-            z = w + 18, force = w + 24, couple = w + 27, torque = w + 30, none = w + 33, mass = w + 36, angle = w + 37;
-    const load swing = {force, couple, torque, none};
-    int i, n, side;
-    load constant = {force, couple, torque, frame};
-    ball_datum(inertia, data, INERTIA1), ball_datum(inertia + 1, data, INERTIA2), ball_datum(inertia + 2, data, INERTIA3);
-    ball_datum(mass, data, MASS), read_vector(centre, data, CENTRE), read_vector(damping, data, DAMPING);
-    read_vector(frame, data, FRAME), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
+    const slong bits = f->bits;
+    arb_ptr w = _arb_vec_init(35), rotor = w + 22, drive = w + 25, z = w + 28, angle = w + 34;
+    const load l = {w, w + 3, w + 4, w + 7, w + 10, w + 13, w + 16, w + 19};
+    int i, n;
+    ball_datum(l.inertia, data, INERTIA1), ball_datum(l.inertia + 1, data, INERTIA2), ball_datum(l.inertia + 2, data, INERTIA3);
+    ball_datum(l.mass, data, MASS), read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
+    read_vector(l.frame, data, FRAME), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
     for (i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        arb_sub(f->coupling + i, inertia + j, inertia + k, bits), arb_div(f->coupling + i, f->coupling + i, inertia + i, bits);
+        arb_sub(f->coupling + i, l.inertia + (i + 1) % 3, l.inertia + (i + 2) % 3, bits);
+        arb_div(f->coupling + i, f->coupling + i, l.inertia + i, bits);
     }
-    _arb_vec_set(f->turn, frame, 3);
+    _arb_vec_set(f->turn, l.frame, 3);
     // Gravity, constant torques, damping, and the rotor: of momentum h + h' t.
-    ball_datum(force + 2, data, GRAVITY), arb_mul(force + 2, force + 2, mass, bits);
-    read_vector(couple, data, TORQUE_SPACE), read_vector(torque, data, TORQUE_BODY);
-    for (i = 0; i < 3; i++) arb_sub(torque + i, torque + i, drive + i, bits);
-    add_forms(f, 0, &constant, centre, damping, inertia);
-    add_gyro(f, 0, rotor, damping, inertia), add_gyro(f, 1, drive, NULL, inertia);
-    // The pivot: cos and sin.
-    _arb_vec_zero(couple, 3), _arb_vec_zero(torque, 3);
-    ball_datum(f->rate, data, SWING_RATE);
+    ball_datum(l.force + 2, data, GRAVITY), arb_mul(l.force + 2, l.force + 2, l.mass, bits);
+    read_vector(l.couple, data, TORQUE_SPACE), read_vector(l.torque, data, TORQUE_BODY);
+    for (i = 0; i < 3; i++) arb_sub(l.torque + i, l.torque + i, drive + i, bits);
+    add_forms(f, 0, &l), add_gyro(f, 0, rotor, &l), add_gyro(f, 1, drive, &l);
+    // The pivot, a cos(W t + phase).
+    _arb_vec_zero(l.couple, 3), _arb_vec_zero(l.torque, 3), ball_datum(f->rate, data, SWING_RATE);
     for (i = 0; i < 3; i++) {
         ball_datum(angle, data, SWING_PHASE + i), arb_sin_cos(z + 3 + i, z + i, angle, bits);
         ball_datum(angle, data, SWING + i), arb_mul(z + i, z + i, angle, bits);
         arb_neg(angle, angle), arb_mul(z + 3 + i, z + 3 + i, angle, bits);
     }
-    for (n = 0; n < 2; n++) {
-        find_shake(force, z + 3 * n, z + 3 - 3 * n, n ? -1 : 1, f->rate, frame, mass, bits);
-        add_forms(f, 2 + n, &swing, centre, none, inertia);
+    for (n = 0; n < 2; n++) find_shake(&l, z + 3 * n, z + 3 - 3 * n, n ? -1 : 1, f->rate, bits), add_forms(f, 2 + n, &l);
+    // Harmonic torques, even cos - odd sin.
+    _arb_vec_zero(l.force, 3), ball_datum(f->rate + 1, data, HARMONIC_BODY + 6),
+        ball_datum(f->rate + 2, data, HARMONIC_SPACE + 6);
+    for (n = 0; n < 4; n++) {
+        arb_ptr torque = n < 2 ? l.torque : l.couple;
+        _arb_vec_zero(l.torque, 3), read_vector(torque, data, (n < 2 ? HARMONIC_BODY : HARMONIC_SPACE) + 3 * (n % 2));
+        if (n % 2) _arb_vec_neg(torque, torque, 3);
+        add_forms(f, 4 + n, &l);
     }
-    // Harmonic torques in body and in space axes: even cos - odd sin.
-    _arb_vec_zero(force, 3);
-    for (side = 0; side < 2; side++) {
-        ball_datum(f->rate + 1 + side, data, harmonic[side] + 6);
-        for (n = 0; n < 2; n++) {
-            read_vector(side ? couple : torque, data, harmonic[side] + 3 * n);
-            if (n) _arb_vec_neg(side ? couple : torque, side ? couple : torque, 3);
-            add_forms(f, 4 + 2 * side + n, &swing, centre, none, inertia);
-        }
-        _arb_vec_zero(torque, 3);
-    }
-    _arb_vec_clear(w, 48);
+    _arb_vec_clear(w, 35);
 }
 
 // The unit of time: 2^unit is at least 2 sqrt(|w|^2 + max_i sum|T_i|), in seconds. Everything in these units.
@@ -160,9 +149,8 @@ static double size_of(arb_srcptr x, int count) {
 static void find_doubles(ball_field *f) {
     int i, j, n, p;
     for (i = 0; i < 3; i++) {
-        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR),
+        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR), f->kappa = fmax(f->kappa, ball_most(f->coupling + i));
         f->o[i] = arf_get_d(arb_midref(f->turn + i), ARF_RND_NEAR);
-        f->kappa = fmax(f->kappa, ball_most(f->coupling + i));
     }
     f->frame = size_of(f->turn, 3);
     for (n = 0; n < WAVES; n++) {
@@ -195,9 +183,9 @@ static int find_start(ball_field *f, top_motion *m, const top_data *data) {
     arb_init(product);
     for (p = 0; p < PAIRS; p++)
         for (s = 0; s < 3; s++) {
-            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], f->sums),
-                arb_mul(product, product, f->turn + s, f->sums);
-            for (i = 0; i < 3; i++) arb_addmul_si(f->start + 4 + i, product, ball_rotation(s, i, p), f->sums);
+            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], f->bits);
+            arb_mul(product, product, f->turn + s, f->bits);
+            for (i = 0; i < 3; i++) arb_addmul_si(f->start + 4 + i, product, ball_rotation(s, i, p), f->bits);
         }
     arb_clear(product);
     return is_known;
@@ -208,7 +196,7 @@ enum { NUMBERS = 3 + 3 + WAVES * 3 * PAIRS + WAVES * 9 + SWINGS + STATES };
 int ball_field_init(ball_field *f, top_motion *m, const top_data *data) {
     int i, is_known;
     memset(f, 0, sizeof *f);
-    f->bits = m->bits, f->sums = m->bits, f->order = (int)(0.36 * (double)m->bits);
+    f->bits = m->bits, f->order = (int)(0.36 * (double)m->bits);
     f->ball = f->coupling = _arb_vec_init(NUMBERS), f->turn = f->coupling + 3, f->form = f->turn + 3;
     f->gyro = f->form + WAVES * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
     find_coefficients(f, data);

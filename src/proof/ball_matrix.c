@@ -62,9 +62,9 @@ static void find_defect(ball_step *step) {
 }
 
 void ball_find_matrix(ball_step *step, double s) {
-    const int most = FLINT_MIN(step->field->order, MOST_MATRIX), count = 2 * step->field->order + 1;
+    const int most = FLINT_MIN(step->field->order, MATRICES - 1), count = 2 * step->field->order + 1;
     const double growth = exp(fmin(ball_series(step->growth, count, s, 1), 700));
-    matrix jacobian[MOST_MATRIX], product;
+    matrix jacobian[MATRICES], product;
     int i, j, k, n;
     memset(step->v[0], 0, sizeof(matrix));
     for (i = 0; i < STATES; i++) AT(step->v[0], i, i) = 1;
@@ -112,28 +112,23 @@ int ball_invert(matrix inverse, const matrix m) {
     return 1;
 }
 
-// The columns are taken in the order of their lengths times their radii, twice each against rounding.
+// Gram and Schmidt, the columns in the order of their lengths times their radii, twice against rounding.
 void ball_orthogonal(matrix q, const matrix a, const double radius[STATES]) {
-    double column[STATES][STATES], length[STATES];
-    int i, j, k, pass, is_taken[STATES] = {0};
+    double column[STATES][STATES], length[STATES], along;
+    int i, j, k, pass, longest;
     for (j = 0; j < STATES; j++) {
         for (i = 0; i < STATES; i++) column[j][i] = AT(a, i, j);
         length[j] = ball_norm(column[j], STATES) * radius[j];
     }
     for (k = 0; k < STATES; k++) {
-        int longest = -1;
-        double *c, size;
-        for (j = 0; j < STATES; j++)
-            if (!is_taken[j] && (longest < 0 || length[j] > length[longest])) longest = j;
-        c = column[longest], is_taken[longest] = 1;
-        for (pass = 0; pass < 2; pass++)
-            for (j = 0; j < k; j++) {
-                double along = 0;
-                for (i = 0; i < STATES; i++) along += AT(q, i, j) * c[i];
-                for (i = 0; i < STATES; i++) c[i] -= along * AT(q, i, j);
-            }
-        size = ball_norm(c, STATES);
-        for (i = 0; i < STATES; i++) AT(q, i, k) = c[i] / size;
+        for (longest = 0, j = 1; j < STATES; j++)
+            if (length[j] > length[longest]) longest = j;
+        length[longest] = -1;
+        for (pass = 0; pass < 2 * k; pass++) {
+            for (along = 0, i = 0; i < STATES; i++) along += AT(q, i, pass % k) * column[longest][i];
+            for (i = 0; i < STATES; i++) column[longest][i] -= along * AT(q, i, pass % k);
+        }
+        for (i = 0; i < STATES; i++) AT(q, i, k) = column[longest][i] / ball_norm(column[longest], STATES);
     }
 }
 #endif

@@ -25,23 +25,6 @@ int ball_product(int c, int term, int *a, int *i, int from_left) {
     return from_left && *a != 0 && c != 0 ? -t[2] : t[2];
 }
 
-void ball_step_init(ball_step *step, const ball_field *f) {
-    const int n = f->order + 1;
-    memset(step, 0, sizeof *step);
-    step->field = f;
-    step->x = _arb_vec_init(STATES * n), step->wave = _arb_vec_init(WAVES * n);
-    step->number = flint_calloc((size_t)((STATES + WAVES + 12) * n) + MOST_MATRIX, sizeof(double));
-    step->real = step->number, step->u = step->real + STATES * n, step->a = step->u + WAVES * n, step->b = step->a + n;
-    step->jacobian = step->b + n, step->growth = step->jacobian + 2 * n, step->tail = step->growth + 2 * n;
-    step->defect = step->tail + 3 * n;
-}
-
-void ball_step_clear(ball_step *step) {
-    const int n = step->field->order + 1;
-    _arb_vec_clear(step->x, STATES * n), _arb_vec_clear(step->wave, WAVES * n);
-    flint_free(step->number);
-}
-
 double ball_series(const double *c, int count, double s, int first) {
     double sum = 0;
     while (count--) sum = sum * s + c[count];
@@ -52,7 +35,7 @@ double ball_series(const double *c, int count, double s, int first) {
 // u_n: 1, t, cosines and sines by their derivatives. `beyond` is what their polynomials lack.
 static void expand_waves(ball_step *step, const arb_t time) {
     const ball_field *f = step->field;
-    const slong bits = f->sums + 64;
+    const slong bits = f->bits + 64;
     int n, k;
     double size;
     arb_t angle, h;
@@ -83,9 +66,9 @@ static void expand_waves(ball_step *step, const arb_t time) {
 static void settle(arb_t next, arb_t f, int k, const ball_step *step, mag_t lost) {
     const slong bits = step->field->bits;
     mag_t error;
-    arb_mul_2exp_si(f, f, -step->halvings), arb_div_si(f, f, step->sense * (k + 1), step->field->sums);
+    arb_mul_2exp_si(f, f, -step->halvings), arb_div_si(f, f, step->sense * (k + 1), step->field->bits);
     arf_set_round(arb_midref(next), arb_midref(f), FLINT_MAX(2, bits + arf_abs_bound_lt_2exp_si(arb_midref(f))), ARF_RND_NEAR);
-    arb_sub(f, f, next, step->field->sums);
+    arb_sub(f, f, next, step->field->bits);
     mag_init(error), arb_get_mag(error, f), mag_add(lost, lost, error), mag_clear(error);
 }
 
@@ -96,11 +79,11 @@ static void expand_turn(arb_t rate, const ball_step *step, int c, int k) {
     arb_zero(rate);
     for (t = 0; t < 3; t++) {
         const int is_minus = ball_product(c, t, &a, &i, 0) < 0;
-        arb_dot(rate, rate, is_minus, SERIES(step, a), 1, SERIES(step, 4 + i) + k, -1, k + 1, f->sums);
+        arb_dot(rate, rate, is_minus, SERIES(step, a), 1, SERIES(step, 4 + i) + k, -1, k + 1, f->bits);
     }
     for (t = 0; t < 3 && f->frame > 0; t++) {
-        if (ball_product(c, t, &a, &i, 1) < 0) arb_addmul(rate, SERIES(step, a) + k, f->turn + i, f->sums);
-        else arb_submul(rate, SERIES(step, a) + k, f->turn + i, f->sums);
+        if (ball_product(c, t, &a, &i, 1) < 0) arb_addmul(rate, SERIES(step, a) + k, f->turn + i, f->bits);
+        else arb_submul(rate, SERIES(step, a) + k, f->turn + i, f->bits);
     }
     arb_mul_2exp_si(rate, rate, -1);
 }
@@ -118,19 +101,19 @@ static void expand_state(ball_step *step, arb_srcptr state) {
         for (p = 0; p < PAIRS; p++)
             if (f->has_pair[p])
                 arb_dot(pair + p, NULL, 0, SERIES(step, ball_pair[p][0]), 1, SERIES(step, ball_pair[p][1]) + k, -1, k + 1,
-                        f->sums);
+                        f->bits);
         for (c = 0; c < 4; c++) expand_turn(rate + c, step, c, k);
         for (i = 0; i < 3; i++) {
             arb_ptr total = rate + 4 + i;
-            arb_dot(total, NULL, 0, SERIES(step, 4 + (i + 1) % 3), 1, SERIES(step, 4 + (i + 2) % 3) + k, -1, k + 1, f->sums);
-            arb_mul(total, total, f->coupling + i, f->sums);
+            arb_dot(total, NULL, 0, SERIES(step, 4 + (i + 1) % 3), 1, SERIES(step, 4 + (i + 2) % 3) + k, -1, k + 1, f->bits);
+            arb_mul(total, total, f->coupling + i, f->bits);
             for (wave = 0; wave < WAVES; wave++) {
                 arb_ptr t = torque + (wave * 3 + i) * n;
                 const int row = wave * 3 + i, length = wave < 2 ? wave + 1 : n;
                 if (!f->has_wave[wave]) continue;
-                arb_dot(t + k, NULL, 0, f->form + row * PAIRS, 1, pair, 1, PAIRS, f->sums);
-                arb_dot(t + k, t + k, 0, f->gyro + row * 3, 1, SERIES(step, 4) + k, n, 3, f->sums);
-                arb_dot(total, total, 0, WAVE(step, wave), 1, t + k, -1, FLINT_MIN(length, k + 1), f->sums);
+                arb_dot(t + k, NULL, 0, f->form + row * PAIRS, 1, pair, 1, PAIRS, f->bits);
+                arb_dot(t + k, t + k, 0, f->gyro + row * 3, 1, SERIES(step, 4) + k, n, 3, f->bits);
+                arb_dot(total, total, 0, WAVE(step, wave), 1, t + k, -1, FLINT_MIN(length, k + 1), f->bits);
             }
         }
         for (c = 0; c < STATES; c++) settle(SERIES(step, c) + k + 1, rate + c, k, step, lost);
@@ -170,7 +153,7 @@ static void find_norms(ball_step *step) {
             gyro[k] += f->eta[wave] * fabs(step->u[wave * n + k]) * SAFE;
         }
     }
-    memset(tail, 0, (size_t)(3 * n) * sizeof(double)), memset(step->jacobian, 0, (size_t)(4 * n) * sizeof(double));
+    memset(tail, 0, (size_t)(3 * n) * sizeof(double));
     convolve(force, 1, torque, n, step->a, n);
     for (k = 0; k < 2 * n; k++) {
         double own = 2 * force[k], common = k < n ? 1.42 * f->kappa * step->b[k] + gyro[k] : 0;
@@ -200,13 +183,9 @@ static int fits(const ball_step *step, double s) {
 }
 
 int ball_longest(const ball_step *step) {
-    int low = 0, high = 64;
-    if (fits(step, 1)) return fits(step, 2) ? 128 : 64;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        if (fits(step, middle / 64.0)) low = middle;
-        else high = middle;
-    }
-    return low;
+    int far = 64;
+    if (fits(step, 2)) return 128;
+    while (far > 0 && !fits(step, far / 64.0)) far--;
+    return far;
 }
 #endif

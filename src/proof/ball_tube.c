@@ -67,31 +67,25 @@ static int bound(double *u, double *most, const ball_step *step, double start, d
     return step->bend * s * *most * ulp < 0.69 ? PROVED : TOO_WIDE;
 }
 
-// The value of a component at a point of a step, q0 + i q3 (PLUS) or q1 + i q2 (MINUS).
-static void component(double z[2], const ball_step *step, int side, double s) {
-    const int n = step->field->order;
-    const double *x = step->real + (side == PLUS ? 0 : 1) * (n + 1), *y = step->real + (side == PLUS ? 3 : 2) * (n + 1);
-    int k;
-    for (z[0] = z[1] = 0, k = n; k >= 0; k--) z[0] = z[0] * s + x[k], z[1] = z[1] * s + y[k];
-}
-
 // Continues phi and psi along the step to s. Between two points of a path, which are together farther from zero than it is
 // long, it lies in an ellipse without zero and turns as its chord does; so does each path within `margin` of it.
 static void count_turns(ball_tube *tube, double s, double margin) {
-    const ball_step *step = &tube->step;
-    const int n = step->field->order;
+    const int n = tube->field.order;
     int side, k;
-    for (side = PLUS; side <= MINUS; side++) {
-        const double *x = step->real + (side == PLUS ? 0 : 1) * (n + 1), *y = step->real + (side == PLUS ? 3 : 2) * (n + 1);
-        double here = tube->counted, there, speed = 0, z[2], next[2];
+    for (side = PLUS; side <= MINUS; side++) { // q0 + i q3, q1 + i q2
+        const double *x = tube->step.real + (side == PLUS ? 0 : 1) * (n + 1),
+                     *y = tube->step.real + (side == PLUS ? 3 : 2) * (n + 1);
+        double here = tube->counted, there = s, speed = 0;
         for (k = n; k > 0; k--) speed = speed * s + k * hypot(x[k], y[k]) * SAFE;
-        component(z, step, side, here);
-        for (there = s; here < s && tube->has_turns;) {
-            component(next, step, side, there);
+        while (here < s && tube->has_turns) {
+            double z[2] = {0}, next[2] = {0};
+            for (k = n; k >= 0; k--) {
+                z[0] = z[0] * here + x[k], z[1] = z[1] * here + y[k];
+                next[0] = next[0] * there + x[k], next[1] = next[1] * there + y[k];
+            }
             if (speed * (there - here) + margin < hypot(z[0], z[1]) + hypot(next[0], next[1])) {
                 const double turn = atan2(next[1] * z[0] - next[0] * z[1], next[0] * z[0] + next[1] * z[1]);
-                tube->phi += turn, tube->psi += side == PLUS ? turn : -turn;
-                here = there, there = s, memcpy(z, next, sizeof z);
+                tube->phi += turn, tube->psi += side == PLUS ? turn : -turn, here = there, there = s;
             } else {
                 there = (here + there) / 2, tube->has_turns = there - here > 1e-13;
             }
@@ -121,18 +115,8 @@ static void value_at(arb_ptr x, const ball_step *step, const arb_t s) {
     int c, k;
     for (c = 0; c < STATES; c++)
         for (arb_zero(x + c), k = n; k >= 0; k--) {
-            arb_mul(x + c, x + c, s, step->field->sums), arb_add(x + c, x + c, SERIES(step, c) + k, step->field->sums);
+            arb_mul(x + c, x + c, s, step->field->bits), arb_add(x + c, x + c, SERIES(step, c) + k, step->field->bits);
         }
-}
-
-// A bound of |1 - inverse Q|.
-static double error_of_inverse(const matrix inverse, const matrix axes) {
-    matrix product;
-    int i;
-    ball_multiply(product, inverse, axes);
-    for (i = 0; i < STATES; i++) AT(product, i, i) -= 1;
-    return ball_norm(product, STATES * STATES)
-           + 8 * ROUNDING * ball_norm(inverse, STATES * STATES) * ball_norm(axes, STATES * STATES);
 }
 
 // Errors A z + a ball in new axes: A itself, until they are skew; then orthogonal ones.
@@ -145,7 +129,10 @@ static int change_axes(ball_tube *tube, const matrix a, double rest) {
     if (is_kept) memcpy(tube->axes, a, sizeof tube->axes);
     else ball_orthogonal(tube->axes, a, tube->radius);
     if (!is_kept && !ball_invert(inverse, tube->axes)) return TOO_WIDE;
-    error = error_of_inverse(inverse, tube->axes), size = ball_norm(inverse, STATES * STATES);
+    ball_multiply(turned, inverse, tube->axes), size = ball_norm(inverse, STATES * STATES);
+    for (i = 0; i < STATES; i++) AT(turned, i, i) -= 1;
+    // |1 - inverse Q|
+    error = ball_norm(turned, STATES * STATES) + 8 * ROUNDING * size * ball_norm(tube->axes, STATES * STATES);
     if (!(error < 0x1p-10)) return TOO_WIDE;
     ball_multiply(turned, inverse, a);
     for (i = 0; i < STATES; i++) {
@@ -230,8 +217,8 @@ int ball_tube_turns(double *phi, double *psi, const top_motion *m) {
 
 int ball_tube_open(top_motion *m, const top_data *data) {
     ball_tube *tube = m->tube = flint_calloc(1, sizeof *tube);
-    const int reason = ball_field_init(&tube->field, m, data);
-    ball_step_init(&tube->step, &tube->field);
+    const int reason = ball_field_init(&tube->field, m, data), n = tube->field.order + 1;
+    tube->step.field = &tube->field, tube->step.x = _arb_vec_init(STATES * n), tube->step.wave = _arb_vec_init(WAVES * n);
     tube->state = _arb_vec_init(STATES + 1), tube->time = tube->state + STATES;
     tube->given[0] = data->value[PHI], tube->given[1] = data->value[PSI];
     if (reason == PROVED) begin(tube, 1);
@@ -239,8 +226,10 @@ int ball_tube_open(top_motion *m, const top_data *data) {
 }
 
 void ball_tube_close(ball_tube *tube) {
+    const int n = tube ? tube->field.order + 1 : 0;
     if (!tube) return;
-    ball_step_clear(&tube->step), ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
+    _arb_vec_clear(tube->step.x, STATES * n), _arb_vec_clear(tube->step.wave, WAVES * n);
+    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
     flint_free(tube);
 }
 #endif

@@ -12,8 +12,8 @@
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-// Components of x, products q_a q_b, the functions u_n, oscillations, and the highest order of a fundamental matrix.
-enum { STATES = 7, PAIRS = 10, SWINGS = 3, WAVES = 2 + 2 * SWINGS, MOST_MATRIX = 60 };
+// Components of x, products q_a q_b, the functions u_n, oscillations; the most coefficients of X and of V.
+enum { STATES = 7, PAIRS = 10, SWINGS = 3, WAVES = 2 + 2 * SWINGS, TERMS = 320, MATRICES = 61 };
 
 // Relative rounding of what is computed in double precision, and the factor that it is allowed in sums of bounds.
 #define ROUNDING 0x1p-42
@@ -21,30 +21,30 @@ enum { STATES = 7, PAIRS = 10, SWINGS = 3, WAVES = 2 + 2 * SWINGS, MOST_MATRIX =
 
 // The equations of motion. Balls lie in `ball`; the same numbers as doubles, and upper bounds of norms.
 typedef struct {
-    slong bits, sums; // an ulp is 2^-bits; precision of sums
-    int order;        // of X
-    int unit;         // the unit of time is 2^-unit s
+    slong bits;      // of sums; an ulp is 2^-bits
+    int order, unit; // order of X; the unit of time is 2^-unit s
     arb_ptr ball, coupling, turn, form, gyro, rate, start;
     int has_wave[WAVES], has_pair[PAIRS];
     double c[3], o[3], t[WAVES][3][4][4], h[WAVES][3][3];
     double kappa, frame, tau[WAVES], eta[WAVES]; // max |c_i|, |O|, |T_n|, |H_n|
 } ball_field;
 
-// The polynomial of a step and its norms, by orders: of q and w, of h J, of the growth of errors, of the defect beyond the
-// order. `bend` is that of the quadratic term.
 typedef double matrix[STATES * STATES];
 #define AT(m, i, j) ((m)[(i) * STATES + (j)])
 
+// The polynomial of a step: coefficients of X and of u_n, each with order + 1 places, and the same as doubles. By orders,
+// norms of q and w, of h J, of the growth of errors, of the defect beyond the order; `bend` is that of the quadratic term.
 typedef struct {
     const ball_field *field;
-    slong halvings;  // |h| = 2^-halvings, in units of time
-    int sense;       // 1, or -1 back in time
-    arb_ptr x, wave; // coefficients of X and of u_n, each with order + 1 places
-    double *number, *real, *u, *a, *b, *jacobian, *growth, *tail;
-    double bend, lost, beyond; // int |d| of lower orders in ulps, and what the u_n lack, in ulps
-    int degree;                // of the fundamental matrix V
-    matrix v[MOST_MATRIX + 1];
-    double v_norm[MOST_MATRIX + 1], *defect;
+    slong halvings; // |h| = 2^-halvings, in units of time
+    int sense;      // 1, or -1 back in time
+    arb_ptr x, wave;
+    double real[STATES * TERMS], u[WAVES * TERMS], a[TERMS], b[TERMS], jacobian[2 * TERMS], growth[2 * TERMS], tail[3 * TERMS];
+    double bend, lost, beyond; // int |d| of lower orders, and what the u_n lack, in ulps
+    // The fundamental matrix V, norms of its coefficients, and of D = V' - h J V.
+    int degree;
+    matrix v[MATRICES];
+    double v_norm[MATRICES], defect[2 * TERMS + MATRICES];
 } ball_step;
 
 // The polynomial of order n of a component, or of a function u_n.
@@ -61,10 +61,8 @@ extern const int ball_pair[PAIRS][2];
 // A term of component c of q (0, w), or from the left of (0, w) q: components of q and w, and its sign.
 int ball_product(int c, int term, int *a, int *i, int from_left);
 
-// ball_series.c: room for steps; the polynomial from a state at a time; the longest s in 64ths up to which it fits, 128 if
-// 2 would; the sum of a series of bounds, from the power `first` of s.
-void ball_step_init(ball_step *step, const ball_field *f);
-void ball_step_clear(ball_step *step);
+// ball_series.c: the polynomial from a state at a time; the longest s in 64ths up to which it fits, 128 if 2 would; the sum
+// of a series of bounds, from the power `first` of s.
 void ball_expand(ball_step *step, arb_srcptr state, const arb_t time);
 int ball_longest(const ball_step *step);
 double ball_series(const double *c, int count, double s, int first);

@@ -148,8 +148,7 @@ contains
         radius(12) = radius(1)
         self%reason = obstacle(body, start, radius, has_form)
         if (self%reason /= proved) return
-        self%balls = c_open(numbers_of(body, start, axis), radius, &
-                            int(merge(way_of(body, start, axis), way_of_start(start) + any_body, has_form), c_int))
+        self%balls = c_open(numbers_of(body, start, axis), radius, int(way_of(body, start, axis, has_form), c_int))
         if (c_associated(self%balls)) return
         self%reason = merge(no_memory, no_library, has_balls())
     end subroutine open
@@ -179,25 +178,21 @@ contains
     end function numbers_of
 
     !> How the motion is given, for balls.h.
-    pure integer function way_of(body, start, axis) result(way)
+    pure integer function way_of(body, start, axis, has_form) result(way)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        way = way_of_start(start) + about_axis(axis)
+        logical, intent(in) :: has_form
+        way = about_axis(axis)
+        if (start%gives_omega3) way = way + by_omega3
+        if (start%gives_omega) way = way + by_omega
+        if (start%gives_quaternion) way = way + by_quaternion
+        if (.not. has_form) way = way + any_body
         ! That of a symmetric body about z from its angles is a top without weight, of which phi and psi are known.
         if (moves_freely(body) .and. (.not. body%is_symmetric() .or. start%gives_omega .or. start%gives_quaternion)) then
             way = way + free_body
         end if
     end function way_of
-
-    !> How the start is given, for balls.h.
-    pure integer function way_of_start(start) result(way)
-        type(motion_t), intent(in) :: start
-        way = 0
-        if (start%gives_omega3) way = way + by_omega3
-        if (start%gives_omega) way = way + by_omega
-        if (start%gives_quaternion) way = way + by_quaternion
-    end function way_of_start
 
     !> Whether the motion has a closed form: that of a top or of a free body, without damping.
     pure logical function has_closed_form(body)

@@ -133,6 +133,7 @@ contains
         if (.not. keeps_attitude) then
             case%given_start = motion_t()
             call read_attitude(scene, case%given_start, problems)
+            case%given_start%is_given = .true.
             case%circular = circular_of_attitude(case%given_start%angle)
         end if
         if (all(is_set(scene%omega))) then

@@ -227,6 +227,7 @@ contains
             end if
             turned%omega = self%vector(motion%omega)
             turned%gives_omega3 = motion%gives_omega3 .or. motion%gives_omega
+            turned%gives_omega = motion%gives_omega
         end if
         if (.not. self%is_shifted()) return
         turned = unshifted(-self%phi_shift, -self%psi_shift, turned)

@@ -41,6 +41,8 @@ module spintop_motion
         !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
         !> with `gives_omega3` omega3 alone, not the rates.
         logical :: gives_quaternion = .false., gives_omega = .false., gives_omega3 = .false.
+        !> Whether the angles and rates are what was given, except for those that these flags say.
+        logical :: is_given = .false.
     contains
         procedure :: store_or_restore
     end type motion_t
@@ -83,6 +85,7 @@ contains
         motion%rate = rate
         motion%omega = omega_from_rates(angle, rate)
         motion%quaternion = quaternion_from_angles(angle)
+        motion%is_given = .true.
     end function motion_from_angles
 
     !> Motion from a unit quaternion and the body angular velocity. phi and psi are the values nearest to

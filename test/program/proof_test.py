@@ -148,13 +148,36 @@ class ProofTest(ProgramCase):
     def test_unproved_rows_say_why(self) -> None:
         run = self.run_program(
             self.top,
-            "--set=top.inertia=0.875,0.8,0.25",
+            "--set=effects.drag_force=0.1",
             "--set=output.columns=t,theta,theta_bound,proof",
         )
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertEqual(set(self.table().texts("proof")), {"unproved"})
         self.assertEqual(set(self.table().texts("theta_bound")), {"inf"})
-        self.assertIn("7 unproved (the body is neither a symmetric top nor free", run.stdout)
+        self.assertIn("7 unproved (dry friction, drag of the air and tables", run.stdout)
+
+    def test_any_body(self) -> None:
+        """Certified digits are those of a series in quadruple precision from the same angles."""
+        given = (
+            "top.inertia=0.875,0.8,0.25",
+            "top.damping=0.01,0.01,0.005",
+            "initial.psi_rate=5",
+            "span.t_end=18",
+            f"output.columns={BOUNDS},phi,psi",
+        )
+        table = self.compute(self.top, *given, "integration.method=taylor_quadruple")
+        self.assertEqual(set(table.texts("proof")), {"proved"})
+        self.assertLess(table.largest("orientation_bound"), 3e-16)
+        self.assertLess(table.largest("psi_bound"), 1e-14)
+        series = table
+        self.assertIn("0 wrong", self.verify())
+        table = self.compute(self.top, *given, "output.certified=.true.")
+        for name in ("theta", "phi", "psi", "q0"):
+            for certified, other in zip(table.texts(name), series.texts(name), strict=True):
+                self.assertAlmostEqual(float(certified), float(other), delta=1e-14)
+        self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))
+        self.change("psi", 3, repr(float(table.texts("psi")[2]) + 2 * math.pi))
+        self.assertIn("first wrong  row 3, psi", self.verify(code=3))
 
     def test_sweep(self) -> None:
         scene = self.write(SWEEP)

@@ -6,6 +6,7 @@ module spintop_effects_series_quadruple
     use spintop_effects, only: effects_t, harmonic_t
     use spintop_kinds, only: dp, no_number, wp => qp
     use spintop_motion, only: motion_t
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
     use spintop_torque_table, only: max_degree
     implicit none
     private
@@ -32,9 +33,17 @@ contains
         class(body_quadruple_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(wp) :: q(4), omega(3)
         self%body = body
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
+        q = quadruple_attitude(start)
+        omega = quadruple_omega(start)
+        associate (o => self%effects%frame_rate, x => q(2), y => q(3), z => q(4))
+            if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), real(o, wp)) &
+                + q(2:4) * (x * o(1) + y * o(2) + z * o(3))) / sum(q**2) - o
+        end associate
+        self%y_start = [q, body%inertia * omega + self%effects%rotor_momentum, 0.0_wp]
     end subroutine set
 
     !> Taylor coefficients of the motion.

@@ -7,11 +7,12 @@ module spintop_space_frame_series
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
     use spintop_series_shares, only: acceleration_rest, acceleration_share
     use spintop_small_turn, only: half_turn
     implicit none
     private
-    public :: space_frame_series_t, space_frame_quadruple_t, vertical_momentum
+    public :: space_frame_series_t, space_frame_quadruple_t
 
     !> The Taylor series of the motion.
     type, extends(series_t) :: space_frame_series_t
@@ -31,7 +32,7 @@ module spintop_space_frame_series
     type, extends(quadruple_series_t) :: space_frame_quadruple_t
         private
         type(body_t) :: body = body_t()
-        type(motion_t) :: start = motion_t()
+        real(qp) :: vertical = 0
     contains
         procedure :: set => set_quadruple
         procedure :: expand => expand_quadruple
@@ -146,26 +147,33 @@ contains
         end do
     end subroutine unfold_several
 
-    !> Momentum about the vertical, for the attitude of a quaternion of any norm. Near the upright its
-    !> difference from the momentum about the axis determines the motion.
-    pure real(qp) function vertical_momentum(body, start)
+    !> Momentum in space axes, for the attitude of a quaternion of any norm. Near the upright the difference of that about
+    !> the vertical from that about the axis determines the motion.
+    pure function space_momentum(body, start)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(qp) :: q(4), momentum(3)
-        q = start%quaternion
-        momentum = real(body%inertia, qp) * start%omega
-        vertical_momentum = (2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) &
-                                  + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
-                             + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)) / sum(q**2)
-    end function vertical_momentum
+        real(qp) :: space_momentum(3), q(4), momentum(3)
+        q = quadruple_attitude(start)
+        momentum = real(body%inertia, qp) * quadruple_omega(start)
+        space_momentum = [ &
+            (q(1)**2 + q(2)**2 - q(3)**2 - q(4)**2) * momentum(1) + 2 * (q(2) * q(3) - q(1) * q(4)) * momentum(2) &
+                + 2 * (q(2) * q(4) + q(1) * q(3)) * momentum(3), &
+            2 * (q(2) * q(3) + q(1) * q(4)) * momentum(1) + (q(1)**2 - q(2)**2 + q(3)**2 - q(4)**2) * momentum(2) &
+                + 2 * (q(3) * q(4) - q(1) * q(2)) * momentum(3), &
+            2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
+                + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)] / sum(q**2)
+    end function space_momentum
 
     !> Constants of the series in quadruple precision.
     pure subroutine set_quadruple(self, body, start)
         class(space_frame_quadruple_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(qp) :: momentum(3)
         self%body = body
-        self%start = start
+        momentum = space_momentum(body, start)
+        self%vertical = momentum(3)
+        self%y_start = [momentum(1:2), quadruple_attitude(start), 0.0_qp, 0.0_qp]
     end subroutine set_quadruple
 
     !> Taylor coefficients of the motion in quadruple precision.
@@ -179,7 +187,7 @@ contains
         integer :: k, j
 
         half = 1 / (2 * real(self%body%inertia(1), qp))
-        vertical = vertical_momentum(self%body, self%start) * half
+        vertical = self%vertical * half
         pull = 2 * real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass(3) / sum(y(3:6)**2)
         coefficient(:, 0) = y
         associate (c => coefficient)

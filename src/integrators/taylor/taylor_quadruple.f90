@@ -6,7 +6,7 @@
 module spintop_taylor_quadruple
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, qp
-    use spintop_compare, only: is_finite
+    use spintop_compare, only: is_finite, is_zero
     use spintop_formulation, only: formulation_t, formulation_info_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t
@@ -38,6 +38,9 @@ contains
         info = formulation%info()
         self%attitude = info%quaternion
         self%states = info%states
+        associate (exact => formulation%quadruple_series%y_start)
+            if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
+        end associate
         call self%evaluate(formulation, self%t, self%y, self%slope, status)
     end subroutine begin
 

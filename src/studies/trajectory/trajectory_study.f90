@@ -16,6 +16,7 @@ module spintop_trajectory_study
     use spintop_plain_text, only: escaped
     use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
+    use spintop_proof_cost, only: describe_proof_cost
     use spintop_process, only: stop_watching_signals
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
@@ -41,6 +42,7 @@ module spintop_trajectory_study
         procedure :: check
         procedure :: explain
         procedure :: run
+        procedure :: forecast
     end type trajectory_study_t
 
 contains
@@ -76,6 +78,15 @@ contains
         call job%make_first_case(scene, problems, planned=.true.)
         if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
     end subroutine check
+
+    !> What the proof will cost.
+    subroutine forecast(self, job, options, summary)
+        class(trajectory_study_t), intent(in) :: self
+        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(inout) :: summary !! lines are added
+        call describe_proof_cost(job, trajectory_columns_at(job%columns), summary)
+    end subroutine forecast
 
     !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
     subroutine warn_of_slow_sleeper(case, problems)
@@ -323,9 +334,7 @@ contains
         call summary%headline(job%input // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%output)
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
-        if (job%event_output /= '') then
-            call summary%add('events', to_text(recorder%rows) // ' -> ' // job%event_output)
-        end if
+        if (job%event_output /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%event_output)
         if (job%plan%exact) then
             call measure_exact_cost(job%case, setup, sample)
             call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &

@@ -1,5 +1,4 @@
 // The Taylor polynomial of a step, and what bounds its error.
-//
 // X_{k+1} is the middle of h f_k/(k+1), rounded to ulps; f_k is a ball, so that the distance from its far side contains the
 // errors of sums, of the data and of the u_n alike: `lost`, which bounds the defect of lower orders. That of higher orders
 // is what products of X leave over: sums of products of norms.

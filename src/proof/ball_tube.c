@@ -131,7 +131,6 @@ static int change_axes(ball_tube *tube, const matrix a, double rest) {
     if (!is_kept && !ball_invert(inverse, tube->axes)) return TOO_WIDE;
     ball_multiply(turned, inverse, tube->axes), size = ball_norm(inverse, STATES * STATES);
     for (i = 0; i < STATES; i++) AT(turned, i, i) -= 1;
-    // |1 - inverse Q|
     error = ball_norm(turned, STATES * STATES) + 8 * ROUNDING * size * ball_norm(tube->axes, STATES * STATES);
     if (!(error < 0x1p-10)) return TOO_WIDE;
     ball_multiply(turned, inverse, a);

@@ -6,7 +6,7 @@
 //
 //     q' = (q w - O q)/2,    w_i' = c_i w_j w_k + sum_n u_n (T_n,i : q q + H_n,i w)
 //
-// Constants are balls around the data. A step is a polynomial X(s) with exact coefficients, t = t0 + h s, 0 <= s <= 1.
+// Constants are balls. A step is a polynomial X(s) with exact coefficients, t = t0 + h s, 0 <= s <= 1.
 #ifndef SPINTOP_BALL_TUBE_H
 #define SPINTOP_BALL_TUBE_H
 #include "balls.h"
@@ -46,7 +46,6 @@ typedef struct {
     matrix v[MATRICES];
     double v_norm[MATRICES], defect[2 * TERMS + MATRICES];
 } ball_step;
-
 // The polynomial of order n of a component, or of a function u_n.
 #define SERIES(step, c) ((step)->x + (c) * ((step)->field->order + 1))
 #define WAVE(step, n) ((step)->wave + (n) * ((step)->field->order + 1))
@@ -57,16 +56,13 @@ void ball_field_clear(ball_field *f);
 // The quadratic forms of the rotation R: coefficient of a product of components in R[space][body].
 int ball_rotation(int space, int body, int pair);
 extern const int ball_pair[PAIRS][2];
-
 // A term of component c of q (0, w), or from the left of (0, w) q: components of q and w, and its sign.
 int ball_product(int c, int term, int *a, int *i, int from_left);
-
 // ball_series.c: the polynomial from a state at a time; the longest s in 64ths up to which it fits, 128 if 2 would; the sum
 // of a series of bounds, from the power `first` of s.
 void ball_expand(ball_step *step, arb_srcptr state, const arb_t time);
 int ball_longest(const ball_step *step);
 double ball_series(const double *c, int count, double s, int first);
-
 // ball_matrix.c: the fundamental matrix of a step that goes as far as s, and its value and norm; products, inverses and
 // orthogonal axes.
 void ball_find_matrix(ball_step *step, double s);

@@ -65,9 +65,9 @@ contains
             call text%add(input(i)%text)
         end do
         call text%add('')
-        outputs = ' -> ' // job%output
-        if (job%statistics_output /= '') outputs = outputs // ', its statistics -> ' // job%statistics_output
-        if (job%event_output /= '') outputs = outputs // ', its events -> ' // job%event_output
+        outputs = ' -> ' // job%files%table
+        if (job%files%statistics /= '') outputs = outputs // ', its statistics -> ' // job%files%statistics
+        if (job%files%events /= '') outputs = outputs // ', its events -> ' // job%files%events
         call summary%headline(job%input // ': ' // study%explain(job) // outputs)
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%cases(job)))
         if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)

@@ -114,10 +114,10 @@ contains
         call make_private_folder(options%output, error)
         if (allocated(error)) return
         associate (job => prepared%job, folder => options%output)
-            job%output = folder // job%output
-            job%log = folder // job%log
-            if (job%event_output /= '') job%event_output = folder // job%event_output
-            if (job%statistics_output /= '') job%statistics_output = folder // job%statistics_output
+            job%files%table = folder // job%files%table
+            job%files%log = folder // job%files%log
+            if (job%files%events /= '') job%files%events = folder // job%files%events
+            if (job%files%statistics /= '') job%files%statistics = folder // job%files%statistics
             call run_in_files(prepared, options, .false., run, error)
             call remove_folder(folder, ignored)
         end associate
@@ -148,11 +148,11 @@ contains
             run%warnings = run%warnings // prepared%job%late_warnings
         end if
         associate (job => prepared%job)
-            call add_table(job%output, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
-            if (.not. allocated(error)) call add_table(job%event_output, 'events', run, error)
-            if (.not. allocated(error)) call add_table(job%statistics_output, 'statistics', run, error)
+            call add_table(job%files%table, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
+            if (.not. allocated(error)) call add_table(job%files%events, 'events', run, error)
+            if (.not. allocated(error)) call add_table(job%files%statistics, 'statistics', run, error)
             if (.not. allocated(error) .and. job%scene%kind == study_kinds(kind_fit)) then
-                call add_table(residual_path(job%output), 'residuals', run, error)
+                call add_table(residual_path(job%files%table), 'residuals', run, error)
             end if
         end associate
     end subroutine run_in_files

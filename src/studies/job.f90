@@ -25,23 +25,28 @@ module spintop_job
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t
+    public :: job_t, output_files_t
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000
+
+    !> Where the results of a job go.
+    type :: output_files_t
+        !> Path of the table, and of the summary that a sweep writes.
+        character(:), allocatable :: table, log
+        !> Path of the result of statistics; empty if there are none, or if they are the only table.
+        character(:), allocatable :: statistics
+        !> Path of the table of events; empty if there is none.
+        character(:), allocatable :: events
+    end type output_files_t
 
     !> A prepared input. The parameter table points into the scene, so a job must not move in memory.
     type :: job_t
         !> Path of the input, and its name without folder and extension.
         character(:), allocatable :: input, name
-        !> Path of the table, and of the summary that a sweep writes.
-        character(:), allocatable :: output, log
-        !> What statistics are gathered, and the path of their result; empty if there are none, or if they are the
-        !> only table.
+        type(output_files_t) :: files
+        !> What statistics are gathered.
         type(statistics_plan_t) :: statistics
-        character(:), allocatable :: statistics_output
-        !> Path of the table of events; empty if there is none.
-        character(:), allocatable :: event_output
         type(scene_t) :: scene
         type(parameter_table_t) :: table
         !> Whether the study computes the case of the input (`study_info_t`).

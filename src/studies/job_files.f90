@@ -42,19 +42,19 @@ contains
         if (job%scene%file /= '') job%name = stem_of(trim(job%scene%file))
         associate (stem => options%output // '/' // job%name // options%shard%suffix())
             ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
-            job%output = stem // trim(ending)
-            job%statistics_output = ''
+            job%files%table = stem // trim(ending)
+            job%files%statistics = ''
             if (job%statistics%is_wanted) then
                 if (options%shard%is_part()) ending = '.state'
-                job%statistics_output = stem // '.statistics' // trim(ending)
+                job%files%statistics = stem // '.statistics' // trim(ending)
             end if
             if (.not. job%keeps_rows()) then
-                job%output = job%statistics_output
-                job%statistics_output = ''
+                job%files%table = job%files%statistics
+                job%files%statistics = ''
             end if
-            job%log = stem // '.log'
-            job%event_output = ''
-            if (any(job%events%is_listed)) job%event_output = stem // '.events.csv'
+            job%files%log = stem // '.log'
+            job%files%events = ''
+            if (any(job%events%is_listed)) job%files%events = stem // '.events.csv'
         end associate
     end subroutine name_outputs
 
@@ -111,13 +111,13 @@ contains
         type(job_t), intent(in) :: job
         character(:), allocatable :: statistics
 
-        call files%add(job%output)
-        if (job%axes%cases > 0) call files%add(job%log)
-        if (job%event_output /= '') call files%add(job%event_output)
-        if (job%scene%fit%data /= '') call files%add(residual_path(job%output))
+        call files%add(job%files%table)
+        if (job%axes%cases > 0) call files%add(job%files%log)
+        if (job%files%events /= '') call files%add(job%files%events)
+        if (job%scene%fit%data /= '') call files%add(residual_path(job%files%table))
         if (.not. job%statistics%is_wanted) return
-        statistics = job%output
-        if (job%statistics_output /= '') statistics = job%statistics_output
+        statistics = job%files%table
+        if (job%files%statistics /= '') statistics = job%files%statistics
         call files%add(statistics)
         call files%add(path_beside(statistics, 'histogram'))
         call files%add(path_beside(statistics, 'indices'))

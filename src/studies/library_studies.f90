@@ -36,7 +36,7 @@ contains
         if (allocated(error)) return
         call run_job(prepared(1)%study, prepared(1)%job, options, summary, code, error)
         if (allocated(error)) return
-        table = prepared(1)%job%output
+        table = prepared(1)%job%files%table
         if (code /= 0) error = error_t(code, input // ': some cases failed; their rows have the status')
     end subroutine run_study
 

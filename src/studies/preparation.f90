@@ -186,9 +186,9 @@ contains
         if (options%ranks%is_writer() .and. .not. (options%resume .or. options%restart)) then
             do i = 1, size(prepared)
                 associate (job => prepared(i)%job)
-                    call refuse_to_discard_idle(job%output, error)
-                    if (.not. allocated(error) .and. job%event_output /= '') then
-                        call refuse_to_discard_idle(job%event_output, error)
+                    call refuse_to_discard_idle(job%files%table, error)
+                    if (.not. allocated(error) .and. job%files%events /= '') then
+                        call refuse_to_discard_idle(job%files%events, error)
                     end if
                 end associate
                 if (allocated(error)) exit

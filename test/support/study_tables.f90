@@ -48,8 +48,8 @@ contains
         call prepare(name, overrides, prepared, result%message)
         if (result%message /= '') return
         call prepared(1)%study%run(prepared(1)%job, options, summary, result%code, error)
-        if (.not. allocated(error)) call read_table(prepared(1)%job%output, result%table, error)
-        if (.not. allocated(error)) call read_file(prepared(1)%job%output, 2**30, result%text, error)
+        if (.not. allocated(error)) call read_table(prepared(1)%job%files%table, result%table, error)
+        if (.not. allocated(error)) call read_file(prepared(1)%job%files%table, 2**30, result%text, error)
         if (allocated(error)) then
             result%message = error%message
             result%code = error%code

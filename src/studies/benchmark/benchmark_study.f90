@@ -142,9 +142,9 @@ contains
         first = options%shard%first(all)
         last = options%shard%last(all)
         part = options%shard%beginning(all)
-        call file%create(job%output, study_head(job, benchmark_columns, part=part), error)
+        call file%create(job%files%table, study_head(job, benchmark_columns, part=part), error)
         if (allocated(error)) return
-        call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%output)
+        call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%files%table)
         if (part /= '') call summary%add('shard', part)
         call progress%start(job%name, 'benchmarks', last - first + 1, options%quiet, options%progress)
         do i = int(first), int(last)

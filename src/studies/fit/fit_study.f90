@@ -278,8 +278,8 @@ contains
 
         m = size(minimum%residuals)
         n = size(minimum%x)
-        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%output // ', ' // &
-                              residual_path(job%output))
+        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%files%table // ', ' // &
+                              residual_path(job%files%table))
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''

@@ -63,7 +63,7 @@ contains
             call append(trailer, 'warning: ' // warnings(i)%text)
         end do
         call append(trailer, 'status: ' // ending)
-        call file%create(job%output, study_head(job, columns), error)
+        call file%create(job%files%table, study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(keys)
             call cells%clear()
@@ -103,7 +103,7 @@ contains
             end associate
         end do
         trailer(1)%text = 'status: ' // ending
-        call file%create(residual_path(job%output), study_head(job, columns), error)
+        call file%create(residual_path(job%files%table), study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(measured%t)
             call file%add_row([measured%given_times(i), cells_of(measured%values(:, i), values(:, i), differences(:, i))], error)

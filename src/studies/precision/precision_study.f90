@@ -165,7 +165,8 @@ contains
             return
         end if
         if (failures > 0) code = exit_failed
-        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(sum(ends)) // ' rows -> ' // job%output)
+        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(sum(ends)) // ' rows -> ' // &
+                                         job%files%table)
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(self%cases(job)))
         call summary%add('time', rounded(seconds() - began) // ' s')
     end subroutine run
@@ -188,7 +189,7 @@ contains
         type(table_file_t), intent(inout) :: file
         type(error_t), allocatable, intent(out) :: error
         integer :: i
-        call file%create(job%output, study_head(job, [precision_columns%column_t, &
+        call file%create(job%files%table, study_head(job, [precision_columns%column_t, &
             (job%axis_column(i), i=1, size(job%axes%axis))], part=part), error)
     end subroutine begin_table
 

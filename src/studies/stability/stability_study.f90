@@ -154,7 +154,7 @@ contains
         head = study_head(job, stability_columns, verdicts_in_words(), part)
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
-        if (options%ranks%is_writer()) call file%create(job%output, head, error)
+        if (options%ranks%is_writer()) call file%create(job%files%table, head, error)
         call options%ranks%agree(error)
         if (allocated(error)) return
         source%job => job
@@ -362,7 +362,7 @@ contains
         integer :: k
 
         call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
-                              // to_text(cases) // ' cases -> ' // job%output)
+                              // to_text(cases) // ' cases -> ' // job%files%table)
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(verdicts(:, k) == 0)) cycle
             call summary%add(verdict_names(k), verdict_meaning(k))

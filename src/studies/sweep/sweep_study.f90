@@ -122,7 +122,7 @@ contains
         if (allocated(error)) return
         if (table%is_complete) then
             code = code_of(table%counts)
-            call summary%headline(job%input // ': sweep -> ' // job%output)
+            call summary%headline(job%input // ': sweep -> ' // job%files%table)
             call summary%add('note', table%remark)
             call summary%add_failures('cases', table%counts)
             return
@@ -136,7 +136,7 @@ contains
         if (allocated(error) .or. .not. team%ranks%is_writer()) return
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
-        call replace_file(job%log, join(summary%lines, new_line('a')) // new_line('a'), error)
+        call replace_file(job%files%log, join(summary%lines, new_line('a')) // new_line('a'), error)
     end subroutine run
 
     !> Computes cases into a table that was begun, and finishes it, unless its rows could not all be written; after an error it
@@ -209,7 +209,7 @@ contains
         rows = table%rows() + cases(2) - cases(1) + 1
         call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
         if (table%remark /= '') call team%progress%note(table%remark)
-        call options%announce_signals(job%input, job%output, table, rows)
+        call options%announce_signals(job%input, job%files%table, table, rows)
     end subroutine announce
 
     !> The summary: plan, cases by status, times.
@@ -224,8 +224,8 @@ contains
         integer(int64) :: computed
         integer :: status
 
-        outputs = job%output
-        if (job%statistics_output /= '') outputs = outputs // ', ' // job%statistics_output
+        outputs = job%files%table
+        if (job%files%statistics /= '') outputs = outputs // ', ' // job%files%statistics
         computed = table%rows() - sum(table%taken_over)
         call summary%headline(job%input // ': sweep of ' // to_text(job%axes%cases) // ' cases -> ' // outputs)
         if (shard%is_part()) call summary%add('shard', shard%line(job%axes%cases))

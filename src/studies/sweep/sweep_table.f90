@@ -116,8 +116,8 @@ contains
         call move_alloc(rows, table%rows_table)
         table%plan = job%statistics
         table%is_part = shard%is_part()
-        table%path = job%output
-        if (job%keeps_rows()) table%path = job%statistics_output
+        table%path = job%files%table
+        if (job%keeps_rows()) table%path = job%files%statistics
         call make_head(job, shard, result_columns(table%plan), table%head)
     end subroutine describe_statistics
 
@@ -132,10 +132,10 @@ contains
 
         select type (table)
         type is (statistics_table_t)
-            call table%rows_table%start(job%output, head, resume, restart, error)
+            call table%rows_table%start(job%files%table, head, resume, restart, error)
             if (.not. allocated(error)) call table%begin(error)
         class is (resumable_table_t)
-            call table%start(job%output, head, resume, restart, error)
+            call table%start(job%files%table, head, resume, restart, error)
         end select
     end subroutine start_table
 

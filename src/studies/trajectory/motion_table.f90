@@ -68,7 +68,7 @@ contains
         type(table_column_t) :: described(size(columns))
         integer :: i, k
 
-        self%path = job%output
+        self%path = job%files%table
         do i = 1, size(columns)
             described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
             if (.not. columns(i)%is_proof) cycle

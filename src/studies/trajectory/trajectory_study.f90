@@ -147,9 +147,9 @@ contains
         if (allocated(error)) return
         if (writer%table%rows_table%is_complete) then
             status = writer%table%ended_with()
-            if (job%event_output /= '') call check_events(job%event_output, error)
+            if (job%files%events /= '') call check_events(job%files%events, error)
             if (allocated(error)) return
-            call summary%headline(job%input // ': trajectory -> ' // job%output)
+            call summary%headline(job%input // ': trajectory -> ' // job%files%table)
             call summary%add('note', writer%table%rows_table%remark)
             if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
             return
@@ -209,7 +209,7 @@ contains
         end if
         associate (table => writer%table%rows_table)
             if (table%remark /= '') call writer%progress%note(table%remark)
-            call options%announce_signals(job%input, job%output, table, writer%total)
+            call options%announce_signals(job%input, job%files%table, table, writer%total)
         end associate
     end subroutine begin_tables
 
@@ -225,8 +225,8 @@ contains
         allocate (recorder)
         call recorder%set(job%events, job%stop_after, job%case)
         writer%recorder => recorder
-        if (job%event_output == '') return
-        call recorder%open_table(job%event_output, study_head(job, [event_columns, columns%column_t]), columns, &
+        if (job%files%events == '') return
+        call recorder%open_table(job%files%events, study_head(job, [event_columns, columns%column_t]), columns, &
                                  job%case, job%scene, allocated(writer%resumed), error)
     end subroutine begin_events
 
@@ -314,7 +314,7 @@ contains
             call move_alloc(writer%error, error)
         else
             trailer(1)%text = 'status: ' // ending_of(outcome)
-            if (job%event_output /= '') call recorder%close_table(trailer, error)
+            if (job%files%events /= '') call recorder%close_table(trailer, error)
             if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
         end if
         call stop_watching_signals()
@@ -331,10 +331,10 @@ contains
         type(summary_t), intent(inout) :: summary
         real(dp) :: setup, sample
 
-        call summary%headline(job%input // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%output)
+        call summary%headline(job%input // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%files%table)
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
-        if (job%event_output /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%event_output)
+        if (job%files%events /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%files%events)
         if (job%plan%exact) then
             call measure_exact_cost(job%case, setup, sample)
             call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &

@@ -67,8 +67,8 @@ contains
         integer :: i, k
 
         if (key%name(:index(key%name, '.')) == 'span.') then
-            error = input_error(escaped(job%input) // ': output.columns: the times of a top are given, so nothing depends on ' &
-                                // key%name // '; the derivatives with respect to time are columns, as theta_rate')
+            error = input_error(escaped(job%input%path) // ': output.columns: the times of a top are given, so nothing depends &
+                                &on ' // key%name // '; the derivatives with respect to time are columns, as theta_rate')
             return
         end if
         self%nodes = key%nodes(key%slot%get())
@@ -86,8 +86,8 @@ contains
             end do
         end do
         if (any(self%nodes%is_valid(2:))) return
-        error = input_error(escaped(job%input) // ': output.columns: with another ' // key%name // ' there is no motion by this &
-                            &method, and so no derivative; integrate by a method and formulation for any body')
+        error = input_error(escaped(job%input%path) // ': output.columns: with another ' // key%name // ' there is no motion by &
+                            &this method, and so no derivative; integrate by a method and formulation for any body')
     end subroutine prepare_key
 
     !> Prepares the motion with another value of a key, if there is one.
@@ -103,7 +103,7 @@ contains
         type(case_t) :: case
         type(plan_t) :: plan
 
-        call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
+        call key%plan_at(job%input%scene, value, scene, case, plan, exists, job%plan, accuracy)
         if (.not. exists) return
         case%t_end = job%case%t_end ! steps of fixed size stay where they are
         call motion%prepare(case, plan, columns)

@@ -91,7 +91,7 @@ contains
         call prepare_job(name_of_text, options, prepared%job, prepared%study, error, text)
         if (allocated(error)) return
         associate (job => prepared%job)
-            if (job%scene%kind /= study_kinds(kind_trajectory)) then
+            if (job%input%scene%kind /= study_kinds(kind_trajectory)) then
                 error = input_error(name_of_text // ': the input of a top is that of a trajectory')
                 return
             end if
@@ -223,10 +223,10 @@ contains
             if (plan%exact) times = times(:0)
             allocate (recorder)
             call recorder%set(job%events, job%stop_after, job%case)
-            call recorder%keep_table(top%chosen, job%case, job%scene)
-            call writer%set_columns(top%chosen, job%case, job%scene)
+            call recorder%keep_table(top%chosen, job%case, job%input%scene)
+            call writer%set_columns(top%chosen, job%case, job%input%scene)
             allocate (writer%kept(size(top%chosen), plan%samples))
-            call compute_motion(job%scene, job%case, plan, times, writer, outcome, recorder)
+            call compute_motion(job%input%scene, job%case, plan, times, writer, outcome, recorder)
         end associate
         call writer%columns%close()
         call describe_status(outcome%status, outcome%end_time(), message)

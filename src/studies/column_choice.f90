@@ -29,14 +29,14 @@ contains
         integer :: i
 
         info = study%info()
-        if (job%scene%certified) call check_certified(info, problems)
+        if (job%input%scene%certified) call check_certified(info, problems)
         if (allocated(job%axes%axis)) then
             if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
                                                                   'give them in the group uncertainty')
         end if
-        associate (named => job%scene%columns)
+        associate (named => job%input%scene%columns)
             if (.not. info%takes_columns) then
-                call check_uncertainties(job%scene, .false., problems)
+                call check_uncertainties(job%input%scene, .false., problems)
                 if (any(named /= '')) then
                     call problems%add('output.columns', 'the columns of this study are fixed', 'omit it')
                 end if
@@ -48,7 +48,7 @@ contains
                 ! The exact solution is not compared with itself.
                 if (job%plan%exact) columns = pack(columns, .not. known(columns)%compares)
                 ! The end of the span is omitted if no event may end the motion earlier.
-                if (job%scene%stop_at == '') columns = pack(columns, .not. known(columns)%ends)
+                if (job%input%scene%stop_at == '') columns = pack(columns, .not. known(columns)%ends)
             else
                 columns = [integer ::]
                 if (named(1) == 'all') columns = pack([(i, i=1, size(known))], &
@@ -64,7 +64,7 @@ contains
             end if
         end associate
         if (.not. allocated(chosen)) chosen = chosen_columns(known, columns)
-        call check_uncertainties(job%scene, any(known(chosen%place)%group == proof_group), problems)
+        call check_uncertainties(job%input%scene, any(known(chosen%place)%group == proof_group), problems)
         call move_alloc(chosen, job%columns)
     end subroutine choose_columns
 
@@ -91,7 +91,7 @@ contains
         type(chosen_column_t) :: found
         character(:), allocatable :: name, key
 
-        name = trim(job%scene%columns(i))
+        name = trim(job%input%scene%columns(i))
         key = 'output.columns(' // to_text(i) // ')'
         call find_named(study, job, known, key, name, found, problems)
         if (found%place == 0) return
@@ -119,7 +119,7 @@ contains
         logical :: is_new
 
         key = 'output.columns(' // to_text(i) // ')'
-        call split_name(trim(job%scene%columns(i)), column, name_of_key)
+        call split_name(trim(job%input%scene%columns(i)), column, name_of_key)
         call find_named(study, job, known, key, column, found, problems)
         if (found%place > 0) then
             if (known(found%place)%words .or. known(found%place)%group == proof_group) then
@@ -129,11 +129,12 @@ contains
                 call check_column(job, key, known(found%place), 'omit its derivative', problems)
             end if
         end if
-        call job%sensitivities%find_key(name_of_key, job%table, job%axes, place_of_key, problem, hint)
+        call job%sensitivities%find_key(name_of_key, job%input%table, job%axes, place_of_key, problem, hint)
         if (problem /= '') call problems%add(key, problem, hint)
         if (found%place == 0 .or. place_of_key == 0) return
         call job%sensitivities%add(found, place_of_key, is_new)
-        if (.not. is_new) call problems%add(key, "column '" // trim(job%scene%columns(i)) // "' is named twice", 'name it once')
+        if (.not. is_new) call problems%add(key, "column '" // trim(job%input%scene%columns(i)) // "' is named twice", &
+                                            'name it once')
     end subroutine add_sensitivity
 
     !> Reports a column that the case cannot have, unless other problems leave open what it is.
@@ -173,7 +174,7 @@ contains
         call find_column(known, name, found, problem, hint)
         if (found%place > 0) then
             if (.not. found%is_converted()) return
-            if (.not. job%scene%certified .and. known(found%place)%group /= proof_group) return
+            if (.not. job%input%scene%certified .and. known(found%place)%group /= proof_group) return
             call problems%add(key, "column '" // name // "': a number is proved in the unit of the column only", &
                               "use '" // trim(known(found%place)%name) // "', which is in " // trim(known(found%place)%unit))
             found = chosen_column_t()

@@ -68,7 +68,7 @@ contains
         outputs = ' -> ' // job%files%table
         if (job%files%statistics /= '') outputs = outputs // ', its statistics -> ' // job%files%statistics
         if (job%files%events /= '') outputs = outputs // ', its events -> ' // job%files%events
-        call summary%headline(job%input // ': ' // study%explain(job) // outputs)
+        call summary%headline(job%input%path // ': ' // study%explain(job) // outputs)
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%cases(job)))
         if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)
         if (info%has_case) call summary%describe_motion(job%case)

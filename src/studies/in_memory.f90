@@ -65,7 +65,7 @@ contains
             if (options%output /= '') then
                 call protect_interrupted(prepared, options, error)
                 if (.not. allocated(error)) call run_in_files(prepared(1), options, .true., run, error)
-            else if (job%scene%kind == study_kinds(kind_sweep) .and. .not. job%statistics%is_wanted) then
+            else if (job%input%scene%kind == study_kinds(kind_sweep) .and. .not. job%statistics%is_wanted) then
                 !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
                 call run_sweep(job, options, run, error)
             else
@@ -151,7 +151,7 @@ contains
             call add_table(job%files%table, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
             if (.not. allocated(error)) call add_table(job%files%events, 'events', run, error)
             if (.not. allocated(error)) call add_table(job%files%statistics, 'statistics', run, error)
-            if (.not. allocated(error) .and. job%scene%kind == study_kinds(kind_fit)) then
+            if (.not. allocated(error) .and. job%input%scene%kind == study_kinds(kind_fit)) then
                 call add_table(residual_path(job%files%table), 'residuals', run, error)
             end if
         end associate

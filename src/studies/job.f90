@@ -25,10 +25,18 @@ module spintop_job
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t, output_files_t
+    public :: job_t, input_t, output_files_t
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000
+
+    !> What was read. The parameter table points into the scene.
+    type :: input_t
+        !> Path of the input.
+        character(:), allocatable :: path
+        type(scene_t) :: scene
+        type(parameter_table_t) :: table
+    end type input_t
 
     !> Where the results of a job go.
     type :: output_files_t
@@ -40,15 +48,14 @@ module spintop_job
         character(:), allocatable :: events
     end type output_files_t
 
-    !> A prepared input. The parameter table points into the scene, so a job must not move in memory.
+    !> A prepared input; it must not move in memory, as its input points into itself.
     type :: job_t
-        !> Path of the input, and its name without folder and extension.
-        character(:), allocatable :: input, name
+        type(input_t) :: input
+        !> Name of the input without folder and extension, or that which it gives its files.
+        character(:), allocatable :: name
         type(output_files_t) :: files
         !> What statistics are gathered.
         type(statistics_plan_t) :: statistics
-        type(scene_t) :: scene
-        type(parameter_table_t) :: table
         !> Whether the study computes the case of the input (`study_info_t`).
         logical :: has_case = .true.
         !> The case of the input; for a sweep the first case that can be computed, and its number.
@@ -86,13 +93,13 @@ contains
     !> Whether the input contains axes or names a table of cases.
     pure logical function names_axes(self)
         class(job_t), intent(in) :: self
-        names_axes = count_axes(self%scene) > 0 .or. self%scene%sweep_table /= '' .or. allocated(self%given)
+        names_axes = count_axes(self%input%scene) > 0 .or. self%input%scene%sweep_table /= '' .or. allocated(self%given)
     end function names_axes
 
     !> Whether the input asks for statistics.
     pure logical function names_statistics(self)
         class(job_t), intent(in) :: self
-        associate (scene => self%scene)
+        associate (scene => self%input%scene)
             names_statistics = any(scene%statistics_columns /= '') .or. any(scene%over /= '') &
                                .or. any(scene%bins /= unset_integer) .or. any(scene%bins_spacing /= '') &
                                .or. any(is_set([scene%bins_from, scene%bins_to])) .or. any(is_set(scene%quantiles)) &
@@ -103,7 +110,7 @@ contains
     !> Whether the rows of the cases are written.
     pure logical function keeps_rows(self)
         class(job_t), intent(in) :: self
-        keeps_rows = self%scene%rows /= 'none'
+        keeps_rows = self%input%scene%rows /= 'none'
     end function keeps_rows
 
     !> Makes the axes, which the input describes or has in a table; with problems they have no cases.
@@ -112,13 +119,13 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         if (allocated(self%given)) then
-            call make_axes_of_arrays(self%given, self%scene, self%table, self%axes, problems)
-        else if (self%scene%sweep_table == '') then
-            call describe_axes(self%scene, self%table, self%axes, problems)
+            call make_axes_of_arrays(self%given, self%input%scene, self%input%table, self%axes, problems)
+        else if (self%input%scene%sweep_table == '') then
+            call describe_axes(self%input%scene, self%input%table, self%axes, problems)
         else
-            call read_axes(self%input, self%scene, self%table, self%axes, problems, diagnostics)
+            call read_axes(self%input%path, self%input%scene, self%input%table, self%axes, problems, diagnostics)
         end if
-        if (.not. problems%any() .and. self%axes%cases > 0) call check_complete(self%axes, self%table, problems)
+        if (.not. problems%any() .and. self%axes%cases > 0) call check_complete(self%axes, self%input%table, problems)
     end subroutine make_axes
 
     !> Checks that no element is missing that those on the axes require: of a vector all vary or have values.
@@ -151,7 +158,7 @@ contains
 
         if (problems%any()) return
         allocate (swept)
-        call swept%copy(self%scene, self%axes)
+        call swept%copy(self%input%scene, self%axes)
         self%first = 1
         call try_case(of_first)
         of_case = of_first
@@ -208,7 +215,7 @@ contains
     type(column_t) function axis_column(self, i) result(column)
         class(job_t), intent(in) :: self
         integer, intent(in) :: i !! number of the axis
-        associate (parameter => self%table%parameters(self%axes%place_of(i, self%table)))
+        associate (parameter => self%input%table%parameters(self%axes%place_of(i, self%input%table)))
             column = column_t(self%axes%axis(i)%name, parameter%unit, parameter%what)
         end associate
     end function axis_column
@@ -227,7 +234,7 @@ contains
 
         if (.not. (self%axes%varies('top') .or. self%axes%varies('part'))) return
         allocate (swept)
-        call swept%copy(self%scene, self%axes)
+        call swept%copy(self%input%scene, self%axes)
         do number = 1, self%axes%cases, max(1_int64, self%axes%cases / most_looked_at)
             call look_at(number, of_case)
             if (of_case%any_warning()) exit

@@ -29,7 +29,7 @@ contains
     subroutine name_job(job)
         type(job_t), intent(inout) :: job !! the job, with the path of its input
         integer :: dot
-        job%name = job%input(index(job%input, '/', back=.true.) + 1:)
+        job%name = job%input%path(index(job%input%path, '/', back=.true.) + 1:)
         dot = index(job%name, '.', back=.true.)
         if (dot > 1) job%name = job%name(:dot - 1)
     end subroutine name_job
@@ -39,9 +39,9 @@ contains
         type(options_t), intent(in) :: options !! options of the command line
         type(job_t), intent(inout) :: job !! the job, named after its input
         character(6) :: ending
-        if (job%scene%file /= '') job%name = stem_of(trim(job%scene%file))
+        if (job%input%scene%file /= '') job%name = stem_of(trim(job%input%scene%file))
         associate (stem => options%output // '/' // job%name // options%shard%suffix())
-            ending = merge('.nc ', '.csv', job%scene%format == 'netcdf')
+            ending = merge('.nc ', '.csv', job%input%scene%format == 'netcdf')
             job%files%table = stem // trim(ending)
             job%files%statistics = ''
             if (job%statistics%is_wanted) then
@@ -71,7 +71,7 @@ contains
         do i = 1, written%n
             do k = 1, theirs%n
                 if (.not. is_other .or. written%path(i)%text /= theirs%path(k)%text) cycle
-                call refuse(job, written%path(i)%text, 'is also that of ' // escaped(other%input))
+                call refuse(job, written%path(i)%text, 'is also that of ' // escaped(other%input%path))
                 return
             end do
         end do
@@ -100,7 +100,7 @@ contains
         subroutine refuse(writer, file, what)
             type(job_t), intent(in) :: writer
             character(*), intent(in) :: file, what
-            error = input_error(escaped(writer%input) // ': error: its table ' // escaped(file) // ' ' // what // &
+            error = input_error(escaped(writer%input%path) // ': error: its table ' // escaped(file) // ' ' // what // &
                                 '; set output.file, or name another folder with --output')
         end subroutine refuse
 
@@ -114,7 +114,7 @@ contains
         call files%add(job%files%table)
         if (job%axes%cases > 0) call files%add(job%files%log)
         if (job%files%events /= '') call files%add(job%files%events)
-        if (job%scene%fit%data /= '') call files%add(residual_path(job%files%table))
+        if (job%input%scene%fit%data /= '') call files%add(residual_path(job%files%table))
         if (.not. job%statistics%is_wanted) return
         statistics = job%files%table
         if (job%files%statistics /= '') statistics = job%files%statistics
@@ -127,17 +127,17 @@ contains
     type(files_t) function files_read(job) result(files)
         type(job_t), intent(in) :: job
         integer :: i
-        associate (scene => job%scene)
-            call files%add(job%input)
-            if (scene%sweep_table /= '') call files%add(path_from(job%input, scene%sweep_table))
-            if (scene%effects%friction_table /= '') call files%add(path_from(job%input, scene%effects%friction_table))
-            if (scene%effects%torque_table /= '') call files%add(path_from(job%input, scene%effects%torque_table))
+        associate (scene => job%input%scene)
+            call files%add(job%input%path)
+            if (scene%sweep_table /= '') call files%add(path_from(job%input%path, scene%sweep_table))
+            if (scene%effects%friction_table /= '') call files%add(path_from(job%input%path, scene%effects%friction_table))
+            if (scene%effects%torque_table /= '') call files%add(path_from(job%input%path, scene%effects%torque_table))
             do i = 1, size(scene%tableaus)
-                call files%add(path_from(job%input, path_of_table(scene%tableaus(i)%key)))
+                call files%add(path_from(job%input%path, path_of_table(scene%tableaus(i)%key)))
             end do
-            if (scene%fit%data /= '') call files%add(path_from(job%input, scene%fit%data))
+            if (scene%fit%data /= '') call files%add(path_from(job%input%path, scene%fit%data))
             if (all(reference_names /= scene%precision_reference)) then
-                call files%add(path_from(job%input, scene%precision_reference))
+                call files%add(path_from(job%input%path, scene%precision_reference))
             end if
         end associate
     end function files_read

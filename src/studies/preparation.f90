@@ -78,18 +78,18 @@ contains
         type(problems_t) :: problems
         type(study_info_t) :: info
 
-        job%input = input
+        job%input%path = input
         call name_job(job)
-        call describe_scene(job%scene, job%table)
-        call job%table%verify(error)
+        call describe_scene(job%input%scene, job%input%table)
+        call job%input%table%verify(error)
         if (allocated(error)) return
-        call read_namelist(input, options%overrides, job%table, diagnostics, error, text, options%verifies)
+        call read_namelist(input, options%overrides, job%input%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
-        call convert_named_units(job%scene, job%table, diagnostics)
-        call read_torques(input, job%scene%effects, problems)
-        call read_friction_table(input, job%scene%effects, problems)
-        call read_tables(input, job%scene, problems)
-        call create_study(trim(job%scene%kind), study)
+        call convert_named_units(job%input%scene, job%input%table, diagnostics)
+        call read_torques(input, job%input%scene%effects, problems)
+        call read_friction_table(input, job%input%scene%effects, problems)
+        call read_tables(input, job%input%scene, problems)
+        call create_study(trim(job%input%scene%kind), study)
         info = study%info()
         job%has_case = info%has_case
         call check_job(study, job, problems, diagnostics)
@@ -97,9 +97,9 @@ contains
         call refuse_netcdf(info, job, problems)
         call choose_columns(study, job, .not. diagnostics%has_errors(), problems)
         call study%complete(job, problems)
-        call choose_events(info, job%scene, job%case, job%events, problems)
-        if (job%scene%stop_after /= unset_integer) job%stop_after = job%scene%stop_after
-        call problems%report_to(job%table, diagnostics)
+        call choose_events(info, job%input%scene, job%case, job%events, problems)
+        if (job%input%scene%stop_after /= unset_integer) job%stop_after = job%input%scene%stop_after
+        call problems%report_to(job%input%table, diagnostics)
         call diagnostics%raise(error, message_width())
         if (allocated(error)) return
         job%warnings = ''
@@ -117,7 +117,7 @@ contains
         type(study_info_t) :: info
 
         info = study%info()
-        if (scan(trim(job%scene%file), '/') > 0) then
+        if (scan(trim(job%input%scene%file), '/') > 0) then
             call problems%add('output.file', 'the name of the table contains a slash', &
                               'name the folder with --output')
         end if
@@ -127,7 +127,7 @@ contains
         if (.not. info%has_statistics) then
             if (job%names_statistics()) call problems%add('statistics', info%phrase // ' has no statistics', &
                                                           "omit the group, or set study.kind = 'sweep'")
-            if (job%scene%rows /= '') call problems%add('output.rows', info%phrase // ' always has its rows', 'omit it')
+            if (job%input%scene%rows /= '') call problems%add('output.rows', info%phrase // ' always has its rows', 'omit it')
         end if
         allocate (job%axes%axis(0))
         call study%check(job, problems, diagnostics)
@@ -154,8 +154,8 @@ contains
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'", &
             key_of_level = 'output.compression'
-        if (job%scene%compression /= unset_integer) then
-            if (job%scene%format /= 'netcdf') then
+        if (job%input%scene%compression /= unset_integer) then
+            if (job%input%scene%format /= 'netcdf') then
                 call problems%add(key_of_level, 'only a NetCDF table can be compressed', "set output.format = 'netcdf'")
             else if (.not. job%keeps_rows()) then
                 call problems%add(key_of_level, 'there are no rows to compress', 'omit it')
@@ -163,7 +163,7 @@ contains
                 call problems%add(key_of_level, 'the NetCDF library of this build has no format NetCDF-4', 'omit it')
             end if
         end if
-        if (job%scene%format /= 'netcdf') return
+        if (job%input%scene%format /= 'netcdf') return
         if (.not. has_netcdf()) then
             call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... makes a build with NetCDF')
         else if (.not. info%has_netcdf) then

@@ -46,10 +46,10 @@ contains
         type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
         type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
         if (allocated(job%plan%model)) then
-            call gather_facts(job%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
+            call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
         else
-            call gather_facts(job%scene%title, 'those of the column formulation', 'those of the column method', &
+            call gather_facts(job%input%scene%title, 'those of the column formulation', 'those of the column method', &
                               dated=.true., facts=facts)
         end if
         call print_input(job, input)
@@ -61,9 +61,9 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(:), allocatable :: groups
-        groups = given_groups(job%table) // '|' // groups_of_all // '|' // trim(job%scene%kind)
+        groups = given_groups(job%input%table) // '|' // groups_of_all // '|' // trim(job%input%scene%kind)
         if (job%has_case) groups = groups // '|' // groups_of_a_case
-        call print_namelist(job%table, lines, groups)
+        call print_namelist(job%input%table, lines, groups)
     end subroutine print_input
 
     !> The mass properties of a body, in the axes in which they were given.

@@ -106,7 +106,7 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         integer :: i
 
-        associate (names => job%scene%benchmark_cases)
+        associate (names => job%input%scene%benchmark_cases)
             call find_cases('benchmark.cases', 'benchmark', names, benchmarks%name, self%chosen, problems)
             if (all(names == '')) self%chosen = [(i, i=1, size(benchmarks))]
         end associate
@@ -144,7 +144,7 @@ contains
         part = options%shard%beginning(all)
         call file%create(job%files%table, study_head(job, benchmark_columns, part=part), error)
         if (allocated(error)) return
-        call summary%headline(job%input // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%files%table)
+        call summary%headline(job%input%path // ': ' // to_text(last - first + 1) // ' benchmarks -> ' // job%files%table)
         if (part /= '') call summary%add('shard', part)
         call progress%start(job%name, 'benchmarks', last - first + 1, options%quiet, options%progress)
         do i = int(first), int(last)

@@ -75,19 +75,21 @@ contains
         type(scene_t), allocatable :: scene
         integer :: unknown
 
-        call job%scene%fit%set_defaults()
-        call read_measurements(job%input, job%scene%fit, self%measured, problems)
+        call job%input%scene%fit%set_defaults()
+        call read_measurements(job%input%path, job%input%scene%fit, self%measured, problems)
         call find_unknown(job, self%measured, self%sought, problems)
-        if (any(is_set([job%scene%nutations, job%scene%precessions])) .or. job%scene%stop_at /= '') then
+        if (any(is_set([job%input%scene%nutations, job%input%scene%precessions])) .or. job%input%scene%stop_at /= '') then
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
         if (problems%any()) return
-        call set_span(self%measured%t + job%scene%fit%time_offset + job%scene%fit%averaged / 2, job%scene, problems)
+        associate (fit => job%input%scene%fit)
+            call set_span(self%measured%t + fit%time_offset + fit%averaged / 2, job%input%scene, problems)
+        end associate
         call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
         call plan_for_all(self, job, problems)
         if (problems%any()) return
-        call check_measurements(self%measured, job%case, job%scene%fit%time_offset, problems)
+        call check_measurements(self%measured, job%case, job%input%scene%fit%time_offset, problems)
         if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
@@ -114,7 +116,7 @@ contains
 
         allocate (model)
         associate (keys => self%sought%keys)
-            call model%prepare(job%scene, keys, job%case, job%plan, self%measured)
+            call model%prepare(job%input%scene, keys, job%case, job%plan, self%measured)
             do i = 1, size(keys)
                 call model%plan_with_another(i, [(keys(k)%slot%get(), k=1, size(keys))], plan, reasons)
                 if (reasons%any()) then
@@ -174,13 +176,13 @@ contains
         code = exit_ok
         allocate (model)
         associate (keys => self%sought%keys, measured => self%measured)
-            call model%prepare(job%scene, keys, job%case, job%plan, measured)
+            call model%prepare(job%input%scene, keys, job%case, job%plan, measured)
             start = [(keys(i)%slot%get(), i=1, size(keys))]
-            search%kind = max(loss_squares, findloc(loss_names, job%scene%fit%loss, dim=1))
-            search%most = job%scene%fit%searches
-            search%has_windows = job%scene%fit%windows
+            search%kind = max(loss_squares, findloc(loss_names, job%input%scene%fit%loss, dim=1))
+            search%most = job%input%scene%fit%searches
+            search%has_windows = job%input%scene%fit%windows
             search%period = period_of(job%case)
-            call find_minimum(self, job%scene%fit%profile, model, start, search, minimum, estimate)
+            call find_minimum(self, job%input%scene%fit%profile, model, start, search, minimum, estimate)
             allocate (values, mold=measured%values)
             call model%predict(minimum%x, values, is_valid)
             is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
@@ -195,7 +197,7 @@ contains
             end do
             do i = 1, size(warnings)
                 if (i > 1) job%late_warnings = job%late_warnings // new_line('a')
-                job%late_warnings = job%late_warnings // escaped(job%input) // ': warning: ' // warnings(i)%text
+                job%late_warnings = job%late_warnings // escaped(job%input%path) // ': warning: ' // warnings(i)%text
             end do
             call write_estimates(job, keys, start, estimate, warnings, ending, error)
             if (.not. allocated(error)) call write_residuals(job, measured, values, model%differences(values), ending, error)
@@ -278,12 +280,12 @@ contains
 
         m = size(minimum%residuals)
         n = size(minimum%x)
-        call summary%headline(job%input // ': ' // self%explain(job) // ' -> ' // job%files%table // ', ' // &
+        call summary%headline(job%input%path // ': ' // self%explain(job) // ' -> ' // job%files%table // ', ' // &
                               residual_path(job%files%table))
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''
-            if (job%scene%fit%profile) interval = ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
+            if (job%input%scene%fit%profile) interval = ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
                                                   rounded(estimate%upper(i), 9)
             call summary%add(self%sought%keys(i)%name, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
                              rounded(estimate%standard_error(i), 3) // interval)

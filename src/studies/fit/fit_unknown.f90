@@ -25,13 +25,13 @@ contains
         integer :: i, key, found
 
         found = 0
-        associate (fit => job%scene%fit)
+        associate (fit => job%input%scene%fit)
             do i = 1, size(fit%unknown)
                 if (fit%unknown(i) == '') cycle
                 if (is_of_sensor(fit%unknown(i))) then
                     call find_sensor_number(trim(fit%unknown(i)), job, measured, sought, key, problem, hint)
                 else
-                    call sought%find_key(trim(fit%unknown(i)), job%table, job%axes, key, problem, hint)
+                    call sought%find_key(trim(fit%unknown(i)), job%input%table, job%axes, key, problem, hint)
                 end if
                 if (problem == '' .and. key <= found) then
                     problem = trim(fit%unknown(i)) // ' is named twice'
@@ -97,9 +97,9 @@ contains
             if (allocated(measured%columns)) k = place_of(measured%columns, column)
             if (k == 0) return
             if (index(name, 'offset.') == 1) found%unit = trim(measured%columns(k)%unit)
-            measured%sensor(k) = job%scene%fit%sensors%place_of(column)
+            measured%sensor(k) = job%input%scene%fit%sensors%place_of(column)
         end if
-        call job%table%find_number(key_of(name, job%scene%fit%sensors), found%slot, problem)
+        call job%input%table%find_number(key_of(name, job%input%scene%fit%sensors), found%slot, problem)
         if (problem /= '') return
         if (.not. allocated(sought%keys)) allocate (sought%keys(0))
         do key = 1, size(sought%keys)

@@ -95,7 +95,7 @@ contains
         if (.not. allocated(first)) return
         call make_precision_plan(first, self%plan, problems)
         if (problems%any()) return
-        call read_reference(job%input, job%scene, job%case, self%plan, problems, diagnostics)
+        call read_reference(job%input%path, job%input%scene, job%case, self%plan, problems, diagnostics)
         if (.not. job%names_axes()) return
         if (allocated(self%plan%stored)) then
             call problems%add('work_precision.reference', 'a stored motion cannot be the reference of several cases', &
@@ -142,7 +142,7 @@ contains
         call begin_table(job, options%shard%beginning(self%cases(job)), file, error)
         if (allocated(error)) return
         allocate (swept)
-        call swept%copy(job%scene, job%axes)
+        call swept%copy(job%input%scene, job%axes)
         allocate (values(size(job%axes%axis)))
         trials = sum(self%plan%settings(self%plan%choices))
         call progress%start(job%name, 'trials', trials * last, options%quiet, options%progress, before=trials * (first - 1))
@@ -165,7 +165,7 @@ contains
             return
         end if
         if (failures > 0) code = exit_failed
-        summary%lines(1)%text = escaped(job%input // ': work-precision study, ' // to_text(sum(ends)) // ' rows -> ' // &
+        summary%lines(1)%text = escaped(job%input%path // ': work-precision study, ' // to_text(sum(ends)) // ' rows -> ' // &
                                          job%files%table)
         if (options%shard%is_part()) call summary%add('shard', options%shard%line(self%cases(job)))
         call summary%add('time', rounded(seconds() - began) // ' s')

@@ -62,13 +62,13 @@ contains
 
         code = exit_ok
         if (.not. has_balls()) then
-            error = input_error(escaped(job%input) // ': ' // balls_missing // '; ' // balls_hint)
+            error = input_error(escaped(job%input%path) // ': ' // balls_missing // '; ' // balls_hint)
             return
         end if
-        call read_table(job%input, found%table, error, takes_damaged=.true.)
+        call read_table(job%input%path, found%table, error, takes_damaged=.true.)
         if (.not. allocated(error)) call read_numbers(job, found, error)
         if (allocated(error)) return
-        call check_proof_cells(found%table, job%scene%certified, found%wrong)
+        call check_proof_cells(found%table, job%input%scene%certified, found%wrong)
         if (found%is_sweep) then
             call verify_sweep(job, found, error)
         else
@@ -88,7 +88,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         integer :: k, rows
 
-        found%is_sweep = job%scene%kind == 'sweep'
+        found%is_sweep = job%input%scene%kind == 'sweep'
         found%has_events = size(found%table%words('event')) > 0
         rows = size(found%table%cells, 2)
         allocate (found%printed(proof_count, rows), found%bounds(proof_count, rows))
@@ -133,7 +133,7 @@ contains
         if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found%wrong, error)
         if (allocated(error)) return
         call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
-                        job%case%given_start, data_radii(job%scene))
+                        job%case%given_start, data_radii(job%input%scene))
         do row = 1, size(times)
             call check_cells(found, row, .true.)
             call verify_row(job, job%case, times(row), row, proof, found)
@@ -168,10 +168,11 @@ contains
         if (allocated(error)) return
         allocate (status, source=found%table%words('status'))
         allocate (swept)
-        call swept%copy(job%scene, job%axes)
+        call swept%copy(job%input%scene, job%axes)
         do row = 1, size(cases)
             if (.not. (cases(row) >= 1 .and. cases(row) <= job%axes%cases)) then
-                error = input_error(escaped(job%input) // ': case ' // to_text(cases(row)) // ' is not a case of its input')
+                error = input_error(escaped(job%input%path) // ': case ' // to_text(cases(row)) // ' is not a case &
+                                    &of its input')
                 return
             end if
             call job%axes%find_values(int(cases(row), int64), values)
@@ -183,7 +184,7 @@ contains
             if (allocated(error)) return
             if (.not. is_finite(ends(row))) ends(row) = case%t_end
             call proof%open(is_finite(found%printed(:, row)), .false., case%given_body, case%given_start, &
-                            data_radii(job%scene))
+                            data_radii(job%input%scene))
             call verify_row(job, case, ends(row), row, proof, found)
         end do
         call proof%close()
@@ -238,15 +239,15 @@ contains
         proof%wanted = is_finite(printed)
         call proof%prove(t, printed)
         floor = no_number
-        if (job%plan%exact .and. .not. has_radii(job%scene)) floor = inherent_error(case%body, case%start, t)
+        if (job%plan%exact .and. .not. has_radii(job%input%scene)) floor = inherent_error(case%body, case%start, t)
         do k = 1, proof_count
             if (.not. proof%wanted(k)) cycle
             if (proof%reasons(k) == proved) found%largest(k) = max(found%largest(k), proof%bounds(k))
             half_place = spacing(max(abs(printed(k)), epsilon(1.0_dp))) / 2
             claim = found%bounds(k, row)
             if (.not. is_finite(claim)) then
-                if (job%scene%certified) claim = 1.5_dp * half_place
-                if (.not. job%scene%certified) claim = claim_of(k, case, printed, floor, found%is_sweep)
+                if (job%input%scene%certified) claim = 1.5_dp * half_place
+                if (.not. job%input%scene%certified) claim = claim_of(k, case, printed, floor, found%is_sweep)
             end if
             if (proof%reasons(k) /= proved .or. .not. is_finite(claim)) then
                 found%unproved = found%unproved + 1
@@ -272,7 +273,7 @@ contains
         type(line_list_t) :: text
         integer :: k
 
-        call text%add(job%input // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
+        call text%add(job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
                       // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
         if (.not. found%table%has_end) call text%add('  note  the table does not end with the number and the checksum of &
             &its rows: it was cut, or written by an earlier version')

@@ -115,7 +115,7 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
 
-        call make_stability_plan(job%scene, self%plan, problems)
+        call make_stability_plan(job%input%scene, self%plan, problems)
         if (problems%any() .or. all(self%plan%cases > 0)) return
         call job%make_first_case(scene, problems, planned=.false.)
     end subroutine check
@@ -221,7 +221,7 @@ contains
         place = self%plan%cases(number)
         facts%name = own_case
         if (place > 0) facts%name = hard_cases(place)%name
-        call scene_of_case(self%job%scene, place, scene, error)
+        call scene_of_case(self%job%input%scene, place, scene, error)
         if (.not. allocated(error)) call find_facts(scene, facts, error)
         if (allocated(error)) return
         tried = ''
@@ -304,7 +304,7 @@ contains
 
         is_new = .false.
         scene = case_scene
-        call scene_of_trial(job%scene, scene, choice)
+        call scene_of_trial(job%input%scene, scene, choice)
         call make_plan(scene, facts%case, plan, problems)
         call begin_row(facts, row)
         row%method = choice%method%name
@@ -361,7 +361,7 @@ contains
         character(36) :: name
         integer :: k
 
-        call summary%headline(job%input // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
+        call summary%headline(job%input%path // ': stability of ' // to_text(size(verdicts, 1)) // ' methods on ' &
                               // to_text(cases) // ' cases -> ' // job%files%table)
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(verdicts(:, k) == 0)) cycle

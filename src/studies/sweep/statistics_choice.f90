@@ -57,7 +57,7 @@ contains
                 'nothing would be written: there are no statistics', "give statistics.columns, or set rows = 'all'")
             return
         end if
-        if (all(job%scene%statistics_columns == '')) then
+        if (all(job%input%scene%statistics_columns == '')) then
             call problems%add('statistics', 'there are no columns of which statistics are computed', &
                               "give for example columns = 'theta_max', 'status'")
             return
@@ -66,8 +66,8 @@ contains
         if (job%axes%cases == 0) return
         call describe_columns(job, cells)
         plan%is_wanted = .true.
-        plan%is_netcdf = job%scene%format == 'netcdf'
-        plan%by_bin = job%scene%quantiles_of == 'bins'
+        plan%is_netcdf = job%input%scene%format == 'netcdf'
+        plan%by_bin = job%input%scene%quantiles_of == 'bins'
         plan%status_cell = place_in(cells, status_column)
         call choose_gathered(job, cells, plan, problems)
         call choose_quantiles(job, plan, problems)
@@ -86,11 +86,11 @@ contains
         integer :: i
 
         allocate (known, source=sweep_columns())
-        if (any(job%scene%columns /= '')) then
+        if (any(job%input%scene%columns /= '')) then
             call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
                               'omit it; statistics.columns are computed')
         end if
-        associate (names => [character(64) :: job%scene%statistics_columns, job%scene%over])
+        associate (names => [character(64) :: job%input%scene%statistics_columns, job%input%scene%over])
             allocate (found(size(names)))
             do i = 1, size(names)
                 call find_column(known, trim(names(i)), found(i), problem, hint)
@@ -111,7 +111,7 @@ contains
         character(:), allocatable :: key
 
         allocate (numbers(0), categories(0))
-        associate (named => job%scene%statistics_columns)
+        associate (named => job%input%scene%statistics_columns)
             do i = 1, size(named)
                 if (named(i) == '') cycle
                 key = 'statistics.columns(' // to_text(i) // ')'
@@ -155,7 +155,7 @@ contains
         else if (found%place > 0) then
             call problems%add(key, "the table has no column '" // name // "'", &
                               "add it to output.columns, or set output.rows = 'none'")
-        else if (job%table%find(name(:index(name // '(', '(') - 1)) > 0) then
+        else if (job%input%table%find(name(:index(name // '(', '(') - 1)) > 0) then
             call problems%add(key, name // ' is not swept', 'name a parameter of an axis, or a column')
         else
             allocate (names(size(known) + size(job%axes%axis)))
@@ -188,7 +188,7 @@ contains
         type(problems_t), intent(inout) :: problems
         integer :: i
 
-        allocate (plan%shares, source=pack(job%scene%quantiles, is_set(job%scene%quantiles)))
+        allocate (plan%shares, source=pack(job%input%scene%quantiles, is_set(job%input%scene%quantiles)))
         if (size(plan%shares) == 0) plan%shares = usual_quantiles
         do i = 2, size(plan%shares)
             if (plan%shares(i) > plan%shares(i - 1)) cycle
@@ -206,7 +206,7 @@ contains
         character(*), parameter :: named_key = 'statistics.indices'
         integer :: i, factors, group
 
-        if (job%scene%indices == '') return
+        if (job%input%scene%indices == '') return
         factors = count(job%axes%axis%component == 1)
         group = factors + 2
         if (job%axes%combination /= combine_saltelli) then
@@ -239,10 +239,10 @@ contains
         type(problems_t), intent(inout) :: problems
         integer :: i, n
 
-        n = count(job%scene%over /= '')
+        n = count(job%input%scene%over /= '')
         do i = n + 1, max_over
-            if (job%scene%bins(i) /= unset_integer .or. job%scene%bins_spacing(i) /= '' .or. &
-                any(is_set([job%scene%bins_from(i), job%scene%bins_to(i)]))) then
+            if (job%input%scene%bins(i) /= unset_integer .or. job%input%scene%bins_spacing(i) /= '' .or. &
+                any(is_set([job%input%scene%bins_from(i), job%input%scene%bins_to(i)]))) then
                 call problems%add('statistics', 'bins ' // to_text(i) // ' are described, but not what they are over', &
                                   'give over(' // to_text(i) // '), or omit its bins, from, to and spacing')
                 return
@@ -282,7 +282,7 @@ contains
         logical :: has_range, is_given
 
         range%number = number
-        name = trim(job%scene%over(number))
+        name = trim(job%input%scene%over(number))
         over%cell = find_cell(job, cells, name, range%key('over'), problems)
         if (over%cell == 0) return
         over%column = cells(over%cell)
@@ -292,7 +292,7 @@ contains
             return
         end if
         has_range = .false.
-        associate (scene => job%scene)
+        associate (scene => job%input%scene)
             is_given = scene%bins(number) /= unset_integer .or. scene%bins_spacing(number) /= '' .or. &
                        any(is_set([scene%bins_from(number), scene%bins_to(number)]))
             do axis = 1, size(job%axes%axis)

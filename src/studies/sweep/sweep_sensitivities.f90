@@ -77,7 +77,7 @@ contains
         end associate
         allocate (self%own)
         call self%own%prepare(job, self%axis, n)
-        if (job%scene%method == exact_info%name) return
+        if (job%input%scene%method == exact_info%name) return
         allocate (self%other(other_accuracies))
         do i = 1, other_accuracies
             call self%other(i)%prepare(job, self%axis, n, accuracy=i)
@@ -95,13 +95,13 @@ contains
 
         allocate (self%job, self%worker)
         associate (own => self%job, wanted => job%sensitivities)
-            own%scene = job%scene
-            own%scene%certified = .false.
+            own%input%scene = job%input%scene
+            own%input%scene%certified = .false.
             own%case = job%case
             own%plan = job%plan
             if (present(accuracy)) then
-                call set_other_accuracy(own%scene, job%plan, accuracy, keeps_rows=.false.)
-                call make_plan(own%scene, own%case, own%plan, problems)
+                call set_other_accuracy(own%input%scene, job%plan, accuracy, keeps_rows=.false.)
+                call make_plan(own%input%scene, own%case, own%plan, problems)
             end if
             own%events = job%events
             own%stop_after = job%stop_after

@@ -122,7 +122,7 @@ contains
         if (allocated(error)) return
         if (table%is_complete) then
             code = code_of(table%counts)
-            call summary%headline(job%input // ': sweep -> ' // job%files%table)
+            call summary%headline(job%input%path // ': sweep -> ' // job%files%table)
             call summary%add('note', table%remark)
             call summary%add_failures('cases', table%counts)
             return
@@ -209,7 +209,7 @@ contains
         rows = table%rows() + cases(2) - cases(1) + 1
         call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
         if (table%remark /= '') call team%progress%note(table%remark)
-        call options%announce_signals(job%input, job%files%table, table, rows)
+        call options%announce_signals(job%input%path, job%files%table, table, rows)
     end subroutine announce
 
     !> The summary: plan, cases by status, times.
@@ -227,7 +227,7 @@ contains
         outputs = job%files%table
         if (job%files%statistics /= '') outputs = outputs // ', ' // job%files%statistics
         computed = table%rows() - sum(table%taken_over)
-        call summary%headline(job%input // ': sweep of ' // to_text(job%axes%cases) // ' cases -> ' // outputs)
+        call summary%headline(job%input%path // ': sweep of ' // to_text(job%axes%cases) // ' cases -> ' // outputs)
         if (shard%is_part()) call summary%add('shard', shard%line(job%axes%cases))
         call summary%describe_plan(job%plan)
         if (table%remark /= '') call summary%add('note', table%remark)

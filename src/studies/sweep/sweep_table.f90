@@ -50,7 +50,7 @@ contains
         class(resumable_table_t), allocatable :: rows
         type(statistics_table_t), allocatable :: with_statistics
 
-        if (job%scene%format == 'netcdf' .and. job%keeps_rows()) then
+        if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
             call describe_netcdf(job, shard, rows)
         else
             allocate (resumable_table_t :: rows)
@@ -83,7 +83,7 @@ contains
             description%columns = file%columns
             description%axes = grid_of(job%axes)
             description%part = shard%beginning(job%axes%cases)
-            if (job%scene%compression /= unset_integer) description%compression = job%scene%compression
+            if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
         end associate
         call move_alloc(file, table)
     end subroutine describe_netcdf
@@ -155,7 +155,7 @@ contains
                 end associate
             end do
         end if
-        call gather_facts(job%scene%title, job%plan%model, method, dated=.false., facts=facts)
+        call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
     end subroutine gather
 
     !> The grid of the cases: that of the axes, or a single dimension.

@@ -124,7 +124,7 @@ contains
         type(job_t), target, intent(in) :: job !! the job
         integer :: k
 
-        call worker%swept%copy(job%scene, job%axes)
+        call worker%swept%copy(job%input%scene, job%axes)
         worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('part') .or. job%axes%varies('effects'))
         worker%last_of_attitude = job%axes%last_of(attitude_parameters)
         worker%same_plans = .not. job%axes%varies('integration')
@@ -144,7 +144,7 @@ contains
             worker%skips_nutations = job%plan%exact .and. size(job%events) == 0 .and. .not. asks_for_span(wanted) &
                                      .and. .not. wanted(of_proof)
         end associate
-        worker%proofs = sweep_proofs(worker%columns, job%scene%certified)
+        worker%proofs = sweep_proofs(worker%columns, job%input%scene%certified)
     end subroutine prepare
 
     !> Rows of the cases from `first` to `last`, at most `block_size`.
@@ -166,10 +166,10 @@ contains
         moments(work_of_making) = seconds()
         associate (slots => worker%slots(:n))
             call run_engines(worker%engines, slots, worker%task)
-            if (worker%skips_nutations .and. is_set(job%scene%nutations)) call refuse_endless(worker, job, n)
+            if (worker%skips_nutations .and. is_set(job%input%scene%nutations)) call refuse_endless(worker, job, n)
             if (any(worker%proofs)) then
                 do k = 1, n
-                    if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%scene)
+                    if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%input%scene)
                 end do
             end if
             moments(work_of_computing) = seconds()

@@ -77,7 +77,7 @@ contains
                 call append(described(i)%words, trim(proof_words(k)))
             end do
         end do
-        if (job%scene%format == 'netcdf') then
+        if (job%input%scene%format == 'netcdf') then
             allocate (netcdf_table_t :: self%rows_table)
         else
             allocate (resumable_table_t :: self%rows_table)
@@ -112,7 +112,7 @@ contains
                 exit
             end do
             description%part = ''
-            if (job%scene%compression >= 0) description%compression = job%scene%compression
+            if (job%input%scene%compression >= 0) description%compression = job%input%scene%compression
         end subroutine describe_file
 
     end subroutine describe

@@ -29,12 +29,12 @@ contains
         logical :: wanted(proof_count)
         integer :: i
 
-        wanted = wanted_proofs(columns%quantity(), job%scene%certified)
+        wanted = wanted_proofs(columns%quantity(), job%input%scene%certified)
         if (.not. any(wanted)) return
         printed = 0
         printed(proof_of_q0) = 1
         began = seconds()
-        call proof%open(wanted, .false., job%case%given_body, job%case%given_start, data_radii(job%scene))
+        call proof%open(wanted, .false., job%case%given_body, job%case%given_start, data_radii(job%input%scene))
         do i = halvings, 0, -1
             part = 0.5_dp**i
             call proof%prove(part * job%case%t_end, printed)

@@ -40,7 +40,7 @@ contains
         allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
         if (status == 0) allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
         if (status /= 0) then
-            error = error_t(exit_internal, escaped(job%input) // ': not enough memory for the derivatives in all rows; &
+            error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for the derivatives in all rows; &
                             &use fewer span.samples')
             return
         end if
@@ -98,7 +98,7 @@ contains
         logical :: exists
         integer :: i, stride
 
-        call key%plan_at(job%scene, value, scene, case, plan, exists, job%plan, accuracy)
+        call key%plan_at(job%input%scene, value, scene, case, plan, exists, job%plan, accuracy)
         if (.not. exists) return
         ! Where each step is a row, smaller steps are more rows.
         stride = max(1, (plan%samples - 1) / (job%plan%samples - 1))

@@ -149,13 +149,13 @@ contains
             status = writer%table%ended_with()
             if (job%files%events /= '') call check_events(job%files%events, error)
             if (allocated(error)) return
-            call summary%headline(job%input // ': trajectory -> ' // job%files%table)
+            call summary%headline(job%input%path // ': trajectory -> ' // job%files%table)
             call summary%add('note', writer%table%rows_table%remark)
             if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
             return
         end if
         began = seconds()
-        call compute_motion(job%scene, job%case, job%plan, times, writer, outcome, recorder)
+        call compute_motion(job%input%scene, job%case, job%plan, times, writer, outcome, recorder)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
         status = outcome%status
@@ -185,7 +185,7 @@ contains
         call sensitivity_columns(job, derivatives)
         all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
-            call writer%set_columns(columns, job%case, job%scene)
+            call writer%set_columns(columns, job%case, job%input%scene)
         else
             call keep_rows(job, columns, writer, error)
             if (allocated(error)) return
@@ -209,7 +209,7 @@ contains
         end if
         associate (table => writer%table%rows_table)
             if (table%remark /= '') call writer%progress%note(table%remark)
-            call options%announce_signals(job%input, job%files%table, table, writer%total)
+            call options%announce_signals(job%input%path, job%files%table, table, writer%total)
         end associate
     end subroutine begin_tables
 
@@ -227,7 +227,7 @@ contains
         writer%recorder => recorder
         if (job%files%events == '') return
         call recorder%open_table(job%files%events, study_head(job, [event_columns, columns%column_t]), columns, &
-                                 job%case, job%scene, allocated(writer%resumed), error)
+                                 job%case, job%input%scene, allocated(writer%resumed), error)
     end subroutine begin_events
 
     !> Ends the tables after an error: they are kept where a later run can resume them, and discarded otherwise.
@@ -264,9 +264,9 @@ contains
 
         allocate (needed(size(columns) + size(job%sensitivities%columns())))
         needed = [columns, trajectory_columns_at(job%sensitivities%columns())]
-        call writer%set_columns(needed, job%case, job%scene)
+        call writer%set_columns(needed, job%case, job%input%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
-        if (status /= 0) error = error_t(exit_internal, escaped(job%input) // ': not enough memory for ' &
+        if (status /= 0) error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' &
                                          // to_text(job%plan%samples) // ' rows; use fewer span.samples')
     end subroutine keep_rows
 
@@ -331,7 +331,7 @@ contains
         type(summary_t), intent(inout) :: summary
         real(dp) :: setup, sample
 
-        call summary%headline(job%input // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%files%table)
+        call summary%headline(job%input%path // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%files%table)
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
         if (job%files%events /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%files%events)
@@ -346,7 +346,7 @@ contains
         associate (status => outcome%status)
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
                              // status_meaning(status))
-            if (job%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
+            if (job%input%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
         end associate
     end subroutine describe_run
 
@@ -359,7 +359,7 @@ contains
 
         allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
         if (status /= 0) then
-            error = error_t(exit_internal, escaped(job%input) // ': not enough memory for the times of ' &
+            error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for the times of ' &
                             // to_text(job%plan%samples) // ' rows; use fewer span.samples')
             return
         end if
@@ -376,9 +376,9 @@ contains
         if (recorder%ended_by > 0) then
             text = trim(recorder%events(recorder%ended_by)%name) // ' (stop_at)'
         else
-            text = 'not at an event: ''' // trim(job%scene%stop_at) // ''' occurred fewer than ' &
+            text = 'not at an event: ''' // trim(job%input%scene%stop_at) // ''' occurred fewer than ' &
                    // to_text(job%stop_after) // ' times in the span'
-            if (job%stop_after == 1) text = 'not at an event: ''' // trim(job%scene%stop_at) &
+            if (job%stop_after == 1) text = 'not at an event: ''' // trim(job%input%scene%stop_at) &
                 // ''' did not occur in the span'
         end if
     end function what_ended

@@ -121,11 +121,13 @@ class VerifyTest(ProgramCase):
             self.assertIn(words, run.stderr)
 
     def test_effects(self) -> None:
-        """A rotor on the axis is enclosed; other effects are not."""
-        for rotor, word in (("0.1, 0, 0", "proved"), ("0.1, 0.1, 0", "unproved")):
-            effects = f"&effects rotor_momentum = {rotor} /\n&span"
+        """A rotor on the axis, by the closed form, or on another, step by step; no dry friction."""
+        rotor = "rotor_momentum = "
+        for effect in (f"{rotor} 0.1, 0, 0", f"{rotor} 0, 0, 0.1", "friction_torque = 0.01"):
+            effects = f"&effects {effect} /\n&span"
             scene = self.write(ABOUT_X.replace("&span", effects), "rotor.nml")
             self.assertEqual(self.run_program(scene).returncode, 0)
+            word = "unproved" if "friction" in effect else "proved"
             self.assertEqual(set(self.table("rotor").texts("proof")), {word})
             if word == "proved":
                 self.assertLess(self.table("rotor").largest("orientation_bound"), 1e-14)

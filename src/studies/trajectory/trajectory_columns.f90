@@ -86,9 +86,6 @@ module spintop_trajectory_columns
         trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, passing_omega), &
         trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, passing_omega), &
         trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, passing_omega), &
-        trajectory_column_t('omega_x', 'rad/s', 'angular velocity about space x', 'rates', vector_omega_in_space, 1), &
-        trajectory_column_t('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 2), &
-        trajectory_column_t('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 3), &
         trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion, 1), &
         trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 2), &
         trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 3), &
@@ -147,6 +144,9 @@ module spintop_trajectory_columns
                             'errors', vector_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
         trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
                             'errors', vector_norm_error, 1), &
+        trajectory_column_t('omega_x', 'rad/s', 'angular velocity about space x', 'rates', vector_omega_in_space, 1), &
+        trajectory_column_t('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 2), &
+        trajectory_column_t('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 3), &
         trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
                             'attitude', vector_axis_z_rate, 1, passing_turning), &
         trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &

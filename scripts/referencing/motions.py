@@ -247,12 +247,17 @@ class Motion:
         return errors
 
     def table(self) -> str:
-        """The table, which `spintop verify` reads."""
+        """The table, which `spintop verify` reads: certified attitudes, where they are proved."""
         errors = self.inherent_errors()
         names = ",".join(COLUMNS)
         lines = [names]
-        for t, state, row, inherent in zip(self.times, self.states, self.rows, errors, strict=True):
-            groups = {"attitude": (*state[:4], state[0]), **row}
+        attitudes = zip(*(self.answer.columns[f"q{k}"] for k in range(4)), strict=True)
+        if self.errors["attitude"].kind == "proved":
+            attitudes = [self.states[0][:4], *(tuple(map(Decimal, q)) for q in list(attitudes)[1:])]
+        else:
+            attitudes = [state[:4] for state in self.states]
+        for t, q, row, inherent in zip(self.times, attitudes, self.rows, errors, strict=True):
+            groups = {"attitude": (*q, q[0]), **row}
             cells = [shortest(t)]
             for name, numbers in groups.items():
                 agree = numbers if t == 0 else self.digits(numbers, OWNERS.get(name, name))

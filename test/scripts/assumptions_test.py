@@ -39,9 +39,13 @@ BESIDE = {
     "torque_body_amplitude": ["torque_body_rate=60"],
     "torque_space_amplitude": ["torque_space_rate=60"],
     "earth_rate": ["latitude_deg=50"],
-    "torque_table": [],
 }
 """What else a key of &effects needs."""
+TABLES = {
+    "friction_table": "omega3,friction_torque\n0,0.01\n100,0.02\n",
+    "torque_table": "t,m1,m2,m3\n0,0.1,0,0\n100,0.1,0,0\n",
+}
+"""Keys whose value is a file, with its contents."""
 STRONG = {"earth_rate": 1e-4}
 """Values of keys in place of 0.02, which would be too large."""
 
@@ -110,9 +114,9 @@ def test_figures_with_assumptions() -> None:
 def test_effects(folder: Path, key: str) -> None:
     """Each effect breaks the assumptions of figures, of the live top and of the paper's runs."""
     value = ",".join([f"{STRONG.get(key, 0.02)}"] * SIZES[key])
-    if key == "torque_table":
-        path = folder / "torque.csv"
-        path.write_text("t,m1,m2,m3\n0,0.1,0,0\n100,0.1,0,0\n", encoding="utf-8")
+    if key in TABLES:
+        path = folder / "effect.csv"
+        path.write_text(TABLES[key], encoding="utf-8")
         value = f"'{path}'"
     beside = [f"effects.{setting}" for setting in BESIDE.get(key, [])]
     table = compute(folder, TOP, f"effects.{key}={value}", *beside)
@@ -130,7 +134,7 @@ def test_effects(folder: Path, key: str) -> None:
 
 def test_effects_of_no_strength(folder: Path) -> None:
     """Effects that are zero, and keys that only say how one would act, break nothing."""
-    zeros = {key: ",".join(["0"] * size) for key, size in SIZES.items() if key != "torque_table"}
+    zeros = {key: ",".join(["0"] * size) for key, size in SIZES.items() if key not in TABLES}
     settings = [f"{key}={value}" for key, value in zeros.items()]
     settings += [setting for more in BESIDE.values() for setting in more]
     table = compute(folder, TOP, *(f"effects.{setting}" for setting in settings))

@@ -14,7 +14,7 @@ Assumption = Callable[[Table], str]
 """Says why it does not hold for a table; empty if it does."""
 
 AUXILIARY = re.compile(
-    r"effects\.(friction_(radius|smoothing)|drag_exponent|latitude\w*|torque_(axes|interpolation)"
+    r"effects\.(friction_(radius|smoothing|interpolation)|drag_exponent|latitude\w*|torque_(axes|interpolation)"
     r"|(vibration|torque_body|torque_space)_(rate|phase\w*))"
 )
 """Keys that only say how an effect acts, which others give its strength."""

@@ -94,6 +94,15 @@ static int is_stale(const char *name, const char *host) {
     return is_over;
 }
 
+// Removes a stale lock file: under a name of one's own, as another run may have found it stale, too, and made a new one.
+static void remove_stale(const char *name, const char *host) {
+    char own[PATH_MAX + 32];
+    snprintf(own, sizeof own, "%s.%ld", name, (long)getpid());
+    if (rename(name, own) != 0) return;
+    if (is_stale(own, host) || link(own, name) == 0) unlink(own);
+    else rename(own, name);
+}
+
 // The lock files of this process: a place is free, taken for one that is not made yet, or has one.
 enum { most_held = 64, room_of_name = PATH_MAX + 8, is_free = 0, is_taken, is_made };
 static char held[most_held][room_of_name];
@@ -129,7 +138,7 @@ static int make_lock_file(const char *path) {
             status = errno == EEXIST ? no_locks : errno;
         }
         if (status != no_locks || !is_stale(name, host)) break;
-        unlink(name);
+        remove_stale(name, host);
     }
     state[place] = is_free;
     return status;

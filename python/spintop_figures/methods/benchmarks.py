@@ -1,5 +1,6 @@
 """Published benchmarks: how far the published numbers are off, and what an equal error costs."""
 
+import re
 import textwrap
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.style.look import FAINT, GREY, LINES, by_width
-from spintop_figures.style.numbers import write
+from spintop_figures.style.numbers import with_power, write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
 
@@ -85,6 +86,7 @@ def place_legend(figure: Figure) -> None:
 
 def describe(benchmark: str, method: str) -> str:
     """A benchmark and what was published, in three short lines at most."""
+    method = re.sub(r"\b1e(-?\d+)", lambda power: with_power("1", int(power[1])), method)
     lines = textwrap.wrap(method, by_width(*LETTERS), max_lines=2, placeholder=" …")
     return "\n".join([benchmark.replace("_", " "), *lines])
 

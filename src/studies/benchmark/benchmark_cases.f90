@@ -45,12 +45,12 @@ module spintop_benchmark_cases
         by_nasa_1 = 'NASA check-case 2, simulation 1', by_nasa_5 = 'NASA check-case 2, simulation 5', &
         by_mujoco = 'MuJoCo test engine_forward_test: Euler, step 0.01 s, energy 1.09 times that of the start', &
         by_implicitfast = 'MuJoCo test FreeBodyConservation: implicitfast, step 0.01 s, energy 0.93 times that of the start', &
-        by_exudyn_lie = 'Exudyn test explicitLieGroupIntegratorPythonTest: RK4 on the Lie group, converged to 14 digits', &
-        by_exudyn_parameters = 'Exudyn test explicitLieGroupIntegratorTest: generalized-alpha, index 2, Euler parameters', &
-        by_exudyn_vector = 'Exudyn test explicitLieGroupIntegratorTest: RK4 in the rotation vector, 4000 steps', &
-        by_exudyn_rk4 = 'Exudyn test explicitLieGroupIntegratorTest: RK4 on the Lie group, step 1e-4 s', &
-        by_exudyn_dopri5 = 'Exudyn test explicitLieGroupIntegratorTest: DOPRI5 on the Lie group, tolerance 1e-14', &
-        by_metis_eml = 'metis, reference solution EML_ref_sol', by_metis_emh = 'metis, reference solution EMH_ref_sol'
+        by_exudyn_lie = 'Exudyn Lie group test in Python: RK4, converged to 14 digits', &
+        by_exudyn_parameters = 'Exudyn Lie group test: generalized-alpha, index 2, Euler parameters', &
+        by_exudyn_vector = 'Exudyn Lie group test: RK4 in the rotation vector, 4000 steps', &
+        by_exudyn_rk4 = 'Exudyn Lie group test: RK4 on the group, step 1e-4 s', &
+        by_exudyn_dopri5 = 'Exudyn Lie group test: DOPRI5 on the group, tolerance 1e-14', &
+        by_metis_eml = 'metis, reference solution EML', by_metis_emh = 'metis, reference solution EMH'
     !> y1' = y2 y3, y2' = -y1 y3, y3' = -0.51 y1 y2 from (0, 1, 1) is the motion of a body with moments 25, 42 and 18, of
     !> which the angular velocities are 9/5 y1, 3/4 y2 and 5/2 y3.
     real(dp), parameter :: detest(3) = [-0.9396570798729192_dp * 9 / 5, -0.3421177754000779_dp * 3 / 4, &

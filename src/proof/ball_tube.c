@@ -3,6 +3,7 @@
 #include "ball_tube.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Steps of a motion, after which it is given up; the condition of the axes Q from which they are made orthogonal; and the

@@ -9,7 +9,7 @@ module spintop_c_motion
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_row_maker, only: row_maker_t
     use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: looks_per_step

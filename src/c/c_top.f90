@@ -19,7 +19,7 @@ module spintop_c_top
     use spintop_kinds, only: dp
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of

@@ -29,7 +29,7 @@ module spintop_archive
         procedure, private :: store_or_restore_text
         procedure :: bytes
         procedure :: load
-        procedure :: is_spent
+        procedure :: has_restored_all
     end type archive_t
 
     !> Room for numbers at first, and bytes of a number.
@@ -37,7 +37,7 @@ module spintop_archive
 
 contains
 
-    !> Stores or restores real numbers. Where there are fewer, nothing is restored: see `is_spent`.
+    !> Stores or restores real numbers. Where there are fewer, nothing is restored: see `has_restored_all`.
     subroutine store_or_restore_reals(self, x)
         class(archive_t), intent(inout) :: self
         real(dp), intent(inout) :: x(:) !! the numbers
@@ -131,9 +131,9 @@ contains
     end subroutine load
 
     !> Whether all that was stored has been restored, and no more than that was wanted.
-    pure logical function is_spent(self)
+    pure logical function has_restored_all(self)
         class(archive_t), intent(in) :: self
-        is_spent = self%restores .and. self%length == size(self%numbers) .and. .not. self%is_short
-    end function is_spent
+        has_restored_all = self%restores .and. self%length == size(self%numbers) .and. .not. self%is_short
+    end function has_restored_all
 
 end module spintop_archive

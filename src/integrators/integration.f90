@@ -99,7 +99,7 @@ contains
             if (allocated(observer%resumed)) then
                 run%last = size(samples)
                 call run%store_or_restore(observer%resumed)
-                if (.not. observer%resumed%is_spent()) status = status_integrator
+                if (.not. observer%resumed%has_restored_all()) status = status_integrator
                 deallocate (observer%resumed)
             end if
         end select

@@ -12,7 +12,7 @@ module spintop_planning
     use spintop_plan_controls, only: read_controls, read_projection
     use spintop_projection, only: projection_names, project_nothing
     use spintop_problems, only: problems_t
-    use spintop_plan, only: plan_t, sample_time, sample_times
+    use spintop_plan, only: plan_t
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok, status_meaning
     use spintop_stepper, only: method_info_t
@@ -21,7 +21,7 @@ module spintop_planning
     use spintop_text, only: to_text, join
     implicit none
     private
-    public :: plan_t, make_plan, sample_time, sample_times
+    public :: make_plan
 
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
 

@@ -13,7 +13,8 @@ module spintop_job
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
-    use spintop_planning, only: make_plan, plan_t
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
@@ -25,7 +26,7 @@ module spintop_job
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t, input_t, output_files_t
+    public :: job_t
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000

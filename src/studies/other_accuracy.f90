@@ -4,7 +4,7 @@
 module spintop_other_accuracy
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set, unset, unset_integer
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_scene_keys, only: scene_t
     implicit none
     private

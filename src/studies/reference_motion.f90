@@ -12,7 +12,7 @@ module spintop_reference_motion
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t
-    use spintop_planning, only: sample_times
+    use spintop_plan, only: sample_times
     use spintop_scene_words, only: reference_auto, reference_exact
     use spintop_status, only: is_good_end, is_ok, status_ok
     use spintop_stepper, only: stepper_t

@@ -19,7 +19,8 @@ module spintop_benchmark_study
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
     use spintop_options, only: options_t
-    use spintop_planning, only: make_plan, plan_t
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_reference_motion, only: find_reference, reference_t

@@ -14,7 +14,8 @@ module spintop_fit_model
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, parameter_table_t
-    use spintop_planning, only: make_plan, plan_t
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t

@@ -19,7 +19,7 @@ module spintop_fit_study
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation

@@ -15,7 +15,8 @@ module spintop_precision_study
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
-    use spintop_planning, only: plan_t, make_plan
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, add_row, sort_rows
     use spintop_precision_plan, only: make_precision_plan, precision_plan_t, read_reference, set_setting
     use spintop_precision_summary, only: auto_tally_t, summarize_problem

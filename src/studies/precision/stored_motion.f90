@@ -6,7 +6,7 @@ module spintop_stored_motion
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t, motion_from_quaternion
-    use spintop_planning, only: sample_time
+    use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: reference_t
     use spintop_table_walk, only: table_cursor_t, table_walk_t

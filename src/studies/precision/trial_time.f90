@@ -11,7 +11,7 @@ module spintop_trial_time
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_t
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_stepper, only: counts_t
     implicit none
     private

@@ -19,7 +19,8 @@ module spintop_stability_study
     use spintop_compared_methods, only: method_choice_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_options, only: options_t
-    use spintop_planning, only: plan_t, make_plan
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t

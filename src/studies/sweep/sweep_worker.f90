@@ -10,7 +10,8 @@ module spintop_sweep_worker
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_planning, only: plan_t, make_plan
+    use spintop_plan, only: plan_t
+    use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok

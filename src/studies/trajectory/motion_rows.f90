@@ -13,7 +13,7 @@ module spintop_motion_rows
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
     use spintop_observer, only: keeping_observer_t
-    use spintop_planning, only: plan_t, sample_time
+    use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
@@ -218,7 +218,7 @@ contains
             call archive%store_or_restore(outcome%t)
             call path%store_or_restore(archive)
             if (present(recorder)) call recorder%store_or_restore(archive)
-            if (archive%restores .and. .not. archive%is_spent()) outcome%status = status_integrator
+            if (archive%restores .and. .not. archive%has_restored_all()) outcome%status = status_integrator
         end subroutine store_or_restore
 
         !> Keeps this state.

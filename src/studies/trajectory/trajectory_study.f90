@@ -14,7 +14,7 @@ module spintop_trajectory_study
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
-    use spintop_planning, only: sample_time
+    use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_proof_cost, only: describe_proof_cost
     use spintop_process, only: stop_watching_signals

@@ -7,7 +7,7 @@ module spintop_sweep_engine
     use spintop_case, only: case_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
-    use spintop_planning, only: plan_t
+    use spintop_plan, only: plan_t
     use spintop_status, only: is_good_end, status_meanings, status_ok
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_result, only: kinds_of_work, sweep_result_t

@@ -13,8 +13,8 @@ sys.path[:0] = [str(TESTS)]
 
 from browser_case import (  # noqa: E402
     DESKTOP,
-    NO_WEBGL,
     PROGRAM,
+    SOFTWARE_WEBGL,
     LiveCase,
     wait_for,
 )
@@ -49,21 +49,6 @@ class LiveTest(LiveCase):
         """The page is small, and needs nothing else."""
         self.assertLess(self.page.stat().st_size, BYTES)
 
-    def test_numbers_before_shaders(self) -> None:
-        """The first frame has panel and charts; WebGL, which may take a second, comes after it."""
-        script = """
-            addEventListener("frame", () => {
-                globalThis.first ??= document.querySelectorAll(".stage canvas").length;
-            }, true);
-        """
-        command = "Page.{}ScriptToEvaluateOnNewDocument"
-        added = self.tell(command.format("add"), source=script)
-        self.addCleanup(self.tell, command.format("remove"), **added)
-        self.open(self.page)
-        shown = "return document.querySelectorAll('.stage canvas').length"
-        wait_for(lambda: self.run_script(shown) == 1, "the stage")
-        self.assertEqual(self.run_script("return first"), 0)
-
     def test_presets(self) -> None:
         """Every preset shows the class of motion that it names."""
         presets = self.run_script("return [...liveTop.parts.preset.options].map(o => o.value)")
@@ -73,6 +58,12 @@ class LiveTest(LiveCase):
                 self.choose(preset)
                 self.wait_for_class(CLASSES.get(preset, self.text("class")))
                 self.assertEqual(self.part(self.section, "preset").get_property("value"), preset)
+
+    def test_drawn_flat(self) -> None:
+        """Without WebGL it is drawn all the same."""
+        with self.changing(self.section):
+            self.choose("loop")
+            self.run_script("liveTop.seek(2)")
 
     def test_threshold_of_sleep(self) -> None:
         """The spin at which the top sleeps is written, marked, and can be set."""
@@ -311,23 +302,6 @@ class LiveTest(LiveCase):
         words = self.text("live")
         self.assertIn("Tilt 50.00° to 77.49°", words)
 
-    def test_what_is_shown(self) -> None:
-        """Path, body, arrows and cones come and go."""
-        self.choose("loop")
-        self.run_script("liveTop.seek(2.3)")
-        for name in (
-            "body_shown",
-            "trace",
-            "momentum",
-            "omega",
-            "force",
-            "torque",
-            "change",
-            "cones",
-        ):
-            with self.subTest(name), self.changing(self.section):
-                self.part(self.section, name).click()
-
     def drag(self, place: str, right: int, down: int) -> None:
         """Drag a point of the stage, which is an expression of its place."""
         script = f"""
@@ -402,50 +376,6 @@ class LiveTest(LiveCase):
             button.click()
         self.assertEqual(self.text("kept"), "")
 
-    def test_two_tops_beside(self) -> None:
-        """Two pictures, one eye, one time: all sliders are shared but the one that differs."""
-        self.choose("loop")
-        self.part(self.section, "keep").click()
-        look = self.part(self.section, "second_look")
-        with self.changing(self.section):
-            look.find_element("css selector", "[value=beside]").click()
-        differs = self.part(self.section, "differs")
-        self.assertEqual(differs.get_property("value"), "omega3")
-        differs.find_element("css selector", "[value=phi_rate]").click()
-        box = self.part(self.section, "second_control").find_element("css selector", "[type=text]")
-        self.type_into(box, "0.8\n")
-        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
-        self.wait_for_text("first_name", "φ\N{PRIME}₀ = \N{MINUS SIGN}1.2 rad/s: Loops")
-        self.type_into(self.control("theta", "text"), "40\n")
-        starts = (
-            "return [liveTop.track, liveTop.second.track].map((t) => [t.start.angle[1], t.phiRate])"
-        )
-        wait_for(lambda: self.run_script(starts)[0][0] < 0.7, "another tilt")
-        (first, slow), (second, fast) = self.run_script(starts)
-        self.assertEqual((first, slow, fast), (second, -1.2, 0.8))
-        with self.changing(self.section):  # in both pictures
-            self.run_script("liveTop.seek(1.1)")
-        link = wait_for(
-            lambda: (
-                "second=phi_rate:0.8&beside=yes"
-                in (found := self.run_script("return location.hash"))
-                and found
-            ),
-            "the link",
-        )
-        self.open(self.page, link)
-        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
-        self.set_screen(390, 844, touch=True)
-        places = """
-            return ["first_name", "second_name"].map((name) => {
-                const { left, top } = liveTop.parts[name].getBoundingClientRect();
-                return [left, top];
-            });
-        """
-        wait_for(lambda: self.run_script(places)[0][0] == self.run_script(places)[1][0], "a stack")
-        (_, upper), (_, lower) = self.run_script(places)
-        self.assertLess(upper + 100, lower)
-
     def test_full_screen(self) -> None:
         """The live top fills the screen, and leaves it."""
         button = self.part(self.section, "screen")
@@ -494,19 +424,6 @@ class LiveTest(LiveCase):
         )
         self.assertEqual(colour, [1920, 255, 255, 255, 255])
 
-    def test_picture(self) -> None:
-        """A picture is a PNG of the size of a screen."""
-        script = """
-            const [done] = arguments;
-            HTMLAnchorElement.prototype.click = function () { done([this.download, this.href]); };
-            liveTop.parts.picture.click();
-        """
-        name, address = self.browser.execute_async_script(script)
-        data = base64.b64decode(address.partition(",")[2])
-        self.assertEqual((name, data[:8]), ("spintop.png", b"\x89PNG\r\n\x1a\n"))
-        size = [int.from_bytes(data[i : i + 4], "big") for i in (16, 20)]
-        self.assertEqual(size, [1920, 1080])
-
     def test_recomputation(self) -> None:
         """A change is computed once a frame, however many events there are."""
         script = """
@@ -531,16 +448,99 @@ class LiveTest(LiveCase):
         self.assertEqual(omega3, self.run_script("return liveTop.state.omega3"))
 
 
-class FlatTest(LiveCase):
-    """A browser without WebGL."""
+class ShadedTest(LiveCase):
+    """The page with WebGL."""
 
-    flags = NO_WEBGL
+    flags = SOFTWARE_WEBGL
 
-    def test_drawn_flat(self) -> None:
-        """It is drawn all the same."""
+    def test_numbers_before_shaders(self) -> None:
+        """The first frame has panel and charts; WebGL, which may take a second, comes after it."""
+        script = """
+            addEventListener("frame", () => {
+                globalThis.first ??= document.querySelectorAll(".stage canvas").length;
+            }, true);
+        """
+        command = "Page.{}ScriptToEvaluateOnNewDocument"
+        added = self.tell(command.format("add"), source=script)
+        self.addCleanup(self.tell, command.format("remove"), **added)
+        self.open(self.page)
+        shown = "return document.querySelectorAll('.stage canvas').length"
+        wait_for(lambda: self.run_script(shown) == 1, "the stage")
+        self.assertEqual(self.run_script("return first"), 0)
+
+    def test_what_is_shown(self) -> None:
+        """Path, body, arrows and cones come and go."""
+        self.choose("loop")
+        self.run_script("liveTop.seek(2.3)")
+        for name in (
+            "body_shown",
+            "trace",
+            "momentum",
+            "omega",
+            "force",
+            "torque",
+            "change",
+            "cones",
+        ):
+            with self.subTest(name), self.changing(self.section):
+                self.part(self.section, name).click()
+
+    def test_two_tops_beside(self) -> None:
+        """Two pictures, one eye, one time: all sliders are shared but the one that differs."""
+        self.choose("loop")
+        self.part(self.section, "keep").click()
+        look = self.part(self.section, "second_look")
         with self.changing(self.section):
-            self.choose("loop")
-            self.run_script("liveTop.seek(2)")
+            look.find_element("css selector", "[value=beside]").click()
+        differs = self.part(self.section, "differs")
+        self.assertEqual(differs.get_property("value"), "omega3")
+        differs.find_element("css selector", "[value=phi_rate]").click()
+        box = self.part(self.section, "second_control").find_element("css selector", "[type=text]")
+        self.type_into(box, "0.8\n")
+        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
+        self.wait_for_text("first_name", "φ\N{PRIME}₀ = \N{MINUS SIGN}1.2 rad/s: Loops")
+        self.type_into(self.control("theta", "text"), "40\n")
+        starts = (
+            "return [liveTop.track, liveTop.second.track].map((t) => [t.start.angle[1], t.phiRate])"
+        )
+        wait_for(lambda: self.run_script(starts)[0][0] < 0.7, "another tilt")
+        (first, slow), (second, fast) = self.run_script(starts)
+        self.assertEqual((first, slow, fast), (second, -1.2, 0.8))
+        with self.changing(self.section):  # in both pictures
+            self.run_script("liveTop.seek(1.1)")
+        link = wait_for(
+            lambda: (
+                "second=phi_rate:0.8&beside=yes"
+                in (found := self.run_script("return location.hash"))
+                and found
+            ),
+            "the link",
+        )
+        self.open(self.page, link)
+        self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
+        self.set_screen(390, 844, touch=True)
+        places = """
+            return ["first_name", "second_name"].map((name) => {
+                const { left, top } = liveTop.parts[name].getBoundingClientRect();
+                return [left, top];
+            });
+        """
+        wait_for(lambda: self.run_script(places)[0][0] == self.run_script(places)[1][0], "a stack")
+        (_, upper), (_, lower) = self.run_script(places)
+        self.assertLess(upper + 100, lower)
+
+    def test_picture(self) -> None:
+        """A picture is a PNG of the size of a screen."""
+        script = """
+            const [done] = arguments;
+            HTMLAnchorElement.prototype.click = function () { done([this.download, this.href]); };
+            liveTop.parts.picture.click();
+        """
+        name, address = self.browser.execute_async_script(script)
+        data = base64.b64decode(address.partition(",")[2])
+        self.assertEqual((name, data[:8]), ("spintop.png", b"\x89PNG\r\n\x1a\n"))
+        size = [int.from_bytes(data[i : i + 4], "big") for i in (16, 20)]
+        self.assertEqual(size, [1920, 1080])
 
 
 if __name__ == "__main__":

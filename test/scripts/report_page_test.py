@@ -15,8 +15,8 @@ sys.path[:0] = [str(TESTS)]
 from browser_case import (  # noqa: E402
     DESKTOP,
     HOSTILE,
-    NO_WEBGL,
     PROGRAM,
+    SOFTWARE_WEBGL,
     BrowserCase,
     wait_for,
 )
@@ -143,7 +143,7 @@ class PageTest(BrowserCase):
         It takes a millisecond and more for each of 25,000 elements: only the first screen has all
         of them. The rows of a table differ in their numbers only, and a drawing is one image.
         """
-        screens = [(*DESKTOP, "light"), (*DESKTOP, "dark"), (390, 844, "dark")]
+        screens = [(*DESKTOP, "light"), (390, 844, "dark")]
         for width, height, scheme in screens:
             with self.subTest(width=width, scheme=scheme):
                 self.set_screen(width, height, prefers_color_scheme=scheme)
@@ -221,6 +221,8 @@ class PageTest(BrowserCase):
 
 class TopTest(BrowserCase):
     """The moving top, and what works it."""
+
+    flags = SOFTWARE_WEBGL
 
     def scrub(self, section: object, row: int) -> None:
         """Put the slider at a row, as a finger would."""
@@ -545,8 +547,6 @@ class TopTest(BrowserCase):
 
 class FlatTest(BrowserCase):
     """A browser without WebGL."""
-
-    flags = NO_WEBGL
 
     def test_drawn_flat(self) -> None:
         """The page says so, draws the top all the same, and works as ever."""

@@ -222,6 +222,11 @@ def with_groups(base: str, text: str) -> str:
     return kept + text
 
 
+def parts_of_library_page() -> dict[tuple[str, ...], str]:
+    """The blocks of the library's page by their tags."""
+    return {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
+
+
 class ManualCase(unittest.TestCase):
     """A folder that looks like a checkout that is set up and built."""
 
@@ -260,6 +265,13 @@ class ManualCase(unittest.TestCase):
             check=False,
             timeout=1200,
         )
+
+    def check_output(self, result: subprocess.CompletedProcess, expected: str) -> None:
+        """A program has printed what the page says."""
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = zip_longest(expected.splitlines(), result.stdout.splitlines(), fillvalue="")
+        for line, found in lines:
+            self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
 
     def check(self, text: str) -> subprocess.CompletedProcess:
         """Have the program check an input."""
@@ -474,23 +486,16 @@ class CommandsTest(ManualCase):
 
     @unittest.skipUnless(IS_OPTIMISED, "does not use the program under test")
     def test_the_library(self) -> None:
-        """The program of the library's page is built by fpm, and prints what the page says."""
-        parts = {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
-        project = self.folder / "my_top"
-        (project / "app").mkdir(parents=True)
-        path = os.path.relpath(ROOT, project.resolve())
-        manifest = parts["toml",].replace('"../spintop"', f'"{path}"')
-        self.assertNotEqual(manifest, parts["toml",])
-        (project / "fpm.toml").write_text(manifest, encoding="utf-8")
-        (project / "app/main.f90").write_text(parts["fortran",], encoding="utf-8")
-        activate = Path(sys.executable).parent / "activate"
-        fpm = f". '{activate}' && '{sys.executable}' -m fpm"
-        self.assertEqual(self.shell(f"cd my_top && {fpm} build").returncode, 0)
-        result = self.shell(f"cd my_top && {fpm} run 2>/dev/null")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        expected = parts["text", "output"].splitlines()
-        for line, found in zip_longest(expected, result.stdout.splitlines(), fillvalue=""):
-            self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
+        """The program of the library's page prints what the page says."""
+        parts = parts_of_library_page()
+        source, program = self.folder / "main.f90", self.folder / "my_top"
+        source.write_text(parts["fortran",], encoding="utf-8")
+        modules = ROOT / "build/release/test/modules"
+        link = ("-L", modules, "-ltested", f"-Wl,-rpath,{modules}", "-o", program)
+        script = '. "$0"/scripts/setup; cd "$0"; compile_test release "$@"'
+        command = ["bash", "-c", script, ROOT, f"-J{self.folder}", source, *link]
+        subprocess.run(command, check=True)
+        self.check_output(self.shell("./my_top"), parts["text", "output"])
 
 
 class AgreementTest(unittest.TestCase):

@@ -81,7 +81,11 @@ class DriftTest(unittest.TestCase):
                 self.assertLess(power, 0.75)
 
     def test_space_frame(self) -> None:
-        """Symmetric tops."""
+        """Symmetric tops.
+
+        It fails over 1e5 nutations: energy and Lz grow with powers of 0.79 and 0.84, as a few tops
+        still drift.
+        """
         self.check("space_frame", "", True)
 
     def test_rigid_body(self) -> None:

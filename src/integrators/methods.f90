@@ -122,7 +122,7 @@ contains
         known%family = 'Taylor series'
         call known%add(taylor_t(info=method_info_t( &
             'taylor', 'Taylor series of order 8 to 30, chosen by the tolerance', adaptive=.true., &
-            needs=structure_series, share=0.02_dp, runs_in_lanes=.true.)))
+            needs=structure_series, finest_tolerance=1.0e-20_dp, share=0.02_dp, runs_in_lanes=.true.)))
         call known%add(taylor_quadruple_t(info=method_info_t( &
             'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &
             order=30, adaptive=.true., needs=structure_quadruple, relative_tolerance=1.0e-26_dp, &

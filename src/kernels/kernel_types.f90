@@ -19,6 +19,8 @@ module spintop_kernel_types
     !> Factors of the three products of body_vectors.h, of damping and torque.
     type, bind(C) :: body_products_t
         real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, decay = 0, pull = 0, swing = 0
+        !> 1 where the factor a0 of the first product is steadier than b0.
+        real(c_double) :: is_steady(numbers) = 0
     end type body_products_t
 
     !> Constants of the equations of omega for stages: those of momenta over I.
@@ -37,7 +39,8 @@ module spintop_kernel_types
         real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, turn_first = 0, turn_second = 0
         !> The rotation of the frame in the rates of the quaternion, and of X and Y.
         real(c_double) :: frame(half, 3) = 0, side_frame(numbers, 2) = 0
-        real(c_double), dimension(half) :: coupling = 0, inverse_inertia = 0, damping = 0, arm = 0, frame_rate = 0
+        real(c_double), dimension(half) :: coupling = 0, is_steady = 0, inverse_inertia = 0, damping = 0, arm = 0, &
+            frame_rate = 0
         real(c_double), dimension(half) :: torque_body = 0, torque_space = 0, rotor_torque = 0
         type(drag_t) :: drag(most_drags) = drag_t()
         real(c_double) :: gravity = 0, circle = 0

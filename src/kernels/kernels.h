@@ -13,6 +13,7 @@ enum { instants = 8 };
 // Constants of the equations of one body: factors of the products of vectors in body_vectors.h.
 struct body_products {
     double first[numbers], second[numbers], third[numbers], decay[numbers], pull[numbers], swing[numbers];
+    double is_steady[numbers]; // 1 where the factor a0 of a product is steadier than b0
 };
 
 // The same for stages: those of the angular velocity.
@@ -31,7 +32,7 @@ struct series_effects {
     double first[numbers], second[numbers], third[numbers], turn_first[numbers], turn_second[numbers];
     double frame[3][half];         // factors of the quaternion in its rate
     double side_frame[2][numbers]; // factors of (Y, X) and of (G, G) in the rates of (X, Y)
-    double coupling[half], inverse_inertia[half], damping[half], arm[half], frame_rate[half];
+    double coupling[half], is_steady[half], inverse_inertia[half], damping[half], arm[half], frame_rate[half];
     double torque_body[half], torque_space[half], rotor_torque[half];
     struct drag drag[most_drags];
     double gravity, circle; // of (X, Y), which turn by this rate beside the body where they are the motion of the pivot

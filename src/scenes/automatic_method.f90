@@ -112,7 +112,8 @@ contains
         real(dp) :: tolerance
 
         tolerance = defaults%relative_tolerance
-        if (is_set(scene%relative_tolerance)) tolerance = scene%relative_tolerance
+        ! Zero is the finest tolerance of the method, whichever it is.
+        if (is_set(scene%relative_tolerance) .and. scene%relative_tolerance > 0) tolerance = scene%relative_tolerance
         call create_formulation(trim(likely_formulation(scene, body)), formulation, body=body)
         if (scene%steps /= unset_integer .or. is_set(scene%step)) then
             call recommend_steps(formulation%info(), plan%stepper, why)

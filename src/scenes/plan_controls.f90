@@ -80,7 +80,8 @@ contains
         text = 'method ' // trim(plan%stepper%info%name)
     end function method_of
 
-    !> The tolerances given, or those of the method's own. A relative one that is given takes the absolute one along.
+    !> The tolerances given, or those of the method's own. A relative one that is given takes the absolute one along; zero stands
+    !> for the finest one.
     subroutine read_tolerances(scene, plan, problems)
         type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan
@@ -90,6 +91,7 @@ contains
             if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
             if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
             call read_tolerance('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
+            if (.not. controls%relative_tolerance > 0) controls%relative_tolerance = info%finest_tolerance
             if (controls%relative_tolerance < info%finest_tolerance) then
                 call problems%add('integration.relative_tolerance', method_of(plan) // ' cannot reach a &
                     &tolerance below ' // to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")

@@ -258,8 +258,8 @@ contains
         call table%add('integration.steps', scene%steps, '', '>= 1', 'number of steps of fixed size')
         call table%add('integration.step', scene%step, 's', '> 0', &
                        'largest fixed step size, instead of steps')
-        call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[1e-31, 1]', &
-                       'relative error per step of adaptive methods (1e-9; ode45: 1e-3)')
+        call table%add('integration.relative_tolerance', scene%relative_tolerance, '', '[0, 1]', &
+                       'relative error per step of adaptive methods (1e-9; ode45: 1e-3); 0: the finest of the method')
         call table%add('integration.absolute_tolerance', scene%absolute_tolerance, '', '> 0', &
                        'absolute error per step, in radians and in units of the largest rate or momentum ' // &
                        '(1e-12, ode45 1e-6; at most a thousandth of a relative_tolerance given)')

@@ -15,7 +15,6 @@ module spintop_smooth_effects_series
     use spintop_capabilities, only: max_series_order, max_states
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
-    use spintop_euler_poisson, only: momentum_coupling
     use spintop_kernel_types, only: body_products_t, half, series_effects_t
     use spintop_kinds, only: dp
     use spintop_series_shares, only: share_rest, short_share
@@ -72,7 +71,8 @@ contains
         self%rate = effects%vibration_rate
         self%of = series_effects_t()
         associate (of => self%of, o => effects%frame_rate, drive => effects%rotor_torque)
-            of%coupling(:3) = momentum_coupling(body)
+            of%coupling(:3) = products%first(:3)
+            of%is_steady(:3) = products%is_steady(:3)
             of%damping(:3) = body%damping
             of%arm(:3) = body%mass * body%centre_of_mass
             of%gravity = body%gravity
@@ -151,19 +151,24 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
         logical, intent(out) :: exists !! whether there is a series
         integer(c_int) :: has_series
-        real(dp) :: h(3), twice, state(24), pivot(3, 0:max_series_order)
+        real(dp) :: h(3), excess, state(24), pivot(3, 0:max_series_order)
 
         h = self%rotor_momentum + self%of%rotor_torque(:3) * t
         state = 0
         state(1:4) = y(1:4)
         state(5:7) = y(5:7) - h
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4))
-            twice = 2 / ((q0**2 + q3**2) + (q1**2 + q2**2))
-            state(9:11) = twice * [q1 * q3 - q0 * q2, q2 * q3 + q0 * q1, q0**2 + q3**2]
-            state(13:15) = twice * [q0**2 + q1**2, q1 * q2 - q0 * q3, q1 * q3 + q0 * q2]
-            state(17:19) = twice * [q1 * q2 + q0 * q3, q0**2 + q2**2, q2 * q3 - q0 * q1]
+            state(9:11) = [2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), (q0**2 + q3**2) - (q1**2 + q2**2)]
+            state(13:15) = [(q0**2 + q1**2) - (q2**2 + q3**2), 2 * (q1 * q2 - q0 * q3), 2 * (q1 * q3 + q0 * q2)]
+            state(17:19) = [2 * (q1 * q2 + q0 * q3), (q0**2 + q2**2) - (q1**2 + q3**2), 2 * (q2 * q3 - q0 * q1)]
+            ! Divided by the squared norm; see body_start.h.
+            excess = (((q0**2 - 1) + q3**2) + q1**2) + q2**2
+            if (abs(excess) < 0.5_dp) then
+                state(9:19) = state(9:19) - excess / (1 + excess) * state(9:19)
+            else
+                state(9:19) = state(9:19) / ((q0**2 + q3**2) + (q1**2 + q2**2))
+            end if
         end associate
-        state([11, 13, 18]) = state([11, 13, 18]) - 1
         state(21:23) = h
         pivot(:, 0) = 0
         if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)

@@ -13,11 +13,13 @@ contains
     !> The factors of a body, in the order of the products.
     pure type(body_products_t) function products_of(body) result(of)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp) :: v(3), moment(3)
+        real(dp) :: v(3), moment(3), coupling(3)
 
         v = 1 / body%inertia
         moment = body%weight_moment()
-        of%first(:3) = momentum_coupling(body)
+        coupling = momentum_coupling(body)
+        of%first(:3) = coupling
+        of%is_steady(:3) = merge(1.0_dp, 0.0_dp, abs(coupling([2, 3, 1])) < abs(coupling([3, 1, 2])))
         of%first(5:7) = v([3, 1, 2])
         of%second(:4) = -v([3, 2, 3, 1]) / 2
         of%second(5:7) = -v([2, 3, 1])

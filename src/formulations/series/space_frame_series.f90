@@ -1,6 +1,7 @@
 !> Power series of the motion of a symmetric top in space axes, in double and quadruple precision.
 module spintop_space_frame_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use, intrinsic :: iso_fortran_env, only: sp => real32
     use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
@@ -14,13 +15,16 @@ module spintop_space_frame_series
     private
     public :: space_frame_series_t, space_frame_quadruple_t
 
+    !> Factors of the products of v with L, p and v.
+    real(dp), parameter :: weight(max_states) = [1, 1, 1, 1, 1, 1, 3, 0]
+
     !> The Taylor series of the motion.
     type, extends(series_t) :: space_frame_series_t
         private
-        !> Momentum about the vertical, and the rate at which the axes turn about it, m g l/I1 and I1.
-        real(dp) :: vertical = 0, turn_rate = 0, pull = 0, i1 = 1
-        !> Factors of the products.
-        real(dp) :: weight(max_states) = 0
+        !> The rate w3 = L_z/I1 of the turn about the vertical, m g l/I1 and I1.
+        real(dp) :: turn_rate = 0, pull = 0, i1 = 1
+        !> w3^2 as a number in single precision and a remainder: see `expand`.
+        real(dp) :: coarse = 0, fine = 0
     contains
         procedure :: set => set_series
         procedure :: expand
@@ -39,6 +43,12 @@ module spintop_space_frame_series
     end type space_frame_quadruple_t
 
     interface
+        !> x y + z, rounded once.
+        pure real(c_double) function c_fma(x, y, z) bind(C, name='fma')
+            import :: c_double
+            real(c_double), value :: x, y, z
+        end function c_fma
+
         pure subroutine c_expand(order, linear, weight, share, share_rest, state, rate, fall, c) &
             bind(C, name='spintop_expand_top')
             import :: c_double, c_int
@@ -58,22 +68,32 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp) :: momentum(3)
         momentum = to_space(start%quaternion, body%inertia * start%omega)
-        self%vertical = momentum(3)
         self%i1 = body%inertia(1)
         self%pull = body%mgl() / self%i1
-        self%weight = self%pull * [1, 1, 1, 1, 1, 1, 3, 0]
-        self%turn_rate = self%vertical / self%i1
+        self%turn_rate = momentum(3) / self%i1
+        self%coarse = rounded_to_single(self%turn_rate**2)
+        self%fine = real(real(self%turn_rate, qp)**2 - self%coarse, dp)
     end subroutine set_series
+
+    !> A number rounded to the digits of single precision, of any magnitude.
+    elemental real(dp) function rounded_to_single(x)
+        real(dp), intent(in) :: x
+        rounded_to_single = scale(real(real(fraction(x), sp), dp), exponent(x))
+    end function rounded_to_single
 
     !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
     !>
-    !> Let m = m g l/I1, w = L/I1, and u = e3 = u0 + v the height of the axis. With the constants of the
+    !> Let m = m g l/I1, w = L/I1, and u = e3 = u0 + v/m the height of the axis. With the constants of the
     !> motion at their values in the state, the equations, differentiated once more, are linear except for v:
-    !>     L'' = (m u0 - w3^2/4) L + m v L,
-    !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + m v p,  - for p0 and p3, + for p1 and p2,
-    !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 m v^2,
+    !>     L'' = (m u0 - w3^2/4) L + v L,
+    !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + v p,  - for p0 and p3, + for p1 and p2,
+    !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 v^2,
     !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
     !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one: top_series.h.
+    !>
+    !> No constant may be rounded in these in the same way in every step, but not in the first derivatives: constants of
+    !> the motion would drift. So w3^2 is the sum of two numbers. The first has so few digits that it is a multiple of the
+    !> spacing of all sums that it enters; the other one enters with a product that is not rounded before.
     pure subroutine expand(self, t, y, order, coefficient)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
@@ -81,11 +101,11 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
         !> Rates of the state and of v, and the factors of their linear terms.
         real(dp) :: rate(max_states), linear(max_states)
-        real(dp) :: m, w(3), axis(3), upper, lower, excess, square, fall
+        real(dp) :: m, w(3), axis(3), upper, lower, excess, square, of_momentum, fall
 
         m = self%pull
-        w = [y(1:2), self%vertical] / self%i1
-        square = w(1)**2 + w(2)**2 + w(3)**2
+        w = [y(1:2) / self%i1, self%turn_rate]
+        square = c_fma(w(2), w(2), c_fma(w(1), w(1), self%fine)) + self%coarse
         associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6), unused => t)
             upper = p0**2 + p3**2
             lower = p1**2 + p2**2
@@ -109,13 +129,14 @@ contains
                     (w(1) * p0 + w(2) * p3 - w(3) * p2) / 2, &
                     (w(2) * p0 + w(3) * p1 - w(1) * p3) / 2, &
                     (w(3) * p0 + w(1) * p2 - w(2) * p1) / 2, &
-                    w(1) * axis(2) - w(2) * axis(1), 0.0_dp]
+                    m * (w(1) * axis(2) - w(2) * axis(1)), 0.0_dp]
         end associate
-        linear = [m * axis(3) - w(3)**2 / 4, m * axis(3) - w(3)**2 / 4, &
+        of_momentum = c_fma(m, axis(3), -self%fine / 4) - self%coarse / 4
+        linear = [of_momentum, of_momentum, &
                   m * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
-        fall = w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
-            - m * (axis(1)**2 + axis(2)**2)
-        call c_expand(order, linear, self%weight, acceleration_share, acceleration_rest, y, rate, fall, coefficient)
+        fall = m * (w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
+                    - m * (axis(1)**2 + axis(2)**2))
+        call c_expand(order, linear, weight, acceleration_share, acceleration_rest, y, rate, fall, coefficient)
     end subroutine expand
 
     !> Rotates L back to axes at rest.

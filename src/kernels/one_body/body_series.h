@@ -6,13 +6,14 @@ static void expand_body(int order, const struct body_products *body, const doubl
                         const double *share_rest, double *c) {
     struct factors row[most_terms], start, next, f;
     struct inner_sums later;
-    vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts];
+    vector first[parts], second[parts], third[parts], decay[parts], pull[parts], swing[parts], is_steady[parts];
     vector now[parts], both[parts], rate[parts], ahead[parts], torque[2][parts], by_torque[2][parts];
     vector s1[parts], s2[parts];
     half_vector q, momentum, vertical;
 
     get_parts(first, body->first), get_parts(second, body->second), get_parts(third, body->third);
     get_parts(decay, body->decay), get_parts(pull, body->pull), get_parts(swing, body->swing);
+    get_parts(is_steady, body->is_steady);
     find_first_term(state, &q, &momentum, &vertical);
     from_halves(&momentum, &vertical, now);
     memcpy(c, state, numbers * sizeof *c);
@@ -21,7 +22,9 @@ static void expand_body(int order, const struct body_products *body, const doubl
         start.a0[p] = first[p] * f.b0[p], start.b0[p] = first[p] * f.a0[p];
         start.a1[p] = second[p] * f.b1[p], start.b1[p] = second[p] * f.a1[p];
         start.a2[p] = third[p] * f.b2[p], start.b2[p] = third[p] * f.a2[p];
-        rate[p] = start.a0[p] * f.a0[p] + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
+        // As terms to come have it: the product of a constant and a momentum that does not change is rounded in the same way
+        // in every step.
+        rate[p] = is_steady[p] * (start.b0[p] * f.b0[p]) + (1 - is_steady[p]) * (start.a0[p] * f.a0[p]) + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
         s1[p] = start.a1[p] * f.a1[p], s2[p] = start.a2[p] * f.a2[p];
         by_torque[0][p] = pull[p], by_torque[1][p] = -swing[p];
         ahead[p] = (vector){0};

@@ -229,14 +229,14 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         }
         if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
-            int absent;
             if (!wanted[i] || is_final(reason[i])) continue;
-            absent = why == PROVED ? reason_of_absence(m, answer, i, turns) : PROVED;
-            reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
-            if (reason[i] == TOO_WIDE && absent == PROVED
-                && (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i))))) {
-                bound[i] = bound_of(answer, i, printed, certified, m->bits);
-                reason[i] = isfinite(bound[i]) ? PROVED : TOO_WIDE;
+            reason[i] = why == PROVED ? reason_of_absence(m, answer, i, turns) : why;
+            if (why == PROVED && reason[i] == PROVED) {
+                reason[i] = TOO_WIDE;
+                if (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i)))) {
+                    bound[i] = bound_of(answer, i, printed, certified, m->bits);
+                    if (isfinite(bound[i])) reason[i] = PROVED;
+                }
             }
             open = open || !is_final(reason[i]);
         }

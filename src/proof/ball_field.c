@@ -14,6 +14,18 @@ int ball_rotation(int space, int body, int pair) {
     return a > 0 && a != b && a != third + 1 && b != third + 1 ? 2 : 0;
 }
 
+void ball_into_body(arb_ptr sum, arb_srcptr q, arb_srcptr v, int sign, slong bits) {
+    arb_t product;
+    int i, s, p;
+    arb_init(product);
+    for (p = 0; p < PAIRS; p++)
+        for (s = 0; s < 3; s++) {
+            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], bits), arb_mul(product, product, v + s, bits);
+            for (i = 0; i < 3; i++) arb_addmul_si(sum + i, product, sign * ball_rotation(s, i, p), bits);
+        }
+    arb_clear(product);
+}
+
 // A cross product, one component.
 static void cross(arb_t c, arb_srcptr a, arb_srcptr b, int i, slong bits) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -176,18 +188,8 @@ static void find_doubles(ball_field *f) {
 // The start: w = omega + R^T O.
 static int find_start(ball_field *f, top_motion *m, const top_data *data) {
     const int is_known = ball_given(m, data);
-    arb_srcptr q = BALL(m, q0);
-    arb_t product;
-    int i, s, p;
-    _arb_vec_set(f->start, q, 4), _arb_vec_set(f->start + 4, BALL(m, omega1), 3);
-    arb_init(product);
-    for (p = 0; p < PAIRS; p++)
-        for (s = 0; s < 3; s++) {
-            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], f->bits);
-            arb_mul(product, product, f->turn + s, f->bits);
-            for (i = 0; i < 3; i++) arb_addmul_si(f->start + 4 + i, product, ball_rotation(s, i, p), f->bits);
-        }
-    arb_clear(product);
+    _arb_vec_set(f->start, BALL(m, q0), 4), _arb_vec_set(f->start + 4, BALL(m, rate1), 3);
+    ball_into_body(f->start + 4, f->start, f->turn, 1, f->bits);
     return is_known;
 }
 

@@ -83,7 +83,7 @@ static int read_rates(top_motion *m, const top_data *data) {
             if (!(data->given & BY_OMEGA3)) arb_addmul(omega + 2, turn, t + 3, ARF_PREC_EXACT);
         }
     }
-    _arb_vec_clear(t, 8);
+    _arb_vec_set(BALL(m, rate1), omega, 3), _arb_vec_clear(t, 8);
     return is_known;
 }
 

@@ -14,7 +14,7 @@ static const double most_skew = 0x1p14, least_component = 1e-12;
 typedef struct ball_tube {
     ball_field field;
     ball_step step;
-    arb_ptr state, time; // exact, at the start of the step; time in units of time
+    arb_ptr state, time, row; // exact, at the start of the step, time in units of time; balls of the last row
     matrix axes;         // Q
     double radius[STATES];
     slong halvings;                     // of h in the next step
@@ -195,8 +195,9 @@ int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) 
     double rest;
     matrix a;
     mag_t radius;
-    arb_ptr w = _arb_vec_init(STATES + 1), x = w, s = w + STATES;
-    mag_init(radius);
+    arb_ptr x = tube->row;
+    arb_t s;
+    mag_init(radius), arb_init(s);
     reason = reach_time(s, tube, t);
     if (reason == PROVED) reason = spread(a, &rest, tube, arf_get_d(arb_midref(s), ARF_RND_NEAR));
     if (reason == PROVED) value_at(x, &tube->step, s);
@@ -206,8 +207,15 @@ int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) 
         mag_set_d(radius, sum * SAFE), mag_mul_2exp_si(radius, radius, -bits), arb_add_error_mag(x + i, radius);
     }
     acb_set_arb_arb(upper, x, x + 3), acb_set_arb_arb(lower, x + 1, x + 2);
-    mag_clear(radius), _arb_vec_clear(w, STATES + 1);
+    mag_clear(radius), arb_clear(s);
     return reason;
+}
+
+void ball_tube_rates(arb_ptr omega, const top_motion *m) {
+    const ball_tube *tube = m->tube;
+    _arb_vec_set(omega, tube->row + 4, 3);
+    ball_into_body(omega, tube->row, tube->field.turn, -1, tube->field.bits);
+    _arb_vec_scalar_mul_2exp_si(omega, omega, 3, tube->field.unit);
 }
 
 int ball_tube_turns(double *phi, double *psi, const top_motion *m) {
@@ -219,7 +227,7 @@ int ball_tube_open(top_motion *m, const top_data *data) {
     ball_tube *tube = m->tube = flint_calloc(1, sizeof *tube);
     const int reason = ball_field_init(&tube->field, m, data), n = tube->field.order + 1;
     tube->step.field = &tube->field, tube->step.x = _arb_vec_init(STATES * n), tube->step.wave = _arb_vec_init(WAVES * n);
-    tube->state = _arb_vec_init(STATES + 1), tube->time = tube->state + STATES;
+    tube->state = _arb_vec_init(2 * STATES + 1), tube->row = tube->state + STATES, tube->time = tube->row + STATES;
     tube->given[0] = data->value[PHI], tube->given[1] = data->value[PSI];
     if (reason == PROVED) begin(tube, 1);
     return reason;
@@ -229,7 +237,7 @@ void ball_tube_close(ball_tube *tube) {
     const int n = tube ? tube->field.order + 1 : 0;
     if (!tube) return;
     _arb_vec_clear(tube->step.x, STATES * n), _arb_vec_clear(tube->step.wave, WAVES * n);
-    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
+    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, 2 * STATES + 1);
     flint_free(tube);
 }
 #endif

@@ -22,16 +22,17 @@ module spintop_certificate
     public :: certificate_t, has_balls, balls_missing, balls_hint
     public :: proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_of_phi, proof_of_psi
     public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_of_momentum_period, proof_of_momentum_turn
-    public :: proof_count, proof_names
+    public :: proof_of_omega1, proof_of_omega3, proof_count, proof_names
     public :: proved, proof_words, proof_reasons, last_reason, most_proof_bits, radius_count
 
     !> The quantities that have bounds, in the order of balls.h.
     integer, parameter :: proof_of_q0 = 1, proof_of_q1 = 2, proof_of_q2 = 3, proof_of_q3 = 4, proof_of_theta = 5, &
         proof_of_phi = 6, proof_of_psi = 7, proof_of_period = 8, proof_of_precession = 9, proof_of_orientation = 10, &
-        proof_of_momentum_period = 11, proof_of_momentum_turn = 12, proof_count = 12
+        proof_of_momentum_period = 11, proof_of_momentum_turn = 12, proof_of_omega1 = 13, proof_of_omega3 = 15, proof_count = 15
     !> Their names in tables.
     character(*), parameter :: proof_names(proof_count) = [character(23) :: 'q0', 'q1', 'q2', 'q3', 'theta', 'phi', &
-        'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn']
+        'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn', 'omega1', &
+        'omega2', 'omega3']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
     integer, parameter :: proved = 0, no_library = 12, not_polynomial = 13, no_principal_axes = 14, other_radii = 15, &

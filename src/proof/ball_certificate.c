@@ -7,6 +7,8 @@
 // The precisions that are tried one after the other, bits; and those of any body, whole words with some bits for sums.
 static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384, 0};
 static const slong precisions_of_steps[] = {112, 176, 240, 368, 560, 880, 0};
+// With radii of data, steps at the first precision are as good as they can be where widths are beyond this.
+static const double rounding_of_steps = 0x1p-60;
 enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
 
 // A top, and its motion at the precisions that were needed so far.
@@ -226,9 +228,10 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         if (why == PROVED) turns = find_turns(answer, proof, m, t, wanted, printed);
         if (why == PROVED && proof->has_radii) {
             now_width = width(answer, wanted);
-            is_last = now_width > 0.5 * last_width, last_width = now_width;
+            is_last = now_width > 0.5 * last_width || (m->regime == STEPPING && now_width > rounding_of_steps);
+            last_width = now_width;
         }
-        if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
+        if (proof->has_radii && level >= (m->regime == STEPPING ? 1 : LEVELS_OF_RADII)) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
             if (!wanted[i] || is_final(reason[i])) continue;
             reason[i] = why == PROVED ? reason_of_absence(m, answer, i, turns) : why;

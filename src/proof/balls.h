@@ -108,6 +108,8 @@ void ball_datum(arb_t x, const top_data *data, int which);
 int ball_given(top_motion *m, const top_data *data);
 // The same of a top, in axes of which z is its axis: its angles and rates.
 int ball_given_top(top_motion *m, const top_data *data);
+// The product of two quaternions.
+void ball_quaternion_product(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits);
 // A quaternion of those axes (side = 1) in the given axes, or of these in those (-1).
 void ball_about_axis(arb_ptr q, int axis, int side);
 // ball_free_body.c: the motion of a free body, and its q0 .. q3 at a time.

@@ -112,6 +112,7 @@ contains
         integer :: i
         call archive%store_or_restore(self%near)
         call archive%store_or_restore(self%work)
+        call archive%store_or_restore(self%proof%first_unproved)
         do i = lbound(self%proof%rows, 1), ubound(self%proof%rows, 1)
             call archive%store_or_restore(self%proof%rows(i))
         end do

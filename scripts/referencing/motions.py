@@ -15,7 +15,7 @@ from referencing.equations import ARRAYS, DECIMALS, Equations, decimal_turn, pro
 from referencing.extrapolation import Accuracy, integrate
 from referencing.program import Answer, answer_of
 
-VERSION = "1.0"
+VERSION = "1.1"
 LICENCE = "CC0-1.0"
 DIGITS = 38
 """Decimal digits of the second computation."""
@@ -247,7 +247,7 @@ class Motion:
         return errors
 
     def table(self) -> str:
-        """The table, which `spintop verify` reads: certified attitudes, where they are proved."""
+        """The table, which `spintop verify` reads: certified numbers, where they are proved."""
         errors = self.inherent_errors()
         names = ",".join(COLUMNS)
         lines = [names]
@@ -256,8 +256,12 @@ class Motion:
             attitudes = [self.states[0][:4], *(tuple(map(Decimal, q)) for q in list(attitudes)[1:])]
         else:
             attitudes = [state[:4] for state in self.states]
-        for t, q, row, inherent in zip(self.times, attitudes, self.rows, errors, strict=True):
+        rates = zip(*(self.answer.columns[f"omega{k}"] for k in (1, 2, 3)), strict=True)
+        rows = zip(self.times, attitudes, rates, self.rows, errors, strict=True)
+        for t, q, omega, row, inherent in rows:
             groups = {"attitude": (*q, q[0]), **row}
+            if self.errors["omega"].kind == "proved" and t > 0:
+                groups["omega"] = tuple(map(Decimal, omega))
             cells = [shortest(t)]
             for name, numbers in groups.items():
                 agree = numbers if t == 0 else self.digits(numbers, OWNERS.get(name, name))

@@ -89,7 +89,6 @@ static void turn_back(arb_ptr answer, slong bits) {
     arb_init(pi), arb_const_pi(pi, bits);
     arb_swap(answer + Q0, answer + Q1), arb_neg(answer + Q0, answer + Q0);
     arb_swap(answer + Q2, answer + Q3), arb_neg(answer + Q3, answer + Q3);
-    arb_sub(answer + ANGLE_THETA, pi, answer + ANGLE_THETA, bits);
     arb_sub(answer + ANGLE_PHI, answer + ANGLE_PHI, pi, bits);
     arb_add(answer + ANGLE_PSI, answer + ANGLE_PSI, pi, bits), arb_neg(answer + ANGLE_PSI, answer + ANGLE_PSI);
     arb_clear(pi);
@@ -135,18 +134,12 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t) {
     else if (!nutating(upper, lower, plus, minus, m, time)) reason = UNDECIDED_BRANCH;
     arb_set(answer + Q0, acb_realref(upper)), arb_set(answer + Q3, acb_imagref(upper));
     arb_set(answer + Q1, acb_realref(lower)), arb_set(answer + Q2, acb_imagref(lower));
-    acb_abs(high, upper, bits), acb_abs(low, lower, bits);
-    arb_atan2(answer + ANGLE_THETA, low, high, bits);
-    arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
     arb_add(answer + ANGLE_PHI, plus, minus, bits), arb_sub(answer + ANGLE_PSI, plus, minus, bits);
     if (m->is_flipped) turn_back(answer, bits);
     if (m->is_negated) _arb_vec_neg(answer + Q0, answer + Q0, 4);
-    if (m->body_axis != 2 && m->regime < ROTATING) {
-        ball_about_axis(answer + Q0, m->body_axis, 1);
-        arb_hypot(high, answer + Q0, answer + Q3, bits), arb_hypot(low, answer + Q1, answer + Q2, bits);
-        arb_atan2(answer + ANGLE_THETA, low, high, bits);
-        arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
-    }
+    if (m->body_axis != 2 && m->regime < ROTATING) ball_about_axis(answer + Q0, m->body_axis, 1);
+    arb_hypot(high, answer + Q0, answer + Q3, bits), arb_hypot(low, answer + Q1, answer + Q2, bits);
+    arb_atan2(answer + ANGLE_THETA, low, high, bits), arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
     if (!ball_knows_turns(m)) angles_of(answer, bits);
     acb_clear(upper), acb_clear(lower);
     _arb_vec_clear(w, 5);

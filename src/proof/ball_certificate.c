@@ -7,6 +7,8 @@
 // The precisions that are tried one after the other, bits; and those of any body, whole words with some bits for sums.
 static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384, 0};
 static const slong precisions_of_steps[] = {112, 176, 240, 368, 560, 880, 0};
+// With radii of data, steps at the first precision are as good as they can be where widths are beyond this.
+static const double rounding_of_steps = 0x1p-60;
 enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
 
 // A top, and its motion at the precisions that were needed so far.
@@ -156,12 +158,12 @@ static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, dou
     return PROVED;
 }
 
-// The bound of a printed number; with `certified` the number is the middle of its ball.
+// The bound of a printed number; with `certified` the number is the middle of its ball, or 0 if that is within.
 static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits) {
     double bound;
     arb_t off;
     if (which == ORIENTATION) return turn_between(answer, printed, bits);
-    if (certified) printed[which] = arf_get_d(arb_midref(answer + which), ARF_RND_NEAR);
+    if (certified) printed[which] = arb_contains_zero(answer + which) ? 0 : arf_get_d(arb_midref(answer + which), ARF_RND_NEAR);
     if (!isfinite(printed[which])) return INFINITY;
     arb_init(off), arb_set_d(off, printed[which]), arb_sub(off, off, answer + which, bits + 64);
     bound = ball_most(off);
@@ -185,7 +187,7 @@ static double width(arb_srcptr answer, const int wanted[]) {
 static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns) {
     if (which == ANGLE_PHI || which == ANGLE_PSI) return turns;
     if (arb_is_finite(answer + which)) return PROVED;
-    if (m->regime == STEPPING && which >= PERIOD && which != ORIENTATION) return NO_CLOSED_FORM;
+    if (m->regime == STEPPING && which >= PERIOD && which <= MOMENTUM_TURN) return NO_CLOSED_FORM;
     if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
         return m->regime == TUMBLING && !arb_is_zero(BALL(m, tau)) ? PROVED : NO_CIRCULATION;
     if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
@@ -193,12 +195,10 @@ static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, 
     return PROVED;
 }
 
-// Whether anything is wanted that depends on the time.
-static int needs_attitude(const int wanted[]) {
-    int i;
-    for (i = 0; i < QUANTITIES; i++)
-        if (wanted[i] && (i < PERIOD || i == ORIENTATION)) return 1;
-    return 0;
+// Whether one of some quantities is wanted.
+static int is_wanted(const int wanted[], int first, int last) {
+    while (first < last && !wanted[first]) first++;
+    return wanted[first];
 }
 
 // Whether no other precision is to be tried.
@@ -212,6 +212,8 @@ static int is_final(int reason) {
 int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
                          double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES]) {
     int level, i, open = 1, used = 0, is_last, turns = PROVED;
+    const int needs_rates = is_wanted(wanted, RATE1, RATE3);
+    const int needs_attitude = needs_rates || wanted[ORIENTATION] || is_wanted(wanted, Q0, ANGLE_PSI);
     double last_width = INFINITY, now_width;
     arb_ptr answer = _arb_vec_init(QUANTITIES);
     for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? TOO_WIDE : PROVED;
@@ -221,22 +223,24 @@ int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES
         if (!m) break;
         used = (int)m->bits, is_last = 0, open = 0;
         if (why == PROVED) ball_periods(answer, m);
-        if (why == PROVED && needs_attitude(wanted)) why = ball_attitude(answer, m, t);
+        if (why == PROVED && needs_attitude) why = ball_attitude(answer, m, t);
+        if (why == PROVED && needs_rates) ball_rates(answer, m, t);
         if (why == PROVED) turns = find_turns(answer, proof, m, t, wanted, printed);
         if (why == PROVED && proof->has_radii) {
             now_width = width(answer, wanted);
-            is_last = now_width > 0.5 * last_width, last_width = now_width;
+            is_last = now_width > 0.5 * last_width || (m->regime == STEPPING && now_width > rounding_of_steps);
+            last_width = now_width;
         }
-        if (proof->has_radii && level >= LEVELS_OF_RADII) is_last = 1;
+        if (proof->has_radii && level >= (m->regime == STEPPING ? 1 : LEVELS_OF_RADII)) is_last = 1;
         for (i = 0; i < QUANTITIES; i++) {
-            int absent;
             if (!wanted[i] || is_final(reason[i])) continue;
-            absent = why == PROVED ? reason_of_absence(m, answer, i, turns) : PROVED;
-            reason[i] = why != PROVED ? why : absent != PROVED ? absent : TOO_WIDE;
-            if (reason[i] == TOO_WIDE && absent == PROVED
-                && (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i))))) {
-                bound[i] = bound_of(answer, i, printed, certified, m->bits);
-                reason[i] = isfinite(bound[i]) ? PROVED : TOO_WIDE;
+            reason[i] = why == PROVED ? reason_of_absence(m, answer, i, turns) : why;
+            if (why == PROVED && reason[i] == PROVED) {
+                reason[i] = TOO_WIDE;
+                if (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i)))) {
+                    bound[i] = bound_of(answer, i, printed, certified, m->bits);
+                    if (isfinite(bound[i])) reason[i] = PROVED;
+                }
             }
             open = open || !is_final(reason[i]);
         }

@@ -14,6 +14,18 @@ int ball_rotation(int space, int body, int pair) {
     return a > 0 && a != b && a != third + 1 && b != third + 1 ? 2 : 0;
 }
 
+void ball_into_body(arb_ptr sum, arb_srcptr q, arb_srcptr v, int sign, slong bits) {
+    arb_t product;
+    int i, s, p;
+    arb_init(product);
+    for (p = 0; p < PAIRS; p++)
+        for (s = 0; s < 3; s++) {
+            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], bits), arb_mul(product, product, v + s, bits);
+            for (i = 0; i < 3; i++) arb_addmul_si(sum + i, product, sign * ball_rotation(s, i, p), bits);
+        }
+    arb_clear(product);
+}
+
 // A cross product, one component.
 static void cross(arb_t c, arb_srcptr a, arb_srcptr b, int i, slong bits) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -119,8 +131,19 @@ static void find_coefficients(ball_field *f, const top_data *data) {
     _arb_vec_clear(w, 35);
 }
 
-// The unit of time: 2^unit is at least 2 sqrt(|w|^2 + max_i sum|T_i|), in seconds. Everything in these units.
-static void choose_unit(ball_field *f) {
+// Everything in units of time, 2^-unit s.
+static void change_unit(ball_field *f, int unit) {
+    f->unit = unit;
+    _arb_vec_scalar_mul_2exp_si(f->start + 4, f->start + 4, 3, -unit);
+    _arb_vec_scalar_mul_2exp_si(f->turn, f->turn, 3, -unit);
+    _arb_vec_scalar_mul_2exp_si(f->rate, f->rate, SWINGS, -unit);
+    _arb_vec_scalar_mul_2exp_si(f->form, f->form, WAVES * 3 * PAIRS, -2 * unit);
+    _arb_vec_scalar_mul_2exp_si(f->gyro, f->gyro, WAVES * 9, -unit);
+    _arb_vec_scalar_mul_2exp_si(f->gyro + 9, f->gyro + 9, 9, -unit); // of t
+}
+
+// The unit of time: 2^unit is at least 2 sqrt(|w|^2 + max_i sum|T_i|), in seconds.
+static int choose_unit(const ball_field *f) {
     double most = 0, speed = 0, sum;
     int i, n, p;
     for (i = 0; i < 3; i++) {
@@ -128,13 +151,7 @@ static void choose_unit(ball_field *f) {
             for (p = 0; p < PAIRS; p++) sum += ball_most(f->form + (n * 3 + i) * PAIRS + p);
         most = fmax(most, sum), speed += pow(ball_most(f->start + 4 + i), 2);
     }
-    if (speed + most > 0) f->unit = (int)ceil(log2(2 * sqrt(speed + most)));
-    _arb_vec_scalar_mul_2exp_si(f->start + 4, f->start + 4, 3, -f->unit);
-    _arb_vec_scalar_mul_2exp_si(f->turn, f->turn, 3, -f->unit);
-    _arb_vec_scalar_mul_2exp_si(f->rate, f->rate, SWINGS, -f->unit);
-    _arb_vec_scalar_mul_2exp_si(f->form, f->form, WAVES * 3 * PAIRS, -2 * f->unit);
-    _arb_vec_scalar_mul_2exp_si(f->gyro, f->gyro, WAVES * 9, -f->unit);
-    _arb_vec_scalar_mul_2exp_si(f->gyro + 9, f->gyro + 9, 9, -f->unit); // of t
+    return speed + most > 0 ? (int)ceil(log2(2 * sqrt(speed + most))) : 0;
 }
 
 // The Euclidean norm of balls.
@@ -145,14 +162,15 @@ static double size_of(arb_srcptr x, int count) {
     return sqrt(sum) * SAFE;
 }
 
-// Middles as doubles, and norms. T is symmetric: its products of different components have each half.
+// Middles as doubles; norms, which are added. T is symmetric: its products of different components have each half.
 static void find_doubles(ball_field *f) {
+    double kappa = 0;
     int i, j, n, p;
     for (i = 0; i < 3; i++) {
-        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR), f->kappa = fmax(f->kappa, ball_most(f->coupling + i));
+        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR), kappa = fmax(kappa, ball_most(f->coupling + i));
         f->o[i] = arf_get_d(arb_midref(f->turn + i), ARF_RND_NEAR);
     }
-    f->frame = size_of(f->turn, 3);
+    f->frame = size_of(f->turn, 3), f->kappa += kappa;
     for (n = 0; n < WAVES; n++) {
         double square = 0;
         for (i = 0; i < 3; i++) {
@@ -169,43 +187,109 @@ static void find_doubles(ball_field *f) {
                 if (!arb_is_zero(x)) f->has_wave[n] = 1;
             }
         }
-        f->tau[n] = sqrt(square) * SAFE, f->eta[n] = size_of(f->gyro + n * 9, 9);
+        f->tau[n] += sqrt(square) * SAFE, f->eta[n] += size_of(f->gyro + n * 9, 9);
     }
 }
 
 // The start: w = omega + R^T O.
 static int find_start(ball_field *f, top_motion *m, const top_data *data) {
     const int is_known = ball_given(m, data);
-    arb_srcptr q = BALL(m, q0);
-    arb_t product;
-    int i, s, p;
-    _arb_vec_set(f->start, q, 4), _arb_vec_set(f->start + 4, BALL(m, omega1), 3);
-    arb_init(product);
-    for (p = 0; p < PAIRS; p++)
-        for (s = 0; s < 3; s++) {
-            arb_mul(product, q + ball_pair[p][0], q + ball_pair[p][1], f->bits);
-            arb_mul(product, product, f->turn + s, f->bits);
-            for (i = 0; i < 3; i++) arb_addmul_si(f->start + 4 + i, product, ball_rotation(s, i, p), f->bits);
-        }
-    arb_clear(product);
+    _arb_vec_set(f->start, BALL(m, q0), 4), _arb_vec_set(f->start + 4, BALL(m, rate1), 3);
+    ball_into_body(f->start + 4, f->start, f->turn, 1, f->bits);
     return is_known;
 }
 
 enum { NUMBERS = 3 + 3 + WAVES * 3 * PAIRS + WAVES * 9 + SWINGS + STATES };
 
-int ball_field_init(ball_field *f, top_motion *m, const top_data *data) {
-    int i, is_known;
-    memset(f, 0, sizeof *f);
-    f->bits = m->bits, f->order = (int)(0.36 * (double)m->bits);
+static void open_field(ball_field *f, slong bits) {
+    memset(f, 0, sizeof *f), f->bits = bits, f->order = (int)(0.36 * (double)bits);
     f->ball = f->coupling = _arb_vec_init(NUMBERS), f->turn = f->coupling + 3, f->form = f->turn + 3;
     f->gyro = f->form + WAVES * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
-    find_coefficients(f, data);
-    is_known = find_start(f, m, data);
-    for (i = 0; i < NUMBERS; i++) is_known = is_known && arb_is_finite(f->ball + i);
-    if (!is_known) return UNDECIDED_SIGN;
-    choose_unit(f), find_doubles(f);
-    return PROVED;
 }
 
-void ball_field_clear(ball_field *f) { _arb_vec_clear(f->ball, NUMBERS); }
+// All numbers; whether they are known.
+static int find_numbers(ball_field *f, top_motion *m, const top_data *data) {
+    int i, is_known;
+    _arb_vec_zero(f->ball, NUMBERS), find_coefficients(f, data), is_known = find_start(f, m, data);
+    for (i = 0; i < NUMBERS; i++) is_known = is_known && arb_is_finite(f->ball + i);
+    return is_known;
+}
+
+// Adds the difference of the numbers at two values of a datum, times a factor; whether they are known.
+static int add_difference(ball_field *f, top_motion *m, const top_data *data, int which, double from, double to, double radius,
+                          int factor) {
+    top_data there = *data;
+    ball_field other;
+    int i, side, is_known = 1;
+    open_field(&other, f->bits), there.radius[which] = radius;
+    for (side = -1; side < 2; side += 2) {
+        there.value[which] = side < 0 ? from : to, is_known = find_numbers(&other, m, &there) && is_known;
+        for (i = 0; i < NUMBERS; i++) arb_addmul_si(f->ball + i, other.ball + i, side * factor, f->bits);
+    }
+    ball_field_clear(&other);
+    return is_known;
+}
+
+// The derivatives of the numbers by a datum, in balls that hold for all data. By an angle they are sums of its sine and cosine
+// and of those of its half; by a moment of inertia of a constant, the moment and its reciprocal; by others of first degree.
+static int differentiate(ball_field *f, top_motion *m, const top_data *data, int which) {
+    const double here = data->value[which], radius = data->radius[which], right = 1.5707963267948966;
+    const double rounded = radius + (fabs(here) + 8) * 0x1p-50;
+    int is_known, divisor = 1;
+    arb_t scale;
+    arb_init(scale), arb_one(scale);
+    if (which >= PHI && which <= PSI) {
+        is_known = add_difference(f, m, data, which, here - 2 * right, here + 2 * right, rounded, 1)
+                   && add_difference(f, m, data, which, here - right, here + right, rounded, 1)
+                   && add_difference(f, m, data, which, here - 3 * right, here + 3 * right, rounded, -1);
+        divisor = 4;
+    } else if (which == INERTIA1 || which == INERTIA2 || which == INERTIA3) {
+        is_known = add_difference(f, m, data, which, -2 * here, 2 * here, 2 * radius, 4)
+                   && add_difference(f, m, data, which, -here, here, radius, -5);
+        ball_datum(scale, data, which), divisor = 6;
+    } else {
+        is_known = add_difference(f, m, data, which, 0, 1, 0, 1);
+    }
+    arb_mul_si(scale, scale, divisor, f->bits), _arb_vec_scalar_div(f->ball, f->ball, NUMBERS, scale, f->bits);
+    arb_clear(scale);
+    return is_known;
+}
+
+// The field of a datum: its middle, by the mean value theorem, and the rest, which the balls of the whole field contain.
+static int find_moved(ball_field *f, ball_field *moved, top_motion *m, const top_data *data, int which) {
+    int i, n, is_known;
+    arb_t rest, radius;
+    arb_init(rest), arb_init(radius), arb_set_d(radius, data->radius[which]), open_field(moved, f->bits);
+    is_known = differentiate(moved, m, data, which), change_unit(moved, f->unit);
+    _arb_vec_scalar_mul(moved->ball, moved->ball, NUMBERS, radius, f->bits);
+    for (i = 0; i < NUMBERS; i++) {
+        arb_set_d(rest, arf_get_d(arb_midref(moved->ball + i), ARF_RND_NEAR)), arb_sub(rest, moved->ball + i, rest, f->bits);
+        arb_add_error(f->ball + i, rest);
+    }
+    find_doubles(moved), f->kappa += moved->kappa * SAFE;
+    for (n = 0; n < WAVES; n++) {
+        f->tau[n] += moved->tau[n] * SAFE, f->eta[n] += moved->eta[n] * SAFE;
+        f->has_wave[n] = f->has_wave[n] || moved->has_wave[n];
+    }
+    arb_clear(rest), arb_clear(radius);
+    return is_known;
+}
+
+int ball_field_init(ball_field *f, top_motion *m, const top_data *data) {
+    top_data middle = *data;
+    int i, is_known, count = 0;
+    open_field(f, m->bits), memset(middle.radius, 0, sizeof middle.radius);
+    is_known = find_numbers(f, m, &middle), change_unit(f, choose_unit(f));
+    for (i = 0; i < DATA; i++) count += data->radius[i] > 0;
+    if (count > 0) f->moved = flint_calloc((size_t)count, sizeof *f->moved);
+    for (i = 0; i < DATA && is_known; i++)
+        if (data->radius[i] > 0) is_known = f->radii < RADII && find_moved(f, f->moved + f->radii++, m, data, i);
+    if (is_known) find_doubles(f);
+    return is_known ? PROVED : UNDECIDED_SIGN;
+}
+
+void ball_field_clear(ball_field *f) {
+    while (f->radii > 0) ball_field_clear(f->moved + --f->radii);
+    _arb_vec_clear(f->ball, NUMBERS), flint_free(f->moved);
+}
 #endif

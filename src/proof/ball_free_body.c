@@ -5,21 +5,6 @@
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-// The product of two quaternions.
-static void multiply(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits) {
-    static const int other[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};
-    static const int sign[4][4] = {{1, -1, -1, -1}, {1, 1, 1, -1}, {1, -1, 1, 1}, {1, 1, -1, 1}};
-    int i, j;
-    arb_ptr t = _arb_vec_init(4);
-    for (i = 0; i < 4; i++)
-        for (j = 0; j < 4; j++) {
-            if (sign[i][j] > 0) arb_addmul(t + i, p + j, q + other[i][j], bits);
-            else arb_submul(t + i, p + j, q + other[i][j], bits);
-        }
-    _arb_vec_set(r, t, 4);
-    _arb_vec_clear(t, 4);
-}
-
 // q times the rotation by a constant angular velocity, 2 half for a second.
 static void rotate(arb_ptr q, arb_srcptr half, const arb_t time, slong bits) {
     arb_ptr t = _arb_vec_init(6), turn = t, size = t + 4, angle = t + 5;
@@ -29,7 +14,7 @@ static void rotate(arb_ptr q, arb_srcptr half, const arb_t time, slong bits) {
         arb_sqrt(size, size, bits), arb_mul(angle, size, time, bits);
         arb_sin_cos(angle, turn, angle, bits), arb_div(angle, angle, size, bits);
         for (i = 0; i < 3; i++) arb_mul(turn + 1 + i, half + i, angle, bits);
-        multiply(q, q, turn, bits);
+        ball_quaternion_product(q, q, turn, bits);
     }
     _arb_vec_clear(t, 6);
 }
@@ -220,13 +205,9 @@ void ball_circulation(top_motion *m, const arb_t along, const arb_t across, cons
 static void find_coning(top_motion *m, int axis) {
     const slong bits = m->bits;
     int i;
-    arb_srcptr q = BALL(m, q0);
-    arb_ptr t = _arb_vec_init(8), up = t, momentum = t + 3, height = t + 6, size = t + 7, jump[2];
+    arb_ptr t = _arb_vec_init(11), up = t, momentum = t + 3, height = t + 6, size = t + 7, vertical = t + 8, jump[2];
     jump[0] = BALL(m, jump_plus), jump[1] = BALL(m, jump_minus);
-    arb_mul(up, q + 1, q + 3, bits), arb_submul(up, q, q + 2, bits), arb_mul_2exp_si(up, up, 1);
-    arb_mul(up + 1, q + 2, q + 3, bits), arb_addmul(up + 1, q, q + 1, bits), arb_mul_2exp_si(up + 1, up + 1, 1);
-    arb_mul(up + 2, q, q, bits), arb_addmul(up + 2, q + 3, q + 3, bits);
-    arb_submul(up + 2, q + 1, q + 1, bits), arb_submul(up + 2, q + 2, q + 2, bits);
+    arb_one(vertical + 2), ball_into_body(up, BALL(m, q0), vertical, 1, bits);
     for (i = 0; i < 3; i++) {
         arb_mul(momentum + i, BALL(m, i1) + i, BALL(m, omega1) + i, bits);
         arb_addmul(size, momentum + i, momentum + i, bits), arb_addmul(height, momentum + i, up + i, bits);
@@ -246,7 +227,7 @@ static void find_coning(top_motion *m, int axis) {
         }
         arb_const_pi(jump[i], bits), arb_mul_si(jump[i], jump[i], sign, bits);
     }
-    _arb_vec_clear(t, 8);
+    _arb_vec_clear(t, 11);
 }
 
 int ball_free_body(top_motion *m, const top_data *data) {
@@ -285,10 +266,10 @@ void ball_free_attitude(acb_t upper, acb_t lower, const top_motion *m, const arb
     arb_ptr t = _arb_vec_init(16), q = t, turn = t + 4, other = t + 8, half = t + 12;
     _arb_vec_set(q, BALL(m, q0), 4);
     if (m->regime == TUMBLING) {
-        relative(other, m, time), multiply(turn, BALL(m, r0), other, bits);
+        relative(other, m, time), ball_quaternion_product(turn, BALL(m, r0), other, bits);
         arb_set(other, turn);
         for (i = 0; i < 3; i++) arb_mul_si(other + 1 + m->axis[i], turn + 1 + i, m->sign[i], bits);
-        multiply(q, q, other, bits);
+        ball_quaternion_product(q, q, other, bits);
     } else {
         const int axis = m->axis[2], across = (axis + 1) % 3;
         for (i = 0; i < 3; i++) arb_mul_2exp_si(half + i, BALL(m, omega1) + i, -1);

@@ -83,7 +83,7 @@ static int read_rates(top_motion *m, const top_data *data) {
             if (!(data->given & BY_OMEGA3)) arb_addmul(omega + 2, turn, t + 3, ARF_PREC_EXACT);
         }
     }
-    _arb_vec_clear(t, 8);
+    _arb_vec_set(BALL(m, rate1), omega, 3), _arb_vec_clear(t, 8);
     return is_known;
 }
 
@@ -96,22 +96,28 @@ int ball_given(top_motion *m, const top_data *data) {
     return read_rates(m, data);
 }
 
+void ball_quaternion_product(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits) {
+    static const int other[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};
+    static const int sign[4][4] = {{1, -1, -1, -1}, {1, 1, 1, -1}, {1, -1, 1, 1}, {1, 1, -1, 1}};
+    int i, j;
+    arb_ptr t = _arb_vec_init(4);
+    for (i = 0; i < 4; i++)
+        for (j = 0; j < 4; j++) {
+            if (sign[i][j] > 0) arb_addmul(t + i, p + j, q + other[i][j], bits);
+            else arb_submul(t + i, p + j, q + other[i][j], bits);
+        }
+    _arb_vec_set(r, t, 4);
+    _arb_vec_clear(t, 4);
+}
+
 void ball_about_axis(arb_ptr q, int axis, int side) {
     // q (1, s, s, s)/2, s = -1 from body x to z and from z to body y.
     const int s = axis == 0 ? -side : side;
     int i;
-    arb_ptr t = _arb_vec_init(4);
-    for (i = 1; i < 4; i++) {
-        const int next = i % 3 + 1, last = (i + 1) % 3 + 1;
-        if (s > 0) arb_sub(t, t, q + i, ARF_PREC_EXACT), arb_add(t + i, q, q + next, ARF_PREC_EXACT);
-        else arb_add(t, t, q + i, ARF_PREC_EXACT), arb_sub(t + i, q + last, q, ARF_PREC_EXACT);
-        if (s > 0) arb_sub(t + i, t + i, q + last, ARF_PREC_EXACT);
-        else arb_sub(t + i, t + i, q + next, ARF_PREC_EXACT);
-        arb_add(t + i, t + i, q + i, ARF_PREC_EXACT);
-    }
-    arb_add(t, t, q, ARF_PREC_EXACT);
-    for (i = 0; i < 4; i++) arb_mul_2exp_si(q + i, t + i, -1);
-    _arb_vec_clear(t, 4);
+    arb_ptr turn = _arb_vec_init(4);
+    for (i = 0; i < 4; i++) arb_set_si(turn + i, i == 0 ? 1 : s);
+    ball_quaternion_product(q, q, turn, ARF_PREC_EXACT), _arb_vec_scalar_mul_2exp_si(q, q, 4, -1);
+    _arb_vec_clear(turn, 4);
 }
 
 // The argument of x + i y, next to a number; 0 if it is closer to its opposite, or not known.

@@ -35,6 +35,7 @@ static int read_data(top_motion *m, const top_data *data) {
     if (data->given & GIVEN_OTHERWISE) {
         is_known = ball_given_top(m, data);
     } else {
+        is_known = ball_given(m, data);
         ball_datum(BALL(m, phi), data, PHI), ball_datum(BALL(m, psi), data, PSI), ball_datum(theta, data, THETA);
         ball_datum(BALL(m, phi_rate), data, PHI_RATE), ball_datum(BALL(m, theta_rate), data, THETA_RATE);
         ball_datum(BALL(m, spin), data, SPIN);

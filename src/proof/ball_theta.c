@@ -225,6 +225,19 @@ int ball_components(top_components *c, const top_motion *m, const arb_t phase) {
     return is_finite;
 }
 
+int ball_rises(const top_motion *m, const arb_t time) {
+    arb_ptr t = _arb_vec_init(2), z = t, half = t + 1;
+    int sign = 0;
+    fmpz_t turns;
+    fmpz_init(turns);
+    arb_mul(half, BALL(m, zeta), time, m->bits), arb_add(half, half, BALL(m, z0), m->bits);
+    if (reduce(z, turns, m, half)) sign = arb_is_positive(z) - arb_is_negative(z);
+    arb_mul_2exp_si(half, BALL(m, height), -1), arb_abs(z, z);
+    if (!arb_lt(z, half)) sign = 0;
+    _arb_vec_clear(t, 2), fmpz_clear(turns);
+    return sign;
+}
+
 void ball_tumbling_start(top_motion *m, const arb_t nu, int side) {
     acb_t w;
     acb_init(w);

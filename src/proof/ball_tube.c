@@ -1,5 +1,5 @@
 // The motion of any body: a polynomial, and around it a tube e in Q [-r, r] + the rest of a step, which contains the motion
-// of the data. Lengths of errors are in ulps.
+// of the data: with radii, of all data within them. Then it is S p, too, p in [-1, 1] for each. Lengths of errors are in ulps.
 #include "ball_tube.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
@@ -14,9 +14,9 @@ static const double most_skew = 0x1p14, least_component = 1e-12;
 typedef struct ball_tube {
     ball_field field;
     ball_step step;
-    arb_ptr state, time; // exact, at the start of the step; time in units of time
+    arb_ptr state, time, row; // exact, at the start of the step, time in units of time; balls of the last row
     matrix axes;         // Q
-    double radius[STATES];
+    double radius[STATES], moved[STATES * RADII], next[STATES * RADII]; // S, and at the last point of the step
     slong halvings;                     // of h in the next step
     int steps, has_step, reach, reason; // reach: where the step ends, in 64ths of h
     // phi and psi at the point `counted` of the step, whether they are known, and at the start.
@@ -28,12 +28,15 @@ typedef struct ball_tube {
 static void begin(ball_tube *tube, int sense) {
     const double ulps = ldexp(1, (int)tube->field.bits), turn = 6.283185307179586;
     double q[4], upper, lower;
-    int i;
+    int i, c;
     tube->steps = tube->has_step = 0, tube->reason = PROVED, tube->step.sense = sense, tube->halvings = 2;
     memset(tube->axes, 0, sizeof tube->axes), arb_zero(tube->time);
     for (i = 0; i < STATES; i++) {
         AT(tube->axes, i, i) = 1, tube->radius[i] = mag_get_d(arb_radref(tube->field.start + i)) * ulps * SAFE;
         arb_set(tube->state + i, tube->field.start + i), mag_zero(arb_radref(tube->state + i));
+        for (c = 0; c < tube->field.radii; c++)
+            tube->moved[i * tube->field.radii + c]
+                = arf_get_d(arb_midref(tube->field.moved[c].start + i), ARF_RND_NEAR) * ulps;
     }
     // Both angles, with their turns, are those of the components, which a negative sine or cosine of theta/2 turns over.
     for (i = 0; i < 4; i++) q[i] = arf_get_d(arb_midref(tube->state + i), ARF_RND_NEAR);
@@ -56,16 +59,18 @@ static int prepare(ball_tube *tube) {
     return PROVED;
 }
 
-// The theorem: u, a bound of |e(s) - V(s) e(0)|, and E, one of |e| up to s, where |e(0)| <= start.
+// The theorem: u, a bound of |e(s) - V(s) e(0) - Y(s) p|, and E, one of |e| up to s, where |e(0)| <= start.
 static int bound(double *u, double *most, const ball_step *step, double start, double s) {
     const int n = step->field->order, count = 2 * n + 1;
     const double ulp = ldexp(1, -(int)step->field->bits), h = ldexp(1, -(int)step->halvings);
     const double a = ball_series(step->a, n + 1, s, 0), growth = exp(ball_series(step->growth, count, s, 1)) * SAFE;
     const double delta = s * step->lost + ball_series(step->tail + n, count, s, n + 1) + s * h * step->beyond * a * a;
-    *most = 2 * growth * (start + delta) * SAFE;
-    *u = growth * (step->bend * s * *most * ulp * *most + delta + ball_series(step->defect, count + step->degree, s, 1) * start)
-         * SAFE;
-    return step->bend * s * *most * ulp < 0.69 ? PROVED : TOO_WIDE;
+    double bend;
+    *most = 2 * growth * (start + delta + ball_series(step->forced, 3 * n + 3, s, 1)) * SAFE;
+    bend = step->bend * s * *most * ulp;
+    *u = (bend + ball_series(step->bent, count, s, 1)) * *most + delta + ball_series(step->left, 3 * n + 3 + MATRICES, s, 1);
+    *u = growth * (*u + ball_series(step->defect, count + step->degree, s, 1) * start) * SAFE;
+    return bend < 0.69 ? PROVED : TOO_WIDE;
 }
 
 // Continues phi and psi along the step to s. Between two points of a path, which are together farther from zero than it is
@@ -95,18 +100,23 @@ static void count_turns(ball_tube *tube, double s, double margin) {
     tube->counted = s;
 }
 
-// At a point of the step the error is in A z + a ball of radius `rest`, |z_i| <= r_i.
+// At a point of the step the error is in A z + S p + a ball of radius `rest`, |z_i| <= r_i.
 static int spread(matrix a, double *rest, ball_tube *tube, double s) {
-    double start[STATES] = {0}, most, size;
+    const int radii = tube->field.radii;
+    double start[STATES] = {0}, turned[STATES * RADII], most, size, width;
     matrix v;
     int i, j, reason;
     for (i = 0; i < STATES; i++)
         for (j = 0; j < STATES; j++) start[i] += fabs(AT(tube->axes, i, j)) * tube->radius[j];
-    reason = bound(rest, &most, &tube->step, ball_norm(start, STATES), s);
+    width = ball_length(tube->moved, radii);
+    reason = bound(rest, &most, &tube->step, ball_norm(start, STATES) + width, s);
     if (reason != PROVED) return reason;
     count_turns(tube, s, least_component + 2 * ldexp(most, -(int)tube->field.bits));
-    size = ball_matrix_at(v, &tube->step, s), ball_multiply(a, v, tube->axes);
-    *rest += 16 * ROUNDING * size * ball_norm(tube->axes, STATES * STATES) * ball_norm(tube->radius, STATES);
+    size = ball_matrix_at(v, &tube->step, s, 0), ball_multiply(a, v, tube->axes, STATES);
+    *rest += 16 * ROUNDING * size * (ball_norm(tube->axes, STATES * STATES) * ball_norm(tube->radius, STATES) + width);
+    *rest += 16 * ROUNDING * ball_matrix_at(tube->next, &tube->step, s, 1);
+    ball_multiply(turned, v, tube->moved, radii);
+    for (i = 0; i < STATES * radii; i++) tube->next[i] += turned[i];
     return PROVED;
 }
 
@@ -130,11 +140,11 @@ static int change_axes(ball_tube *tube, const matrix a, double rest) {
     if (is_kept) memcpy(tube->axes, a, sizeof tube->axes);
     else ball_orthogonal(tube->axes, a, tube->radius);
     if (!is_kept && !ball_invert(inverse, tube->axes)) return TOO_WIDE;
-    ball_multiply(turned, inverse, tube->axes), size = ball_norm(inverse, STATES * STATES);
+    ball_multiply(turned, inverse, tube->axes, STATES), size = ball_norm(inverse, STATES * STATES);
     for (i = 0; i < STATES; i++) AT(turned, i, i) -= 1;
     error = ball_norm(turned, STATES * STATES) + 8 * ROUNDING * size * ball_norm(tube->axes, STATES * STATES);
     if (!(error < 0x1p-10)) return TOO_WIDE;
-    ball_multiply(turned, inverse, a);
+    ball_multiply(turned, inverse, a, STATES);
     for (i = 0; i < STATES; i++) {
         radius[i] = is_kept ? tube->radius[i] : (8 * ROUNDING + 2 * error) * size * length;
         for (j = 0; j < STATES && !is_kept; j++) radius[i] += fabs(AT(turned, i, j)) * tube->radius[j];
@@ -159,6 +169,7 @@ static int advance(ball_tube *tube) {
         arb_sub(end + i, end + i, tube->state + i, bits), arb_mul_2exp_si(end + i, end + i, bits), rest += ball_most(end + i);
     }
     if (reason == PROVED) reason = change_axes(tube, a, rest);
+    memcpy(tube->moved, tube->next, sizeof tube->moved);
     arb_mul_si(s, s, tube->step.sense, ARF_PREC_EXACT), arb_mul_2exp_si(s, s, -tube->step.halvings);
     arb_add(tube->time, tube->time, s, ARF_PREC_EXACT), tube->has_step = 0;
     if (++tube->steps >= MOST_STEPS && reason == PROVED) reason = TOO_MANY_STEPS;
@@ -195,19 +206,28 @@ int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) 
     double rest;
     matrix a;
     mag_t radius;
-    arb_ptr w = _arb_vec_init(STATES + 1), x = w, s = w + STATES;
-    mag_init(radius);
+    arb_ptr x = tube->row;
+    arb_t s;
+    mag_init(radius), arb_init(s);
     reason = reach_time(s, tube, t);
     if (reason == PROVED) reason = spread(a, &rest, tube, arf_get_d(arb_midref(s), ARF_RND_NEAR));
     if (reason == PROVED) value_at(x, &tube->step, s);
     for (i = 0; i < STATES && reason == PROVED; i++) {
         double sum = rest;
         for (j = 0; j < STATES; j++) sum += fabs(AT(a, i, j)) * tube->radius[j];
+        for (j = 0; j < tube->field.radii; j++) sum += fabs(tube->next[i * tube->field.radii + j]);
         mag_set_d(radius, sum * SAFE), mag_mul_2exp_si(radius, radius, -bits), arb_add_error_mag(x + i, radius);
     }
     acb_set_arb_arb(upper, x, x + 3), acb_set_arb_arb(lower, x + 1, x + 2);
-    mag_clear(radius), _arb_vec_clear(w, STATES + 1);
+    mag_clear(radius), arb_clear(s);
     return reason;
+}
+
+void ball_tube_rates(arb_ptr omega, const top_motion *m) {
+    const ball_tube *tube = m->tube;
+    _arb_vec_set(omega, tube->row + 4, 3);
+    ball_into_body(omega, tube->row, tube->field.turn, -1, tube->field.bits);
+    _arb_vec_scalar_mul_2exp_si(omega, omega, 3, tube->field.unit);
 }
 
 int ball_tube_turns(double *phi, double *psi, const top_motion *m) {
@@ -219,7 +239,7 @@ int ball_tube_open(top_motion *m, const top_data *data) {
     ball_tube *tube = m->tube = flint_calloc(1, sizeof *tube);
     const int reason = ball_field_init(&tube->field, m, data), n = tube->field.order + 1;
     tube->step.field = &tube->field, tube->step.x = _arb_vec_init(STATES * n), tube->step.wave = _arb_vec_init(WAVES * n);
-    tube->state = _arb_vec_init(STATES + 1), tube->time = tube->state + STATES;
+    tube->state = _arb_vec_init(2 * STATES + 1), tube->row = tube->state + STATES, tube->time = tube->row + STATES;
     tube->given[0] = data->value[PHI], tube->given[1] = data->value[PSI];
     if (reason == PROVED) begin(tube, 1);
     return reason;
@@ -229,7 +249,7 @@ void ball_tube_close(ball_tube *tube) {
     const int n = tube ? tube->field.order + 1 : 0;
     if (!tube) return;
     _arb_vec_clear(tube->step.x, STATES * n), _arb_vec_clear(tube->step.wave, WAVES * n);
-    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
+    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, 2 * STATES + 1);
     flint_free(tube);
 }
 #endif

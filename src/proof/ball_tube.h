@@ -12,21 +12,26 @@
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 
-// Components of x, products q_a q_b, the functions u_n, oscillations; the most coefficients of X and of V.
-enum { STATES = 7, PAIRS = 10, SWINGS = 3, WAVES = 2 + 2 * SWINGS, TERMS = 320, MATRICES = 61 };
+// Components of x, products q_a q_b, the functions u_n, oscillations; the most coefficients of X and of V, and data with
+// radii.
+enum { STATES = 7, PAIRS = 10, SWINGS = 3, WAVES = 2 + 2 * SWINGS, TERMS = 320, MATRICES = 61, RADII = 32 };
 
 // Relative rounding of what is computed in double precision, and the factor that it is allowed in sums of bounds.
 #define ROUNDING 0x1p-42
 #define SAFE (1 + 0x1p-20)
 
-// The equations of motion. Balls lie in `ball`; the same numbers as doubles, and upper bounds of norms.
-typedef struct {
+// The equations of motion. Balls lie in `ball`; the same numbers as doubles, and upper bounds of norms. With radii of data
+// those are the numbers of the middle of the data, the norms hold for all data, and each datum has a field of its own: its
+// radius times the derivatives of the numbers.
+typedef struct ball_field {
     slong bits;      // of sums; an ulp is 2^-bits
     int order, unit; // order of X; the unit of time is 2^-unit s
     arb_ptr ball, coupling, turn, form, gyro, rate, start;
     int has_wave[WAVES], has_pair[PAIRS];
     double c[3], o[3], t[WAVES][3][4][4], h[WAVES][3][3];
     double kappa, frame, tau[WAVES], eta[WAVES]; // max |c_i|, |O|, |T_n|, |H_n|
+    int radii;
+    struct ball_field *moved;
 } ball_field;
 
 typedef double matrix[STATES * STATES];
@@ -45,6 +50,8 @@ typedef struct {
     int degree;
     matrix v[MATRICES];
     double v_norm[MATRICES], defect[2 * TERMS + MATRICES];
+    // With radii of data: coefficients of Y, sums of norms of its columns, of Y' - h J Y - h F, of h F, of h dF/dx.
+    double y[MATRICES][STATES * RADII], y_norm[MATRICES], left[3 * TERMS + MATRICES], forced[3 * TERMS], bent[2 * TERMS];
 } ball_step;
 // The polynomial of order n of a component, or of a function u_n.
 #define SERIES(step, c) ((step)->x + (c) * ((step)->field->order + 1))
@@ -63,12 +70,13 @@ int ball_product(int c, int term, int *a, int *i, int from_left);
 void ball_expand(ball_step *step, arb_srcptr state, const arb_t time);
 int ball_longest(const ball_step *step);
 double ball_series(const double *c, int count, double s, int first);
-// ball_matrix.c: the fundamental matrix of a step that goes as far as s, and its value and norm; products, inverses and
-// orthogonal axes.
+// ball_matrix.c: the fundamental matrix of a step that goes as far as s, and its value and norm, or those of
+// Y; the length of its columns, one for each datum; products, inverses and orthogonal axes.
 void ball_find_matrix(ball_step *step, double s);
-double ball_matrix_at(matrix v, const ball_step *step, double s);
+double ball_matrix_at(double *v, const ball_step *step, double s, int of_data);
 double ball_norm(const double *m, int count);
-void ball_multiply(matrix product, const matrix a, const matrix b);
+double ball_length(const double *columns, int radii);
+void ball_multiply(double *product, const matrix a, const double *b, int columns);
 int ball_invert(matrix inverse, const matrix m);
 void ball_orthogonal(matrix q, const matrix a, const double radius[STATES]);
 #endif

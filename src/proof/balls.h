@@ -20,7 +20,7 @@ enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 1
        GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
 // The quantities that are enclosed.
 enum { Q0, Q1, Q2, Q3, ANGLE_THETA, ANGLE_PHI, ANGLE_PSI, PERIOD, PRECESSION, ORIENTATION, MOMENTUM_PERIOD, MOMENTUM_TURN,
-       QUANTITIES };
+       RATE1, RATE2, RATE3, QUANTITIES };
 // Why something is not proved; certificate.f90 has the sentences.
 enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UNDECIDED_ROOTS, UNDECIDED_BRANCH, TOO_MANY_TURNS,
        NO_CIRCULATION, TOO_MANY_STEPS, NO_CLOSED_FORM, NO_LIBRARY };
@@ -50,7 +50,7 @@ typedef struct {
 // Balls of a motion, each by its name: BALL(m, beta) is one of them.
 // clang-format off
 #define BALL_NAMES(X) \
-    X(i1) X(i2) X(i3) X(q0) X(q1) X(q2) X(q3) X(omega1) X(omega2) X(omega3) \
+    X(i1) X(i2) X(i3) X(q0) X(q1) X(q2) X(q3) X(omega1) X(omega2) X(omega3) X(rate1) X(rate2) X(rate3) \
     X(r0) X(r1) X(r2) X(r3) X(weight) X(rotor) X(phi) X(psi) X(phi_rate) X(theta_rate) X(spin) \
     X(u0) X(sh) X(ch) X(s2) X(cosine) X(sine) X(a) X(beta) X(half) X(swing) X(b_plus_a) X(b_minus_a) \
     X(sum) X(difference) X(g0) X(g1) X(g2) X(y1) X(y2) X(y3) X(nu_plus) X(nu_minus) X(zeta) X(z0) X(height) \
@@ -104,10 +104,12 @@ typedef struct {
 
 // A number of the data.
 void ball_datum(arb_t x, const top_data *data, int which);
-// ball_given.c: q0 .. q3 and omega1 .. omega3 at the start. 0 if they are not known.
+// ball_given.c: q0 .. q3 and omega1 .. omega3 at the start, these in rate1 .. rate3, too. 0 if they are not known.
 int ball_given(top_motion *m, const top_data *data);
 // The same of a top, in axes of which z is its axis: its angles and rates.
 int ball_given_top(top_motion *m, const top_data *data);
+// The product of two quaternions.
+void ball_quaternion_product(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits);
 // A quaternion of those axes (side = 1) in the given axes, or of these in those (-1).
 void ball_about_axis(arb_ptr q, int axis, int side);
 // ball_free_body.c: the motion of a free body, and its q0 .. q3 at a time.
@@ -129,6 +131,8 @@ void ball_components_clear(top_components *c);
 void ball_theta_start(top_motion *m);
 int ball_components(top_components *c, const top_motion *m, const arb_t z);
 void ball_pole_rate(arb_t rate, const top_motion *m);
+// Whether cos(theta) grows: 1, or falls: -1; 0 next to its turning points.
+int ball_rises(const top_motion *m, const arb_t time);
 // The same of a free body: the slope of its phase, and its two functions, of one argument.
 void ball_tumbling_start(top_motion *m, const arb_t nu, int side);
 void ball_tumbling(acb_t plus, acb_t minus, fmpz_t turns, const top_motion *m, const arb_t z);
@@ -137,10 +141,15 @@ int ball_attitude(arb_ptr answer, const top_motion *m, double t);
 // Whether the closed form gives phi and psi with all their turns; else, whether these can be counted along the motion.
 int ball_knows_turns(const top_motion *m);
 int ball_has_turns(const top_motion *m);
-// ball_tube.c: the motion of any body; q0 .. q3 at a time; phi and psi there, within half a turn.
+// ball_rates.c: omega1 .. omega3 at a time, at which ball_attitude gave the answer.
+void ball_rates(arb_ptr answer, const top_motion *m, double t);
+// ball_field.c: adds the vector v of space in body axes, or subtracts it.
+void ball_into_body(arb_ptr sum, arb_srcptr q, arb_srcptr v, int sign, slong bits);
+// ball_tube.c: the motion of any body; q0 .. q3 at a time; omega1 .. omega3, phi and psi there, these within half a turn.
 int ball_tube_open(top_motion *m, const top_data *data);
 void ball_tube_close(struct ball_tube *tube);
 int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t);
+void ball_tube_rates(arb_ptr omega, const top_motion *m);
 int ball_tube_turns(double *phi, double *psi, const top_motion *m);
 // ball_turns.c: bounds of the size of a ball; continues a count of turns to a time. NO_ANGLES if a pole is on the way.
 double ball_most(const arb_t x);

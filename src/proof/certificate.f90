@@ -22,20 +22,21 @@ module spintop_certificate
     public :: certificate_t, has_balls, balls_missing, balls_hint
     public :: proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_of_phi, proof_of_psi
     public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_of_momentum_period, proof_of_momentum_turn
-    public :: proof_count, proof_names
+    public :: proof_of_omega1, proof_of_omega3, proof_count, proof_names
     public :: proved, proof_words, proof_reasons, last_reason, most_proof_bits, radius_count
 
     !> The quantities that have bounds, in the order of balls.h.
     integer, parameter :: proof_of_q0 = 1, proof_of_q1 = 2, proof_of_q2 = 3, proof_of_q3 = 4, proof_of_theta = 5, &
         proof_of_phi = 6, proof_of_psi = 7, proof_of_period = 8, proof_of_precession = 9, proof_of_orientation = 10, &
-        proof_of_momentum_period = 11, proof_of_momentum_turn = 12, proof_count = 12
+        proof_of_momentum_period = 11, proof_of_momentum_turn = 12, proof_of_omega1 = 13, proof_of_omega3 = 15, proof_count = 15
     !> Their names in tables.
     character(*), parameter :: proof_names(proof_count) = [character(23) :: 'q0', 'q1', 'q2', 'q3', 'theta', 'phi', &
-        'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn']
+        'psi', 'nutation_period', 'precession_per_nutation', 'orientation', 'momentum_period', 'momentum_turn', 'omega1', &
+        'omega2', 'omega3']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
     integer, parameter :: proved = 0, no_library = 12, not_polynomial = 13, no_principal_axes = 14, other_radii = 15, &
-        no_closed_radii = 16, no_numbers = 17, no_memory = 18
+        no_numbers = 16, no_memory = 17
     integer, parameter :: last_reason = no_memory
     character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
         'proved', &
@@ -54,7 +55,6 @@ module spintop_certificate
         'dry friction, drag of the air and tables of torques are not enclosed', &
         'the body axes are not principal axes', &
         'the radii are not those of the numbers that give the start', &
-        'radii of data are enclosed for symmetric tops without damping and for free bodies only', &
         'a moment of inertia is zero, or a number is not finite', &
         'not enough memory']
 
@@ -67,8 +67,9 @@ module spintop_certificate
 
     !> The largest precision that is tried, bits.
     integer, parameter :: most_proof_bits = 16384
-    !> Numbers that describe a motion in balls.h, and how many of them have radii: the first.
-    integer, parameter :: data_count = 62, radius_count = 11
+    !> Numbers that describe a motion in balls.h; how many of them may have radii: the first. Those from `first_of_any` on are of
+    !> bodies without closed form: the centre of mass and damping.
+    integer, parameter :: data_count = 62, radius_count = 26, first_of_any = 21, length_number = 5
     !> How the start and the body are given, as sums of these numbers of balls.h.
     integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0], &
         any_body = 64
@@ -127,12 +128,12 @@ contains
     end function has_balls
 
     !> Prepares a motion: body and start in the axes in which they were given. The numbers of the data are exact, or known up to
-    !> the radii, in the order of `numbers_of`; both equal moments of inertia have the first radius.
+    !> the radii, in the order of `numbers_of`; both equal moments of inertia of a top have the first radius.
     subroutine open(self, body, start, radii, by_steps)
         class(certificate_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties, as given
         type(motion_t), intent(in) :: start !! attitude and rates, as given
-        real(dp), intent(in), optional :: radii(radius_count) !! radii of the data; default 0
+        real(dp), intent(in), optional :: radii(:) !! radii of the first data, at most radius_count; others are exact
         logical, intent(in), optional :: by_steps !! whether to go without the closed form, too; default not
         real(dp) :: radius(data_count)
         integer :: axis
@@ -140,12 +141,16 @@ contains
 
         call self%close()
         radius = 0
-        if (present(radii)) radius(:radius_count) = radii
-        has_form = has_closed_form(body)
+        if (present(radii)) radius(:size(radii)) = radii
+        has_form = has_closed_form(body) .and. all(is_zero(radius(first_of_any:)))
         if (present(by_steps)) has_form = has_form .and. .not. by_steps
         axis = merge(axis_of(body), 3, has_form)
-        if (axis /= 3) radius(1:2) = maxval(radius(1:2))
-        radius(12) = radius(1)
+        if (axis /= 3) radius(1:2) = maxval(radius([1, 2, 12]))
+        if (is_equal(body%inertia(1), body%inertia(2)) .and. has_form) radius([1, 12]) = maxval(radius([1, 12]))
+        if (.not. has_form) then ! the length is that of the centre of mass
+            radius(first_of_any + 2) = max(radius(first_of_any + 2), radius(length_number))
+            radius(length_number) = 0
+        end if
         self%reason = obstacle(body, start, radius, has_form)
         if (self%reason /= proved) return
         self%balls = c_open(numbers_of(body, start, axis), radius, int(way_of(body, start, axis, has_form), c_int))
@@ -245,10 +250,8 @@ contains
         real(dp), intent(in) :: radius(data_count)
         logical, intent(in) :: has_form
         reason = proved
-        if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0))) then
-            reason = other_radii
-        end if
-        if (.not. has_form .and. any(radius > 0)) reason = no_closed_radii
+        if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0)) &
+            .or. (.not. start%gives_omega .and. any(radius(13:15) > 0))) reason = other_radii
         if (body%has_products()) reason = no_principal_axes
         if (allocated(body%effects)) then
             associate (effects => body%effects)

@@ -1,5 +1,6 @@
 !> Radii of the data of a scene: proved bounds hold for every top within them.
 module spintop_uncertainties
+    use spintop_compare, only: is_equal
     use spintop_kinds, only: degree, dp
     use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
@@ -10,18 +11,20 @@ module spintop_uncertainties
 
 contains
 
-    !> Radii of I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi': the order of the data in
-    !> spintop_certificate. 0 where none is given.
+    !> Radii of I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'; I2, omega, quaternion, rotor, centre
+    !> of mass, damping: the order of the data in spintop_certificate. 0 where none is given.
     pure function data_radii(scene) result(radii)
         type(scene_t), intent(in) :: scene !! contents of the input
-        real(dp) :: radii(11)
+        real(dp) :: radii(26)
         real(dp) :: angle(3)
         angle = given(scene%uncertainty%angle)
         ! Rounded up, as the product may be rounded down.
         where (is_set(scene%uncertainty%angle_deg)) angle = scene%uncertainty%angle_deg * degree * (1 + 4 * epsilon(degree))
-        radii = [maxval(given(scene%uncertainty%inertia(1:2))), given(scene%uncertainty%inertia(3)), &
-                 given(scene%uncertainty%mass), given(scene%uncertainty%gravity), given(scene%uncertainty%length), angle, &
-                 given(scene%uncertainty%rate(1:2)), max(given(scene%uncertainty%rate(3)), given(scene%uncertainty%omega3))]
+        associate (of => scene%uncertainty)
+            radii = [given(of%inertia([1, 3])), given(of%mass), given(of%gravity), given(of%length), angle, given(of%rate(1:2)), &
+                     max(given(of%rate(3)), given(of%omega3)), given(of%inertia(2)), given(of%omega), spread(0.0_dp, 1, 5), &
+                     given(of%centre_of_mass), given(of%damping)]
+        end associate
     end function data_radii
 
     !> Whether the input gives radii.
@@ -29,7 +32,8 @@ contains
         type(scene_t), intent(in) :: scene !! contents of the input
         has_radii = any(is_set([scene%uncertainty%mass, scene%uncertainty%gravity, scene%uncertainty%length, &
                                 scene%uncertainty%inertia, scene%uncertainty%angle, scene%uncertainty%angle_deg, &
-                                scene%uncertainty%rate, scene%uncertainty%omega3]))
+                                scene%uncertainty%rate, scene%uncertainty%omega3, scene%uncertainty%omega, &
+                                scene%uncertainty%centre_of_mass, scene%uncertainty%damping]))
     end function has_radii
 
     !> Reports radii of numbers that are not data of this input, and radii that nothing uses.
@@ -46,21 +50,25 @@ contains
         if (.not. (has_bounds .or. scene%certified)) call problems%add('uncertainty', 'the table has no bounds that the &
             &radii could widen', 'add columns such as theta_bound')
         if (scene%shape /= 'inertia') then
-            if (any(is_set([scene%uncertainty%mass, scene%uncertainty%inertia, scene%uncertainty%length]))) then
-                call problems%add('uncertainty', 'the radii of mass, inertia and length belong to shape = ''inertia''', &
+            if (any(is_set([scene%uncertainty%mass, scene%uncertainty%inertia, scene%uncertainty%length, &
+                            scene%uncertainty%centre_of_mass]))) then
+                call problems%add('uncertainty', 'the radii of mass, inertia, length and centre of mass &
+                                  &belong to shape = ''inertia''', &
                                   'give the body by its mass properties')
             end if
         end if
         associate (radii => scene%uncertainty%inertia)
-            if (all(is_set(radii)) .and. abs(radii(1) - radii(2)) > 0) then
-                call problems%add('uncertainty.top.inertia', 'the first two radii are not equal', &
-                                  'give the first two moments of inertia one radius')
+            if (all(is_set(radii)) .and. abs(radii(1) - radii(2)) > 0 .and. is_equal(scene%inertia(1), scene%inertia(2))) then
+                call problems%add('uncertainty.top.inertia', 'the first two radii are not equal, as the moments are', &
+                                  'give equal moments of inertia one radius')
             end if
         end associate
         call need(scene%uncertainty%mass, scene%mass, 'top.mass')
         call need(scene%uncertainty%length, scene%length, 'top.length')
         call need(scene%uncertainty%omega3, scene%omega3, 'initial.omega3')
         do i = 1, 3
+            call need(scene%uncertainty%omega(i), scene%omega(i), 'initial.omega')
+            call need(scene%uncertainty%centre_of_mass(i), scene%centre_of_mass(i), 'top.centre_of_mass')
             ! An angle that is not given is 0.
             if (is_set(scene%uncertainty%angle(i)) .and. is_set(scene%uncertainty%angle_deg(i))) then
                 call problems%add('uncertainty', 'the radius of ' // trim(names(i)) // ' is given twice', &

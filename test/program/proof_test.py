@@ -100,13 +100,14 @@ class ProofTest(ProgramCase):
 
     def test_certified_numbers(self) -> None:
         """The numbers of a method become those of the exact motion, whatever the method."""
-        setting = "output.columns=t,theta,theta_bound,phi,phi_bound,q0,q0_bound,proof"
+        names = ("theta", "phi", "q0", "omega1", "omega2")
+        setting = f"output.columns=t,{','.join(f'{name},{name}_bound' for name in names)},proof"
         exact = self.compute(self.top, setting, "output.certified=.true.")
         other = self.compute(
             self.top, setting, "output.certified=.true.", "integration.method=dop853"
         )
         self.assertEqual(exact.rows, other.rows)
-        for name in ("theta", "phi", "q0"):
+        for name in names:
             numbers, bounds = exact.column(name), exact.column(f"{name}_bound")
             for number, bound in zip(numbers, bounds, strict=True):
                 self.assertLessEqual(bound, 0.75 * math.ulp(max(abs(number), 2.0**-52)))
@@ -128,6 +129,27 @@ class ProofTest(ProgramCase):
         both = self.compute(scene, columns)
         self.assertGreater(both.largest("theta_bound"), narrow.largest("theta_bound"))
 
+    def test_uncertainty_of_any_body(self) -> None:
+        """Radii of a damped body; where they are lost, the summary says when."""
+        columns = "output.columns=t,q0,orientation_bound,omega1_bound,proof"
+        body = (columns, "top.inertia=0.875,0.8,0.25", "top.damping=0.01,0.01,0.005")
+        exact = self.compute(self.top, *body).largest("orientation_bound")
+        for radii in (
+            "top.damping",
+            "top.inertia",
+            "initial.phi",
+            "top.length",
+            "initial.psi_rate",
+        ):
+            width = "1e-9,1e-9,1e-9" if radii in ("top.damping", "top.inertia") else "1e-9"
+            table = self.compute(self.top, *body, f"uncertainty.{radii}={width}")
+            self.assertEqual(set(table.texts("proof")), {"proved"})
+            self.assertGreater(table.largest("orientation_bound"), exact + 1e-10)
+            self.assertLess(table.largest("orientation_bound"), 1e-6)
+        lost = [f"--set={word}" for word in (*body, "uncertainty.top.length=1e-4", "span.t_end=60")]
+        run = self.run_program(self.top, *lost)
+        self.assertRegex(run.stdout, r"unproved \(.*\), the first at t = [1-9]")
+
     def test_wrong_uncertainty(self) -> None:
         for settings, words in (
             (("uncertainty.top.length=1e-9",), "the table has no bounds"),
@@ -137,6 +159,14 @@ class ProofTest(ProgramCase):
             (
                 ("uncertainty.top.inertia=1e-6,2e-6,1e-6", "output.columns=t,q0_bound"),
                 "the first two radii are not equal",
+            ),
+            (
+                ("uncertainty.initial.omega=1,1,1", "output.columns=t,q0_bound"),
+                "omega is not given",
+            ),
+            (
+                ("uncertainty.top.centre_of_mass=1,1,1", "output.columns=t,q0_bound"),
+                "top.centre_of_mass is not given",
             ),
             (("uncertainty.top.mass=-1", "output.columns=t,q0_bound"), "uncertainty.top.mass"),
         ):
@@ -163,16 +193,17 @@ class ProofTest(ProgramCase):
             "top.damping=0.01,0.01,0.005",
             "initial.psi_rate=5",
             "span.t_end=18",
-            f"output.columns={BOUNDS},phi,psi",
+            f"output.columns={BOUNDS},phi,psi,omega1,omega1_bound",
         )
         table = self.compute(self.top, *given, "integration.method=taylor_quadruple")
         self.assertEqual(set(table.texts("proof")), {"proved"})
         self.assertLess(table.largest("orientation_bound"), 3e-16)
         self.assertLess(table.largest("psi_bound"), 1e-14)
+        self.assertLess(table.largest("omega1_bound"), 1e-14)
         series = table
         self.assertIn("0 wrong", self.verify())
         table = self.compute(self.top, *given, "output.certified=.true.")
-        for name in ("theta", "phi", "psi", "q0"):
+        for name in ("theta", "phi", "psi", "q0", "omega1"):
             for certified, other in zip(table.texts(name), series.texts(name), strict=True):
                 self.assertAlmostEqual(float(certified), float(other), delta=1e-14)
         self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))

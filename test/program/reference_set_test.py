@@ -70,7 +70,7 @@ class ReferenceSetTest(ProgramCase):
                 self.assertLess(data["errors"]["attitude"]["value"], 1e-13)
 
     def test_numbers_are_true(self) -> None:
-        """The program verifies every table, and proves attitudes where it can."""
+        """The program verifies every table, and proves attitudes and omega where it can."""
         tables = [REFERENCE / "motions" / f"{name}.csv" for name in NAMES]
         run = self.run_program("verify", *tables)
         if MISSING in run.stderr:
@@ -78,7 +78,8 @@ class ReferenceSetTest(ProgramCase):
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         for name, table in zip(NAMES, tables, strict=True):
             if INDEX["motions"][name]["attitude"]["kind"] == "proved":
-                count = 4 * len(read(name)[1]["t"])
+                self.assertEqual(read(name)[0]["errors"]["omega"]["kind"], "proved")
+                count = 7 * len(read(name)[1]["t"])
                 words = f"{table}: {count} numbers proved, 0 unproved, 0 wrong"
                 self.assertIn(words, run.stdout)
 

@@ -1,7 +1,8 @@
 !> What the program claims of the numbers of the exact solution: they are as good as the data allow.
 module spintop_claims
     use spintop_case, only: case_t
-    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_q3, proof_of_theta
+    use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_phi, proof_of_psi, proof_of_q3, &
+        proof_of_theta
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp, no_number
     implicit none
@@ -34,12 +35,23 @@ contains
             if (.not. is_finite(attitude)) return ! both angles are needed
         end if
         if (quantity <= proof_of_q3) claim = attitude
+        if (quantity >= proof_of_omega1) claim = attitude * speed_of(case)
         if (quantity == proof_of_theta) claim = attitude + spacing(printed(proof_of_theta))
         if (quantity /= proof_of_phi .and. quantity /= proof_of_psi) return
         least = min(sin(printed(proof_of_theta) / 2), cos(printed(proof_of_theta) / 2))
         if (.not. is_finite(least)) return
         if (attitude < 0.1_dp * least .and. is_decided(case)) claim = 2 * attitude / least + spacing(printed(quantity))
     end function claim_of
+
+    !> At least the angular velocity of a motion, in body axes and in those of the momentum, rad/s.
+    pure real(dp) function speed_of(case) result(speed)
+        type(case_t), intent(in) :: case
+        associate (body => case%given_body)
+            speed = sqrt((sum(body%inertia * case%given_start%omega**2) &
+                          + 4 * abs(body%mass * body%gravity) * norm2(body%centre_of_mass)) / minval(body%inertia))
+            if (allocated(body%effects)) speed = speed + norm2(body%effects%rotor_momentum) / minval(body%inertia)
+        end associate
+    end function speed_of
 
     !> Whether the data say on which side the axis passes each pole: phi turns by nearly pi there, one way or the other,
     !> as the signs of b - a and b + a are.

@@ -18,6 +18,8 @@ module spintop_row_proof
         integer :: reasons(proof_count) = proved
         !> Number of rows by their outcome (`proof_reasons`).
         integer :: rows(0:last_reason) = 0
+        !> The time of the first row that is not proved, s.
+        real(dp) :: first_unproved = huge(1.0_dp)
         type(certificate_t), private :: certificate
     contains
         procedure :: open
@@ -66,6 +68,7 @@ contains
         real(dp), intent(inout) :: printed(proof_count) !! the numbers
         call self%certificate%bound(t, self%wanted, printed, self%bounds, self%reasons, self%certified)
         self%rows(self%outcome()) = self%rows(self%outcome()) + 1
+        if (.not. self%is_proved()) self%first_unproved = min(self%first_unproved, t)
     end subroutine prove
 
     !> `proved`, or the reason of the first wanted quantity that is not.
@@ -94,6 +97,7 @@ contains
         do i = proved + 1, last_reason
             if (self%rows(i) > 0) text = text // ', ' // to_text(self%rows(i)) // ' unproved (' // trim(proof_reasons(i)) // ')'
         end do
+        if (self%first_unproved < huge(1.0_dp)) text = text // ', the first at t = ' // to_text(self%first_unproved)
     end function summary
 
     !> Gives the memory of the balls back.

@@ -4,7 +4,8 @@ module spintop_motion_view
     use spintop_archive, only: archive_t
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q3, proof_of_theta
+    use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_phi, proof_of_psi, &
+        proof_of_q0, proof_of_q3, proof_of_theta
     use spintop_compare, only: is_finite, is_zero
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -111,6 +112,7 @@ contains
         integer :: i
         call archive%store_or_restore(self%near)
         call archive%store_or_restore(self%work)
+        call archive%store_or_restore(self%proof%first_unproved)
         do i = lbound(self%proof%rows, 1), ubound(self%proof%rows, 1)
             call archive%store_or_restore(self%proof%rows(i))
         end do
@@ -127,7 +129,7 @@ contains
         motion%quaternion = start%quaternion
     end subroutine use_given_start
 
-    !> Proves the attitude, and replaces it where it is to be certified.
+    !> Proves the attitude and the angular velocity, and replaces them where they are to be certified.
     subroutine prove(proof, motion)
         type(row_proof_t), intent(inout) :: proof
         type(motion_t), intent(inout) :: motion
@@ -135,9 +137,11 @@ contains
         printed = 0
         printed(proof_of_q0:proof_of_q3) = motion%quaternion
         printed([proof_of_phi, proof_of_theta, proof_of_psi]) = motion%angle
+        printed(proof_of_omega1:proof_of_omega3) = motion%omega
         call proof%prove(motion%t, printed)
         motion%quaternion = printed(proof_of_q0:proof_of_q3)
         motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
+        motion%omega = printed(proof_of_omega1:proof_of_omega3)
     end subroutine prove
 
     !> Kinetic and potential energy, J.

@@ -3,8 +3,8 @@
 !> derive from the registry.
 module spintop_trajectory_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
-    use spintop_certificate, only: proof_count, proof_of_orientation, proof_of_phi, proof_of_psi, proof_of_q0, proof_of_q1, &
-        proof_of_q2, proof_of_q3, proof_of_theta
+    use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_orientation, proof_of_phi, &
+        proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta
     use spintop_kinds, only: dp
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
     use spintop_motion, only: motion_t
@@ -187,6 +187,12 @@ module spintop_trajectory_columns
                             proof_group, vector_bounds, proof_of_phi), &
         trajectory_column_t('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
                             proof_group, vector_bounds, proof_of_psi), &
+        trajectory_column_t('omega1_bound', 'rad/s', 'upper bound of the error of omega1, proved', &
+                            proof_group, vector_bounds, proof_of_omega1), &
+        trajectory_column_t('omega2_bound', 'rad/s', 'upper bound of the error of omega2, proved', &
+                            proof_group, vector_bounds, proof_of_omega1 + 1), &
+        trajectory_column_t('omega3_bound', 'rad/s', 'upper bound of the error of omega3, proved', &
+                            proof_group, vector_bounds, proof_of_omega3), &
         trajectory_column_t('orientation_bound', 'rad', &
                             'upper bound of the rotation angle from the true attitude, proved', &
                             proof_group, vector_bounds, proof_of_orientation), &

@@ -74,11 +74,11 @@ module spintop_capabilities
         procedure :: unfold_several => keep_changes
     end type series_t
 
-    !> The same in quadruple precision.
+    !> The same in quadruple precision, whose arithmetic takes longer than a short run in double precision: nothing is computed
+    !> before it is asked for.
     type, abstract, extends(capability_t) :: quadruple_series_t
-        !> The state at the start, set with body and start; zero if it is the one in double precision.
-        real(qp) :: y_start(max_states) = 0
     contains
+        procedure :: y_start => rounded_start
         procedure(expand_quadruple), deferred :: expand
     end type quadruple_series_t
 
@@ -186,6 +186,13 @@ contains
             if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
         end do
     end subroutine compose_flows
+
+    !> The state at the start in quadruple precision; zero if it is the one in double precision.
+    pure function rounded_start(self) result(y)
+        class(quadruple_series_t), intent(in) :: self
+        real(qp) :: y(max_states)
+        y = 0
+    end function rounded_start
 
     !> Makes the change of the state `y` after a time `h` of that of the variables of the series. Where
     !> these are the state, nothing is left to do.

@@ -16,9 +16,11 @@ module spintop_effects_series_quadruple
     type, extends(quadruple_series_t) :: body_quadruple_t
         private
         type(body_t) :: body
+        type(motion_t) :: start
         type(effects_t) :: effects
     contains
         procedure :: set
+        procedure :: y_start
         procedure :: expand
     end type body_quadruple_t
 
@@ -28,23 +30,29 @@ contains
 
     include 'effects_series.inc'
 
-    !> Constants of the series.
+    !> Keeps body and start.
     pure subroutine set(self, body, start)
         class(body_quadruple_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(wp) :: q(4), omega(3)
         self%body = body
+        self%start = start
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
-        q = quadruple_attitude(start)
-        omega = quadruple_omega(start)
+    end subroutine set
+
+    !> The state at the start.
+    pure function y_start(self)
+        class(body_quadruple_t), intent(in) :: self
+        real(wp) :: y_start(max_states), q(4), omega(3)
+        q = quadruple_attitude(self%start)
+        omega = quadruple_omega(self%start)
         associate (o => self%effects%frame_rate, x => q(2), y => q(3), z => q(4))
             if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), real(o, wp)) &
                 + q(2:4) * (x * o(1) + y * o(2) + z * o(3))) / sum(q**2) - o
         end associate
-        self%y_start = [q, body%inertia * omega + self%effects%rotor_momentum, 0.0_wp]
-    end subroutine set
+        y_start = [q, self%body%inertia * omega + self%effects%rotor_momentum, 0.0_wp]
+    end function y_start
 
     !> Taylor coefficients of the motion.
     pure subroutine expand(self, t, y, order, coefficient)

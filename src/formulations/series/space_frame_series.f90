@@ -36,9 +36,10 @@ module spintop_space_frame_series
     type, extends(quadruple_series_t) :: space_frame_quadruple_t
         private
         type(body_t) :: body = body_t()
-        real(qp) :: vertical = 0
+        type(motion_t) :: start = motion_t()
     contains
         procedure :: set => set_quadruple
+        procedure :: y_start
         procedure :: expand => expand_quadruple
     end type space_frame_quadruple_t
 
@@ -168,6 +169,23 @@ contains
         end do
     end subroutine unfold_several
 
+    !> Keeps body and start.
+    pure subroutine set_quadruple(self, body, start)
+        class(space_frame_quadruple_t), intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        self%body = body
+        self%start = start
+    end subroutine set_quadruple
+
+    !> The state at the start.
+    pure function y_start(self)
+        class(space_frame_quadruple_t), intent(in) :: self
+        real(qp) :: y_start(max_states), momentum(3)
+        momentum = space_momentum(self%body, self%start)
+        y_start = [momentum(1:2), quadruple_attitude(self%start), 0.0_qp, 0.0_qp]
+    end function y_start
+
     !> Momentum in space axes, for the attitude of a quaternion of any norm. Near the upright the difference of that about
     !> the vertical from that about the axis determines the motion.
     pure function space_momentum(body, start)
@@ -185,18 +203,6 @@ contains
                 + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)] / sum(q**2)
     end function space_momentum
 
-    !> Constants of the series in quadruple precision.
-    pure subroutine set_quadruple(self, body, start)
-        class(space_frame_quadruple_t), intent(inout) :: self
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        real(qp) :: momentum(3)
-        self%body = body
-        momentum = space_momentum(body, start)
-        self%vertical = momentum(3)
-        self%y_start = [momentum(1:2), quadruple_attitude(start), 0.0_qp, 0.0_qp]
-    end subroutine set_quadruple
-
     !> Taylor coefficients of the motion in quadruple precision.
     pure subroutine expand_quadruple(self, t, y, order, coefficient)
         class(space_frame_quadruple_t), intent(in) :: self
@@ -204,11 +210,12 @@ contains
         real(qp), intent(in) :: y(max_states) !! state in quadruple precision
         integer, intent(in) :: order !! order of the highest coefficient
         real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        real(qp) :: by_l1(4), by_l2(4), by_p0(2), by_p3(2), half, vertical, pull
+        real(qp) :: momentum(3), by_l1(4), by_l2(4), by_p0(2), by_p3(2), half, vertical, pull
         integer :: k, j
 
         half = 1 / (2 * real(self%body%inertia(1), qp))
-        vertical = self%vertical * half
+        momentum = space_momentum(self%body, self%start)
+        vertical = momentum(3) * half
         pull = 2 * real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass(3) / sum(y(3:6)**2)
         coefficient(:, 0) = y
         associate (c => coefficient)

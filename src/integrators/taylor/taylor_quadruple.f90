@@ -38,7 +38,7 @@ contains
         info = formulation%info()
         self%attitude = info%quaternion
         self%states = info%states
-        associate (exact => formulation%quadruple_series%y_start)
+        associate (exact => formulation%quadruple_series%y_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
         call self%evaluate(formulation, self%t, self%y, self%slope, status)

@@ -91,7 +91,8 @@ contains
             end if
             is_idle = .not. self%observer%counts_turns
             if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
-            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle, reach_of(body, start))
+            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
+            if (.not. is_idle) self%follower%reach = reach_of(body, start)
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps

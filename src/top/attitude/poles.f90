@@ -60,10 +60,12 @@ contains
         logical, intent(out) :: swings !! whether there is such an axis
         real(dp) :: gamma(3), rate(6), change(3)
         swings = .false.
+        axis = start%omega
         gamma = vertical_from_quaternion(start%quaternion)
+        ! Most bodies turn about no horizontal axis, and this is asked for every case of a sweep.
+        if (abs(dot_product(start%omega, gamma)) > 2 * nearly * sum(abs(start%omega))) return
         rate = euler_poisson_rate(body, [gamma, body%inertia * start%omega])
         change = rate(4:6) / body%inertia
-        axis = start%omega
         if (.not. norm2(axis) > 0) axis = change
         if (.not. norm2(axis) > 0) return
         axis = axis / norm2(axis)

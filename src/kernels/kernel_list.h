@@ -2,7 +2,7 @@
 // declared (kernels.h), where a table has the builds for a level (kernels_of_level.h), and where Fortran calls them, by their
 // names with spintop_ before (kernels.c).
 
-// body_series.h, top_series.h: terms of the series of a motion.
+// body_series.h, top_series.h: terms of the series of a motion; of a symmetric top as a quotient.
 PROCEDURE(expand_body, (order, body, state, share, share_rest, c), int order, const struct body_products *body,
           const double *state, const double *share, const double *share_rest, double *c)
 PROCEDURE(expand_top, (order, linear, weight, share, share_rest, state, rate, fall, c), int order, const double *linear,

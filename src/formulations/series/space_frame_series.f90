@@ -95,6 +95,11 @@ contains
     !> No constant may be rounded in these in the same way in every step, but not in the first derivatives: constants of
     !> the motion would drift. So w3^2 is the sum of two numbers. The first has so few digits that it is a multiple of the
     !> spacing of all sums that it enters; the other one enters with a product that is not rounded before.
+    !>
+    !> These series converge as far as to the next complex time at which the motion has a pole. As elliptic functions and their
+    !> integrals, the variables are quotients with a common denominator D, (log D)'' = -v/2, of functions that have no poles
+    !> (Whittaker, Analytical Dynamics, chapter VI). The coefficients are those of D times the changes of L and p, and in the
+    !> place of v those of D, so that steps may be several times longer. At the finest tolerances D is 1: see top_series.h.
     pure subroutine expand(self, t, y, order, coefficient)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
@@ -140,13 +145,15 @@ contains
         call c_expand(order, linear, weight, acceleration_share, acceleration_rest, y, rate, fall, coefficient)
     end subroutine expand
 
-    !> Rotates L back to axes at rest.
+    !> Divides by the denominator, and rotates L back to axes at rest.
     pure subroutine unfold(self, y, h, change)
         class(space_frame_series_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time in it, s
         real(dp), intent(inout) :: change(max_states) !! of the variables of the series, then of the state
         real(dp) :: angle, sinc, drop, l1, l2
 
+        change(:6) = change(:6) / (1 + change(7))
+        change(7:) = 0
         angle = self%turn_rate * h / 2
         call half_turn(angle**2, sinc, drop)
         l1 = y(1) + change(1)

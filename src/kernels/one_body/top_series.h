@@ -1,13 +1,23 @@
-// Taylor coefficients of the motion of a symmetric top; see space_frame.f90, which has the equations. C with vectors:
+// Taylor coefficients of the motion of a symmetric top; see space_frame_series.f90, which has the equations. C with vectors:
 // all components of a term are one vector, and the terms stay in registers where there are enough of them.
+//
+// All variables have poles at the same complex times, simple ones but for the height v, which is 2/(t - t*)^2 there. So D with
+// D' = w D, w' = -v/2, D(0) = 1 and w(0) = 0 has zeros there and no poles, and the products of D and the variables have none
+// either: their series converge everywhere. The results are the state, and the terms of D (y - y(0)), and in the place of the
+// height those of D. Long steps leave more rounding than short ones: for the finest tolerances, which have the highest
+// orders, D is left at 1.
 
 // The place of the height in a term, by which all are multiplied.
 enum { height = 6 };
 
-// The terms, and the height in each; and the factors of a term and of its products in the next but one.
+// The highest order at which D is used: that of the tolerance 1e-12.
+static const int highest_quotient = 26;
+
+// The terms, and the height in each; the terms of D and of w; and the factors of a term and of its products in the
+// next but one.
 struct top_terms {
     vector term[highest_order + 1][parts];
-    double height[highest_order + 1];
+    double height[highest_order + 1], denominator[highest_order + 1], slope[highest_order + 1];
     vector linear[parts], weight[parts], start[parts];
 };
 
@@ -17,19 +27,14 @@ struct top_terms {
 #define unrolled_far_for _Pragma("GCC unroll 16") for
 #endif
 
-// Keeps term k, and puts it to the results without its height.
-inlined void keep_term(struct top_terms *s, int k, const vector *term, double *c) {
-    double *const row = c + numbers * k;
-    for_all(p, parts) {
-        s->term[k][p] = term[p];
-        memcpy(row + width * p, &term[p], sizeof *term);
-    }
+// Keeps term k.
+inlined void keep_term(struct top_terms *s, int k, const vector *term) {
+    for_all(p, parts) s->term[k][p] = term[p];
     s->height[k] = term[height / width][height % width];
-    row[height] = 0;
 }
 
 // Term k + 2: products of the terms 0 to k, and a factor of term k. The newest terms come last.
-inlined void add_top_term(struct top_terms *s, int k, struct share share, double *c) {
+inlined void add_top_term(struct top_terms *s, int k, struct share share) {
     vector sum[parts], more[parts], now[parts], next[parts];
     for_all(p, parts) sum[p] = more[p] = (vector){0};
     unrolled_far_for(int j = k / 2; j > 0; --j)
@@ -39,7 +44,46 @@ inlined void add_top_term(struct top_terms *s, int k, struct share share, double
     for_all(p, parts) now[p] = s->weight[p] * scaled(sum[p] + more[p], share);
     for_all(p, parts) now[p] += scaled(s->linear[p], share) * s->term[k][p];
     for_all(p, parts) next[p] = now[p] + s->height[k] * scaled(s->start[p], share);
-    keep_term(s, k + 2, next, c);
+    keep_term(s, k + 2, next);
+}
+
+// Term k + 2 of the denominator D: D' = w D, w' = -v/2. `share` is 1/((k + 1) (k + 2)).
+inlined void add_denominator(struct top_terms *s, int k, double share) {
+    double even = 0, odd = 0;
+    s->slope[k + 1] = -(share * (k + 2)) / 2 * s->height[k];
+    unrolled_far_for(int j = 2; j <= k + 1; j += 2) even += s->slope[j] * s->denominator[k + 1 - j];
+    unrolled_far_for(int j = 3; j <= k + 1; j += 2) odd += s->slope[j] * s->denominator[k + 1 - j];
+    s->denominator[k + 2] = share * (k + 1) * (even + odd);
+}
+
+// Puts term k of the products to the results.
+inlined void put_product(const struct top_terms *s, int k, double *c) {
+    vector sum[parts], more[parts];
+    for_all(p, parts) sum[p] = s->term[k][p], more[p] = (vector){0};
+    unrolled_far_for(int j = 1; j <= k - 3; j += 2)
+        for_all(p, parts) sum[p] += s->denominator[k - j] * s->term[j][p];
+    unrolled_far_for(int j = 2; j <= k - 3; j += 2)
+        for_all(p, parts) more[p] += s->denominator[k - j] * s->term[j][p];
+    for_all(p, parts) sum[p] += more[p];
+    sum[height / width][height % width] = s->denominator[k];
+    for_all(p, parts) memcpy(c + numbers * k + width * p, &sum[p], sizeof *sum);
+}
+
+// Puts term k itself to the results, without its height, as where D is 1.
+inlined void put_term(const struct top_terms *s, int k, double *c) {
+    for_all(p, parts) memcpy(c + numbers * k + width * p, &s->term[k][p], sizeof *s->term[k]);
+    c[numbers * k + height] = 0;
+}
+
+// Makes term k + 2, and puts it to the results.
+inlined void make_term(struct top_terms *s, int k, struct share share, int is_quotient, double *c) {
+    add_top_term(s, k, share);
+    if (is_quotient) {
+        add_denominator(s, k, share.first);
+        put_product(s, k + 2, c);
+    } else {
+        put_term(s, k + 2, c);
+    }
 }
 
 // From the state, whose height counts as zero, its rate, and the second derivative of the height.
@@ -50,18 +94,22 @@ static void expand_top(int order, const double *linear, const double *weight, co
     get_parts(s.linear, linear), get_parts(s.weight, weight);
     get_parts(term, state);
     term[height / width][height % width] = 0;
-    keep_term(&s, 0, term, c);
+    keep_term(&s, 0, term);
     for_all(p, parts) s.start[p] = s.weight[p] * term[p];
     for_all(p, parts) term[p] *= share[0] * s.linear[p];
     term[height / width][height % width] = share[0] * fall;
-    keep_term(&s, 2, term, c);
+    keep_term(&s, 2, term);
     get_parts(term, rate);
-    keep_term(&s, 1, term, c);
+    keep_term(&s, 1, term);
+    const int is_quotient = order <= highest_quotient;
+    put_term(&s, 0, c), put_term(&s, 1, c), put_term(&s, 2, c);
+    s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
+    if (is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);
 #if defined(__AVX__) && !defined(__clang__)
     // Without loops, so that no branch depends on the number of terms but the one that ends.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
-    add_top_term(&s, k, share_of(share, share_rest, k), c);
+    make_term(&s, k, share_of(share, share_rest, k), is_quotient, c);
     // clang-format off
     after(1) after(2) after(3) after(4) after(5) after(6) after(7) after(8) after(9) after(10) after(11) after(12)
     after(13) after(14) after(15) after(16) after(17) after(18) after(19) after(20) after(21) after(22) after(23)
@@ -69,6 +117,6 @@ static void expand_top(int order, const double *linear, const double *weight, co
     // clang-format on
 #undef after
 #else
-    for (int k = 1; k + 2 <= order; ++k) add_top_term(&s, k, share_of(share, share_rest, k), c);
+    for (int k = 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), is_quotient, c);
 #endif
 }

@@ -15,10 +15,10 @@ typedef struct ball_tube {
     ball_field field;
     ball_step step;
     arb_ptr state, time, row; // exact, at the start of the step, time in units of time; balls of the last row
-    matrix axes;         // Q
+    matrix axes;              // Q
     double radius[STATES], moved[STATES * RADII], next[STATES * RADII]; // S, and at the last point of the step
-    slong halvings;                     // of h in the next step
-    int steps, has_step, reach, reason; // reach: where the step ends, in 64ths of h
+    slong halvings;                                                     // of h in the next step
+    int steps, has_step, reach, reason;                                 // reach: where the step ends, in 64ths of h
     // phi and psi at the point `counted` of the step, whether they are known, and at the start.
     double counted, phi, psi, given[2];
     int has_turns;
@@ -35,8 +35,7 @@ static void begin(ball_tube *tube, int sense) {
         AT(tube->axes, i, i) = 1, tube->radius[i] = mag_get_d(arb_radref(tube->field.start + i)) * ulps * SAFE;
         arb_set(tube->state + i, tube->field.start + i), mag_zero(arb_radref(tube->state + i));
         for (c = 0; c < tube->field.radii; c++)
-            tube->moved[i * tube->field.radii + c]
-                = arf_get_d(arb_midref(tube->field.moved[c].start + i), ARF_RND_NEAR) * ulps;
+            tube->moved[i * tube->field.radii + c] = arf_get_d(arb_midref(tube->field.moved[c].start + i), ARF_RND_NEAR) * ulps;
     }
     // Both angles, with their turns, are those of the components, which a negative sine or cosine of theta/2 turns over.
     for (i = 0; i < 4; i++) q[i] = arf_get_d(arb_midref(tube->state + i), ARF_RND_NEAR);

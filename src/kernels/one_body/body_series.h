@@ -24,7 +24,8 @@ static void expand_body(int order, const struct body_products *body, const doubl
         start.a2[p] = third[p] * f.b2[p], start.b2[p] = third[p] * f.a2[p];
         // As terms to come have it: the product of a constant and a momentum that does not change is rounded in the same way
         // in every step.
-        rate[p] = is_steady[p] * (start.b0[p] * f.b0[p]) + (1 - is_steady[p]) * (start.a0[p] * f.a0[p]) + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
+        rate[p] = is_steady[p] * (start.b0[p] * f.b0[p]) + (1 - is_steady[p]) * (start.a0[p] * f.a0[p])
+                  + (pull[p] * torque[0][p] - swing[p] * torque[1][p] - decay[p] * now[p]);
         s1[p] = start.a1[p] * f.a1[p], s2[p] = start.a2[p] * f.a2[p];
         by_torque[0][p] = pull[p], by_torque[1][p] = -swing[p];
         ahead[p] = (vector){0};

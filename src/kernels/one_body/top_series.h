@@ -106,7 +106,7 @@ static void expand_top(int order, const double *linear, const double *weight, co
     s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
     if (is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);
 #if defined(__AVX__) && !defined(__clang__)
-    // Without loops, so that no branch depends on the number of terms but the one that ends.
+        // Without loops, so that no branch depends on the number of terms but the one that ends.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
     make_term(&s, k, share_of(share, share_rest, k), is_quotient, c);

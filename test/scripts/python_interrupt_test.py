@@ -93,10 +93,10 @@ class InterruptTest(unittest.TestCase):
     def test_progress(self) -> None:
         """The shares increase to 1; an exception of the function ends the call."""
         shares = []
-        few = {"initial.theta": np.linspace(0.5, 2.5, 400)}
+        few = {"initial.theta": np.linspace(0.5, 2.5, 4000)}
         given = {**FRICTION, "span": {"t_end": 5}}
         found = spintop.sweep(given, few, progress=shares.append, threads=2)
-        self.assertEqual(len(found.rows["psi_end"]), 400)
+        self.assertEqual(len(found.rows["psi_end"]), 4000)
         self.assertEqual(shares, sorted(shares))
         self.assertEqual(shares[-1], 1)
         self.assertGreater(len(set(shares)), 2)

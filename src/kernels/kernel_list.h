@@ -5,9 +5,8 @@
 // body_series.h, top_series.h: terms of the series of a motion; of a symmetric top as a quotient.
 PROCEDURE(expand_body, (order, body, state, share, share_rest, c), int order, const struct body_products *body,
           const double *state, const double *share, const double *share_rest, double *c)
-PROCEDURE(expand_top, (order, linear, weight, share, share_rest, state, rate, fall, c), int order, const double *linear,
-          const double *weight, const double *share, const double *share_rest, const double *state, const double *rate,
-          double fall, double *c)
+PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, const struct symmetric_top *top,
+          const double *state, const double *share, const double *share_rest, double *c)
 
 // effects_series.h: the same with effects. `state` has q, U, G, X, Y and the momentum of the rotor.
 PROCEDURE(expand_effects, (order, e, state, pivot, share, share_rest, c, exists), int order, const struct series_effects *e,

@@ -6,7 +6,7 @@ module spintop_kernel_types
     implicit none
     private
     public :: numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
-    public :: body_products_t, stage_factors_t, drag_t, series_effects_t, stage_effects_t
+    public :: body_products_t, stage_factors_t, symmetric_top_t, drag_t, series_effects_t, stage_effects_t
     public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_arm_t, lane_work_t
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
@@ -27,6 +27,12 @@ module spintop_kernel_types
     type, bind(C) :: stage_factors_t
         real(c_double), dimension(half) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
     end type stage_factors_t
+
+    !> A symmetric top in space axes: I1, m g l/I1, the rate w3 = L_z/I1 of the turn about the vertical; and w3^2 as a number
+    !> in single precision and a remainder, see `spintop_space_frame_series`.
+    type, bind(C) :: symmetric_top_t
+        real(c_double) :: inertia = 1, pull = 0, turn_rate = 0, coarse = 0, fine = 0
+    end type symmetric_top_t
 
     !> A drag: matrices that make x and z of w, and b.
     type, bind(C) :: drag_t

@@ -21,6 +21,11 @@ struct stage_factors {
     double inertia[half], mobility[half], coupling[half], decay[half], pull[half], swing[half];
 };
 
+// Constants of a symmetric top in space axes: I1, m g l/I1, w3 = L_z/I1, and w3^2 as the sum of two numbers.
+struct symmetric_top {
+    double inertia, pull, turn_rate, coarse, fine;
+};
+
 // Drag y z of the air, with y = (x.x)^b.
 struct drag {
     double speed[3][half], moment[3][half]; // columns of the matrices that make x and z of the angular velocity

@@ -5,6 +5,7 @@ module spintop_space_frame_series
     use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
+    use spintop_kernel_types, only: symmetric_top_t
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants
@@ -15,16 +16,10 @@ module spintop_space_frame_series
     private
     public :: space_frame_series_t, space_frame_quadruple_t
 
-    !> Factors of the products of v with L, p and v.
-    real(dp), parameter :: weight(max_states) = [1, 1, 1, 1, 1, 1, 3, 0]
-
     !> The Taylor series of the motion.
     type, extends(series_t) :: space_frame_series_t
         private
-        !> The rate w3 = L_z/I1 of the turn about the vertical, m g l/I1 and I1.
-        real(dp) :: turn_rate = 0, pull = 0, i1 = 1
-        !> w3^2 as a number in single precision and a remainder: see `expand`.
-        real(dp) :: coarse = 0, fine = 0
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
         procedure :: set => set_series
         procedure :: expand
@@ -44,18 +39,11 @@ module spintop_space_frame_series
     end type space_frame_quadruple_t
 
     interface
-        !> x y + z, rounded once.
-        pure real(c_double) function c_fma(x, y, z) bind(C, name='fma')
-            import :: c_double
-            real(c_double), value :: x, y, z
-        end function c_fma
-
-        pure subroutine c_expand(order, linear, weight, share, share_rest, state, rate, fall, c) &
-            bind(C, name='spintop_expand_top')
-            import :: c_double, c_int
+        pure subroutine c_expand(order, top, state, share, share_rest, c) bind(C, name='spintop_expand_top')
+            import :: c_double, c_int, symmetric_top_t
             integer(c_int), value :: order
-            real(c_double), intent(in) :: linear(*), weight(*), share(*), share_rest(*), state(*), rate(*)
-            real(c_double), value :: fall
+            type(symmetric_top_t), intent(in) :: top
+            real(c_double), intent(in) :: state(*), share(*), share_rest(*)
             real(c_double), intent(out) :: c(*)
         end subroutine c_expand
     end interface
@@ -69,11 +57,13 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp) :: momentum(3)
         momentum = to_space(start%quaternion, body%inertia * start%omega)
-        self%i1 = body%inertia(1)
-        self%pull = body%mgl() / self%i1
-        self%turn_rate = momentum(3) / self%i1
-        self%coarse = rounded_to_single(self%turn_rate**2)
-        self%fine = real(real(self%turn_rate, qp)**2 - self%coarse, dp)
+        associate (top => self%top)
+            top%inertia = body%inertia(1)
+            top%pull = body%mgl() / top%inertia
+            top%turn_rate = momentum(3) / top%inertia
+            top%coarse = rounded_to_single(top%turn_rate**2)
+            top%fine = real(real(top%turn_rate, qp)**2 - top%coarse, dp)
+        end associate
     end subroutine set_series
 
     !> A number rounded to the digits of single precision, of any magnitude.
@@ -105,44 +95,7 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(in) :: order !! order of the highest coefficient
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        !> Rates of the state and of v, and the factors of their linear terms.
-        real(dp) :: rate(max_states), linear(max_states)
-        real(dp) :: m, w(3), axis(3), upper, lower, excess, square, of_momentum, fall
-
-        m = self%pull
-        w = [y(1:2) / self%i1, self%turn_rate]
-        square = c_fma(w(2), w(2), c_fma(w(1), w(1), self%fine)) + self%coarse
-        associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6), unused => t)
-            upper = p0**2 + p3**2
-            lower = p1**2 + p2**2
-            ! Divided by the squared norm; see body_start.h.
-            excess = (((p0**2 - 1) + p3**2) + p1**2) + p2**2
-            axis = [2 * (p1 * p3 + p0 * p2), 2 * (p2 * p3 - p0 * p1), upper - lower]
-            if (abs(excess) < 0.5_dp) then
-                excess = excess / (1 + excess)
-                axis = axis - excess * axis
-                upper = upper - excess * upper
-                lower = lower - excess * lower
-            else
-                excess = upper + lower
-                axis = axis / excess
-                upper = upper / excess
-                lower = lower / excess
-            end if
-            rate = [w(3) / 2 * y(2) - m * axis(2) * self%i1, &
-                    m * axis(1) * self%i1 - w(3) / 2 * y(1), &
-                    -(w(1) * p1 + w(2) * p2 + w(3) * p3) / 2, &
-                    (w(1) * p0 + w(2) * p3 - w(3) * p2) / 2, &
-                    (w(2) * p0 + w(3) * p1 - w(1) * p3) / 2, &
-                    (w(3) * p0 + w(1) * p2 - w(2) * p1) / 2, &
-                    m * (w(1) * axis(2) - w(2) * axis(1)), 0.0_dp]
-        end associate
-        of_momentum = c_fma(m, axis(3), -self%fine / 4) - self%coarse / 4
-        linear = [of_momentum, of_momentum, &
-                  m * [-lower, upper, upper, -lower] - square / 4, 4 * m * axis(3) - square, 0.0_dp]
-        fall = m * (w(3) * (w(1) * axis(1) + w(2) * axis(2)) - axis(3) * (w(1)**2 + w(2)**2) &
-                    - m * (axis(1)**2 + axis(2)**2))
-        call c_expand(order, linear, weight, acceleration_share, acceleration_rest, y, rate, fall, coefficient)
+        call c_expand(order, self%top, y, acceleration_share, acceleration_rest, coefficient)
     end subroutine expand
 
     !> Divides by the denominator, and rotates L back to axes at rest.
@@ -154,7 +107,7 @@ contains
 
         change(:6) = change(:6) / (1 + change(7))
         change(7:) = 0
-        angle = self%turn_rate * h / 2
+        angle = self%top%turn_rate * h / 2
         call half_turn(angle**2, sinc, drop)
         l1 = y(1) + change(1)
         l2 = y(2) + change(2)

@@ -86,22 +86,24 @@ inlined void make_term(struct top_terms *s, int k, struct share share, int is_qu
     }
 }
 
-// From the state, whose height counts as zero, its rate, and the second derivative of the height.
-static void expand_top(int order, const double *linear, const double *weight, const double *share, const double *share_rest,
-                       const double *state, const double *rate, double fall, double *c) {
+static void expand_top(int order, const struct symmetric_top *top, const double *state, const double *share,
+                       const double *share_rest, double *c) {
+    // Factors of the products of v with L, p and v.
+    static const double weight[numbers] = {1, 1, 1, 1, 1, 1, 3, 0};
     struct top_terms s;
     vector term[parts];
-    get_parts(s.linear, linear), get_parts(s.weight, weight);
+    const int is_quotient = order <= highest_quotient;
+    const struct top_start start = find_start_of_top(top, state, !is_quotient);
+    get_parts(s.linear, start.linear), get_parts(s.weight, weight);
     get_parts(term, state);
     term[height / width][height % width] = 0;
     keep_term(&s, 0, term);
     for_all(p, parts) s.start[p] = s.weight[p] * term[p];
     for_all(p, parts) term[p] *= share[0] * s.linear[p];
-    term[height / width][height % width] = share[0] * fall;
+    term[height / width][height % width] = share[0] * start.fall;
     keep_term(&s, 2, term);
-    get_parts(term, rate);
+    get_parts(term, start.rate);
     keep_term(&s, 1, term);
-    const int is_quotient = order <= highest_quotient;
     put_term(&s, 0, c), put_term(&s, 1, c), put_term(&s, 2, c);
     s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
     if (is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);

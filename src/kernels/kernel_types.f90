@@ -28,10 +28,9 @@ module spintop_kernel_types
         real(c_double), dimension(half) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
     end type stage_factors_t
 
-    !> A symmetric top in space axes: I1, m g l/I1, the rate w3 = L_z/I1 of the turn about the vertical; and w3^2 as a number
-    !> in single precision and a remainder, see `spintop_space_frame_series`.
+    !> A symmetric top in space axes: I1, m g l/I1, and the rate w3 = L_z/I1 of the turn about the vertical.
     type, bind(C) :: symmetric_top_t
-        real(c_double) :: inertia = 1, pull = 0, turn_rate = 0, coarse = 0, fine = 0
+        real(c_double) :: inertia = 1, pull = 0, turn_rate = 0
     end type symmetric_top_t
 
     !> A drag: matrices that make x and z of w, and b.

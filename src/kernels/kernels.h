@@ -21,9 +21,9 @@ struct stage_factors {
     double inertia[half], mobility[half], coupling[half], decay[half], pull[half], swing[half];
 };
 
-// Constants of a symmetric top in space axes: I1, m g l/I1, w3 = L_z/I1, and w3^2 as the sum of two numbers.
+// Constants of a symmetric top in space axes: I1, m g l/I1 and w3 = L_z/I1.
 struct symmetric_top {
-    double inertia, pull, turn_rate, coarse, fine;
+    double inertia, pull, turn_rate;
 };
 
 // Drag y z of the air, with y = (x.x)^b.

@@ -17,7 +17,6 @@
 #include "one_body/body_stages.h"
 #include "one_body/effects_series.h"
 #include "one_body/effects_stages.h"
-#include "one_body/top_start.h"
 #include "one_body/top_series.h"
 
 #include "binary_powers.h"

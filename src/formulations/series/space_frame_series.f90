@@ -1,7 +1,6 @@
 !> Power series of the motion of a symmetric top in space axes, in double and quadruple precision.
 module spintop_space_frame_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use, intrinsic :: iso_fortran_env, only: sp => real32
     use spintop_attitude, only: to_space
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
@@ -57,20 +56,8 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp) :: momentum(3)
         momentum = to_space(start%quaternion, body%inertia * start%omega)
-        associate (top => self%top)
-            top%inertia = body%inertia(1)
-            top%pull = body%mgl() / top%inertia
-            top%turn_rate = momentum(3) / top%inertia
-            top%coarse = rounded_to_single(top%turn_rate**2)
-            top%fine = real(real(top%turn_rate, qp)**2 - top%coarse, dp)
-        end associate
+        self%top = symmetric_top_t(body%inertia(1), body%mgl() / body%inertia(1), momentum(3) / body%inertia(1))
     end subroutine set_series
-
-    !> A number rounded to the digits of single precision, of any magnitude.
-    elemental real(dp) function rounded_to_single(x)
-        real(dp), intent(in) :: x
-        rounded_to_single = scale(real(real(fraction(x), sp), dp), exponent(x))
-    end function rounded_to_single
 
     !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
     !>
@@ -82,9 +69,8 @@ contains
     !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
     !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one: top_series.h.
     !>
-    !> No constant may be rounded in these in the same way in every step, but not in the first derivatives: constants of
-    !> the motion would drift. So w3^2 is the sum of two numbers. The first has so few digits that it is a multiple of the
-    !> spacing of all sums that it enters; the other one enters with a product that is not rounded before.
+    !> No factor may be rounded in these in the same way in every step, but not in the first derivatives: constants of the
+    !> motion would drift. So at the finest tolerances the factors of the linear terms are sums of two numbers.
     !>
     !> These series converge as far as to the next complex time at which the motion has a pole. As elliptic functions and their
     !> integrals, the variables are quotients with a common denominator D, (log D)'' = -v/2, of functions that have no poles

@@ -13,12 +13,36 @@ enum { height = 6 };
 // The highest order at which D is used: that of the tolerance 1e-12.
 static const int highest_quotient = 26;
 
+// Rates of the state and of the height, the second derivative of the height, and the factors of the linear terms, each as the
+// sum of two numbers. A factor that is rounded in the same way in every step makes energy and momentum drift.
+struct top_start {
+    double rate[numbers], linear[numbers], linear_rest[numbers], fall;
+};
+
+#define real double
+#define find_start find_start_in_double
+#include "top_start.h"
+#undef real
+#undef find_start
+
+// The same for the finest tolerances, where rounding is not less than the error of a step.
+#if LDBL_MANT_DIG == 64
+#define real long double
+#else
+#define real double // of few digits, or of many but without the help of the processor
+#endif
+#define find_start find_start_with_rests
+#include "top_start.h"
+#undef real
+#undef find_start
+
 // The terms, and the height in each; the terms of D and of w; and the factors of a term and of its products in the
 // next but one.
 struct top_terms {
     vector term[highest_order + 1][parts];
     double height[highest_order + 1], denominator[highest_order + 1], slope[highest_order + 1];
-    vector linear[parts], weight[parts], start[parts];
+    vector linear[parts], linear_rest[parts], weight[parts], start[parts];
+    int is_quotient;
 };
 
 #if defined(__clang__)
@@ -43,6 +67,8 @@ inlined void add_top_term(struct top_terms *s, int k, struct share share) {
         for_all(p, parts) more[p] += s->height[j] * s->term[k - j][p];
     for_all(p, parts) now[p] = s->weight[p] * scaled(sum[p] + more[p], share);
     for_all(p, parts) now[p] += scaled(s->linear[p], share) * s->term[k][p];
+    if (!s->is_quotient)
+        for_all(p, parts) now[p] += scaled(s->linear_rest[p], share) * s->term[k][p];
     for_all(p, parts) next[p] = now[p] + s->height[k] * scaled(s->start[p], share);
     keep_term(s, k + 2, next);
 }
@@ -76,9 +102,9 @@ inlined void put_term(const struct top_terms *s, int k, double *c) {
 }
 
 // Makes term k + 2, and puts it to the results.
-inlined void make_term(struct top_terms *s, int k, struct share share, int is_quotient, double *c) {
+inlined void make_term(struct top_terms *s, int k, struct share share, double *c) {
     add_top_term(s, k, share);
-    if (is_quotient) {
+    if (s->is_quotient) {
         add_denominator(s, k, share.first);
         put_product(s, k + 2, c);
     } else {
@@ -92,26 +118,26 @@ static void expand_top(int order, const struct symmetric_top *top, const double 
     static const double weight[numbers] = {1, 1, 1, 1, 1, 1, 3, 0};
     struct top_terms s;
     vector term[parts];
-    const int is_quotient = order <= highest_quotient;
-    const struct top_start start = find_start_of_top(top, state, !is_quotient);
-    get_parts(s.linear, start.linear), get_parts(s.weight, weight);
+    s.is_quotient = order <= highest_quotient;
+    const struct top_start start = s.is_quotient ? find_start_in_double(top, state) : find_start_with_rests(top, state);
+    get_parts(s.linear, start.linear), get_parts(s.linear_rest, start.linear_rest), get_parts(s.weight, weight);
     get_parts(term, state);
     term[height / width][height % width] = 0;
     keep_term(&s, 0, term);
     for_all(p, parts) s.start[p] = s.weight[p] * term[p];
-    for_all(p, parts) term[p] *= share[0] * s.linear[p];
+    for_all(p, parts) term[p] = share[0] * s.linear[p] * term[p] + share[0] * s.linear_rest[p] * term[p];
     term[height / width][height % width] = share[0] * start.fall;
     keep_term(&s, 2, term);
     get_parts(term, start.rate);
     keep_term(&s, 1, term);
     put_term(&s, 0, c), put_term(&s, 1, c), put_term(&s, 2, c);
     s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
-    if (is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);
+    if (s.is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);
 #if defined(__AVX__) && !defined(__clang__)
         // Without loops, so that no branch depends on the number of terms but the one that ends.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
-    make_term(&s, k, share_of(share, share_rest, k), is_quotient, c);
+    make_term(&s, k, share_of(share, share_rest, k), c);
     // clang-format off
     after(1) after(2) after(3) after(4) after(5) after(6) after(7) after(8) after(9) after(10) after(11) after(12)
     after(13) after(14) after(15) after(16) after(17) after(18) after(19) after(20) after(21) after(22) after(23)
@@ -119,6 +145,6 @@ static void expand_top(int order, const struct symmetric_top *top, const double 
     // clang-format on
 #undef after
 #else
-    for (int k = 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), is_quotient, c);
+    for (int k = 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), c);
 #endif
 }

@@ -9,7 +9,7 @@ module spintop_c_run
     use spintop_c_error, only: hand_error, is_null, is_wrong
     use spintop_c_result, only: hand_result
     use spintop_c_text, only: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
-    use spintop_errors, only: error_t, input_error
+    use spintop_errors, only: error_t
     use spintop_in_memory, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_as_json, list_topic
     use spintop_options, only: most_threads, options_t

@@ -17,7 +17,7 @@ module spintop_exact_block
     use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
     use spintop_pole_passages, only: through_pole
-    use spintop_status, only: is_ok, status_bad_input, status_ok
+    use spintop_status, only: status_bad_input, status_ok
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy

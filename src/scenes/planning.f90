@@ -1,6 +1,6 @@
 !> The plan of a scene: the model and the method that compute it, and the reasons for them.
 module spintop_planning
-    use spintop_automatic_method, only: choose_automatically, free_body, known_for, of_any_body, of_symmetric_tops, &
+    use spintop_automatic_method, only: choose_automatically, known_for, of_any_body, of_symmetric_tops, &
         solvable_effects, solved_for
     use spintop_body, only: body_t
     use spintop_case, only: case_t

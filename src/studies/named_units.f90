@@ -6,7 +6,7 @@ module spintop_named_units
     use spintop_parameter, only: parameter_t
     use spintop_parameters, only: parameter_table_t
     use spintop_scene_keys, only: scene_t
-    use spintop_study_column, only: chosen_column_t, find_column, study_column_t
+    use spintop_study_column, only: chosen_column_t, find_column
     use spintop_sweep_columns, only: sweep_columns
     use spintop_text, only: to_text
     use spintop_trajectory_columns, only: trajectory_columns

@@ -2,7 +2,7 @@
 module spintop_preparation
     use spintop_column_choice, only: choose_columns
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t, input_error
+    use spintop_errors, only: error_t
     use spintop_event_choice, only: choose_events
     use spintop_job, only: job_t
     use spintop_job_files, only: name_job, name_outputs, refuse_overwriting
@@ -11,7 +11,6 @@ module spintop_preparation
     use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
     use spintop_options, only: options_t
-    use spintop_plain_text, only: escaped
     use spintop_parameters, only: unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: describe_scene

@@ -6,7 +6,7 @@ module spintop_study_column
     use spintop_kinds, only: dp
     use spintop_table_column, only: column_t
     use spintop_text, only: did_you_mean, join, string_t
-    use spintop_units, only: convert_unit, find_unit, is_unit_word, suffixes_of
+    use spintop_units, only: find_unit, is_unit_word, suffixes_of
     implicit none
     private
     public :: study_column_t, listed_column_t, chosen_column_t, place_of, chosen_columns, find_column, proof_group

@@ -107,6 +107,20 @@ def unused_arguments(path: Path) -> Iterator[tuple[str, str]]:
             open_procedures[-1][1].append(code)
 
 
+def unused_imports(path: Path) -> Iterator[str]:
+    """Names that a module or program imports and does not use; kinds may be parts of numbers."""
+    imports, body = [], re.findall(r"!\$omp.*", path.read_text(encoding="utf-8"))
+    for _, code, _ in statements(path.read_text(encoding="utf-8")):
+        (imports if USE.match(code) else body).append(code)
+    code = re.sub(r"'[^']*'|\"[^\"]*\"", "", " ".join(body).lower())
+    words = set(re.findall(r"\w+", code))
+    words |= {word.partition("_")[2] for word in words if word[0].isdigit()}
+    for names in re.findall(r"only:(.*)", "\n".join(imports)):
+        for name in names.split(","):
+            if (used := name.partition("=>")[0].strip().lower()) not in words and "(" not in used:
+                yield used
+
+
 class ArchitectureTest(unittest.TestCase):
     """The rules for folders on the page for developers."""
 
@@ -268,6 +282,17 @@ class ArchitectureTest(unittest.TestCase):
             for path in SOURCES
             for procedure, name in unused_arguments(path)
             if not re.search(rf"(nopass ::|=) ?{procedure}\b(?! *\()", texts)
+        ]
+        self.assertEqual(unused, [])
+
+    def test_imports_are_used(self) -> None:
+        """A name that a source imports stands in it once more, or all are passed on."""
+        unused = [
+            f"{path.relative_to(ROOT)}: {name}"
+            for path in SOURCES
+            if re.search(r"^ *(?:private|program \w+)$", (text := path.read_text("utf-8")), re.M)
+            and not re.search(r"^ *include ", text, re.M)
+            for name in unused_imports(path)
         ]
         self.assertEqual(unused, [])
 

@@ -3,7 +3,7 @@
 !> The stages of `free_motion` and of its series in circular functions, in double precision. Each is a loop over
 !> a strip without branches and calls. Symbols as there.
 module spintop_free_strip
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_array_functions, only: find_circular, largest_angle
     use spintop_exact_pole, only: strip_length
     use spintop_free_circular_series, only: least_complement

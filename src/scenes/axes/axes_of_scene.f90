@@ -10,7 +10,7 @@ module spintop_axes_of_scene
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: combination_names, combine_grid, combine_saltelli, combine_sobol, combine_zip
+    use spintop_scene_words, only: combination_names, combine_saltelli, combine_sobol, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_text, only: to_text
     implicit none

@@ -2,8 +2,8 @@
 module spintop_axis_laws
     use spintop_axis_entry, only: axis_entry_t, entry_of
     use spintop_compare, only: is_equal
-    use spintop_distributions, only: factor_covariance, law_lognormal, law_names, law_normal, law_sphere, law_uniform, &
-        sphere_attitude, sphere_direction, sphere_inclination, sphere_turn
+    use spintop_distributions, only: factor_covariance, law_lognormal, law_normal, law_sphere, sphere_attitude, &
+        sphere_direction, sphere_inclination, sphere_turn
     use spintop_kinds, only: dp
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t

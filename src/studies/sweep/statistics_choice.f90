@@ -18,8 +18,7 @@ module spintop_statistics_choice
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
-    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, status_column, &
-        table_column_t
+    use spintop_table_column, only: column_of_notes, column_of_words, status_column, table_column_t
     use spintop_text, only: did_you_mean, string_t, to_text
     implicit none
     private

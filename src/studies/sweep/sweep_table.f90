@@ -19,7 +19,7 @@ module spintop_sweep_table
     use spintop_shard, only: shard_t
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
-    use spintop_status, only: is_good_end, status_names, status_non_finite, status_ok
+    use spintop_status, only: is_good_end, status_names, status_non_finite
     use spintop_study_head, only: print_input
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: proof_group

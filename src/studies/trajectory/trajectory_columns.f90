@@ -15,7 +15,7 @@ module spintop_trajectory_columns
     use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
         passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
         passing_turning, passing_vertical, passing_vertical_momentum
-    use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group, study_column_t
+    use spintop_study_column, only: chosen_column_t, place_of, proof_group, study_column_t
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, trajectory_columns_at, find_trajectory_column, angle_group

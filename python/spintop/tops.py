@@ -258,13 +258,14 @@ class Top:
 
         `integration` are keys of that group of an input: `method="dop853"`,
         `relative_tolerance=1e-12`, or `method="rk4", steps=1000` up to the last time, where
-        only the times of steps can be given. Without a method the program chooses one. A
-        MotionError says why the last time was not reached.
+        only the times of steps can be given. Without a method it uses Taylor series; if steps or a
+        formulation are given, the program chooses one for them. A MotionError says why the last
+        time was not reached.
         """
         span = {"t_end": 1.0}
         if "steps" in integration or "step" in integration:
             span = {"t_end": float(np.max(numbers(t, "times"), initial=0)) or 1.0}
-        if "method" not in integration and "formulation" not in integration:
+        if not integration.keys() & {"method", "formulation", "table", "steps", "step"}:
             integration = {"method": "taylor", **integration}
         return self._handle(frozen(integration), span, columns).motion(t)
 

@@ -1,4 +1,6 @@
-!> Weights of step errors: the one place where tolerances are applied to the state.
+!> Weights of step errors: what the tolerances admit of each component of the state. The norms of the errors belong to the
+!> methods: `try_step` in ode45.f90, dop853_error.h, `length_of_step` in series_terms.h for one body by Taylor series, and
+!> `choose_durations` in lane_steps.f90 for many.
 !>
 !> An absolute tolerance is in radians for the attitude, and relative to the largest rate and the largest
 !> momentum of the motion for those: `formulation_t%scale`. Step control therefore does not depend on the

@@ -8,7 +8,7 @@ module spintop_own_butcher_tables
     use spintop_files, only: path_from, read_file
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
-    use spintop_methods, only: create_stepper, method_infos
+    use spintop_methods, only: create_stepper
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, table_prefix
     use spintop_stepper, only: method_info_t, stepper_t
@@ -19,6 +19,8 @@ module spintop_own_butcher_tables
     private
     public :: read_tables, create_method, infos_of_tables, names_of_methods, path_of_table
 
+    !> The key of the method of a scene, which has no room for a formulation.
+    character(*), parameter :: own_method = 'integration.method'
     !> Maximum size of a file, bytes.
     integer, parameter :: most_bytes = 65536
 
@@ -33,7 +35,7 @@ contains
 
         if (allocated(scene%tableaus)) deallocate (scene%tableaus)
         allocate (scene%tableaus(0))
-        call read_one(input, 'integration.method', scene%method, scene%tableaus, problems)
+        call read_one(input, own_method, scene%method, scene%tableaus, problems)
         if (scene%method == '') scene%method = 'auto'
         do i = 1, size(scene%precision_methods)
             call read_one(input, 'work_precision.methods(' // to_text(i) // ')', scene%precision_methods(i), scene%tableaus, &
@@ -57,6 +59,12 @@ contains
         path = path_of_table(name)
         form = form_of(name)
         given = name(len(table_prefix) + len(path) + 1:len_trim(name) - len(form))
+        if (form /= '' .and. key == own_method) then
+            call problems%add(key, "'" // trim(name) // "' names a formulation as well", &
+                              "give it as integration.formulation = '" // form(2:) // "'")
+            name = ''
+            return
+        end if
         name = ''
         call read_file(path_from(input, path), most_bytes, text, error)
         if (allocated(error)) then

@@ -32,7 +32,6 @@ contains
 
         call read_steps(scene, plan, problems)
         call read_tolerances(scene, plan, problems)
-        plan%stepper%controls%max_steps = scene%max_steps
         call read_solver(scene, plan, problems)
         call read_butcher_table(scene, plan, problems)
         associate (controls => plan%stepper%controls)

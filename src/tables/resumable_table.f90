@@ -7,6 +7,9 @@
 !>     the table, `resume`            is_complete: nothing is to be done
 !>     part and journal, neither      an error: the rows would be lost
 !>
+!> Rows that are there are kept, failed cases as well. What comes after them is computed by the study: `begin_table` in
+!> sweep_study.f90; a trajectory goes on from its state, `recall_state` in motion_table.f90.
+!>
 !>     call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_resumable_table
     use, intrinsic :: iso_fortran_env, only: int64

@@ -108,6 +108,15 @@ class OwnTablesTest(ProgramCase):
                 self.assertEqual(run.returncode, 2)
                 self.assertIn(message, run.stderr)
 
+    def test_a_formulation_with_the_method_of_a_scene(self) -> None:
+        """A study that compares methods names pairs; a scene has another key for it."""
+        self.write(EIGHTHS, "own.txt")
+        scene = self.write(TOP + "&integration method = 'table:own.txt/lagrange', steps = 9 /\n")
+        run = self.run_program(scene)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("names a formulation as well", run.stderr)
+        self.assertIn("integration.formulation = 'lagrange'", run.stderr)
+
 
 if __name__ == "__main__":
     pytest.main([__file__])

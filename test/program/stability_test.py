@@ -143,6 +143,13 @@ class StabilityTest(unittest.TestCase):
                 )
                 self.assertEqual(result.returncode, 2)
                 self.assertIn(f"did you mean '{hint}'", result.stderr)
+        for key, value in (("method", "rk4"), ("formulation", "euler")):
+            with self.subTest(key=key):
+                result = self.run_program(
+                    str(ROOT / "input" / "stability.nml"), f"--set=integration.{key}={value}"
+                )
+                self.assertEqual(result.returncode, 2)
+                self.assertIn("a stability study compares methods and formulations", result.stderr)
 
     def test_catalogue_is_listed(self) -> None:
         """Every case that runs by default is listed, and some more."""

@@ -165,6 +165,9 @@ class MotionTest(unittest.TestCase):
         for times in ([math.nan], [math.inf], [1.0, 0.5], [-1.0]):
             with self.assertRaises(spintop.InputError):
                 TOP.integrate(times)
+        # Steps without a method are for the one that the program chooses.
+        stepwise = TOP.integrate([0.0, 0.5, 1.0], steps=1000)
+        np.testing.assert_allclose(stepwise.theta, TOP.exact([0.0, 0.5, 1.0]).theta, rtol=1e-9)
         with self.assertRaises(spintop.InputError):
             spintop.Top(spintop.Body(mass=math.nan), theta=0.2)
         with self.assertRaises(spintop.InputError):

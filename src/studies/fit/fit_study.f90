@@ -8,7 +8,8 @@ module spintop_fit_study
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
     use spintop_fit_search, only: far_above, finish_search, period_of, search_minimum, search_t
-    use spintop_fit_table, only: fit_columns, residual_path, write_estimates, write_residuals
+    use spintop_fit_columns, only: fit_columns
+    use spintop_fit_table, only: residual_path, write_estimates, write_residuals
     use spintop_fit_unknown, only: find_unknown
     use spintop_fit_warnings, only: check_measurements
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t

@@ -45,6 +45,10 @@ contains
         if (scene%stop_at /= '') then
             call problems%add('span.stop_at', 'a stability study computes each motion to the end of its span', 'omit it')
         end if
+        if (scene%method /= 'auto' .or. scene%formulation /= 'auto') then
+            call problems%add(trim(merge('integration.formulation', 'integration.method     ', scene%method == 'auto')), &
+                              'a stability study compares methods and formulations', 'name them in stability.methods')
+        end if
         if (all(scene%stability_cases == '')) then
             plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
         else

@@ -14,10 +14,9 @@ module spintop_methods
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_arkode, only: arkode_t
-    use spintop_taylor, only: taylor_t
+    use spintop_taylor, only: taylor_info, taylor_t
     use spintop_taylor_quadruple, only: taylor_quadruple_t
-    use spintop_formulation, only: structure_group, structure_quadruple, structure_series, &
-        structure_split
+    use spintop_formulation, only: structure_group, structure_quadruple, structure_split
     use spintop_kinds, only: dp
     use spintop_status, only: status_ok, status_unknown_name
     implicit none
@@ -120,9 +119,7 @@ contains
             'dop853', 'Dormand-Prince 8(5,3) of Hairer, Norsett and Wanner', order=8, &
             fixed_step=.true., adaptive=.true.)))
         known%family = 'Taylor series'
-        call known%add(taylor_t(info=method_info_t( &
-            'taylor', 'Taylor series of order 8 to 30, chosen by the tolerance', adaptive=.true., &
-            needs=structure_series, finest_tolerance=1.0e-20_dp, share=0.02_dp, runs_in_lanes=.true.)))
+        call known%add(taylor_t(info=taylor_info))
         call known%add(taylor_quadruple_t(info=method_info_t( &
             'taylor_quadruple', 'Taylor series of order 30 in quadruple precision, for reference motions', &
             order=30, adaptive=.true., needs=structure_quadruple, relative_tolerance=1.0e-26_dp, &

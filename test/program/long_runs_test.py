@@ -50,5 +50,11 @@ class LongRunsTest(ProgramCase):
             scene = self.write(self.scene_of("rigid_body", TOPS[0], 10))
             tables.append(self.compute(scene, f"integration.relative_tolerance={tolerance}"))
         self.assertEqual(tables[0].texts("lz"), tables[1].texts("lz"))
+        # Sweeps in lanes reach it as well.
+        sweep = ("study.kind=sweep", "sweep.parameter=initial.theta", "sweep.values(1,:)=0.3,0.9")
+        table = self.compute(
+            scene, "integration.relative_tolerance=0", *sweep, "output.columns=energy_error_max"
+        )
+        self.assertLess(max(table.column("energy_error_max")), 1e-14)
         error = self.refuse(scene, "--set", "integration.relative_tolerance=1e-21")
         self.assertIn("cannot reach a tolerance below 1e-20", error)

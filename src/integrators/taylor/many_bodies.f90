@@ -15,16 +15,14 @@ module spintop_many_bodies
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: is_ok, status_bad_input, status_bad_span, status_unsuitable
-    use spintop_stepper, only: controls_t, method_info_t
+    use spintop_stepper, only: controls_t
     use spintop_suitability, only: controls_status
+    use spintop_taylor, only: taylor_info
     use spintop_taylor_lanes, only: taylor_lanes_t, lanes
     use spintop_validity, only: body_status, motion_status
     implicit none
     private
     public :: integrate_many
-
-    !> The method against which settings are checked: adaptive, with a tolerance.
-    type(method_info_t), parameter :: lanes_info = method_info_t(name='taylor', adaptive=.true.)
 
     !> Cases that are not integrated, and bodies without effects.
     integer, parameter :: refused = 0, plain = 1
@@ -49,7 +47,7 @@ contains
         type(monitor_slot_t), intent(inout), optional :: monitors(:) !! measure quantities along the motions
         integer :: kind(size(bodies)), i
 
-        outcomes%status = controls_status(lanes_info, controls)
+        outcomes%status = controls_status(taylor_info, controls)
         if (any([size(starts), size(t_end), size(ends), size(outcomes)] /= size(bodies))) then
             outcomes%status = status_bad_input
             return

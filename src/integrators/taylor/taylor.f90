@@ -9,12 +9,12 @@ module spintop_taylor
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
-    use spintop_formulation, only: formulation_t, max_series_order, max_states
+    use spintop_formulation, only: formulation_t, max_series_order, max_states, structure_series
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
-    use spintop_stepper, only: stepper_t
+    use spintop_stepper, only: method_info_t, stepper_t
     implicit none
     private
-    public :: taylor_t, order_for, safety, largest_growth, smallest_spacings, stretch
+    public :: taylor_t, taylor_info, order_for, safety, largest_growth, smallest_spacings, stretch
 
     !> Taylor's method, with an order that depends on the tolerance.
     type, extends(stepper_t) :: taylor_t
@@ -33,6 +33,10 @@ module spintop_taylor
         procedure :: order
     end type taylor_t
 
+    !> Its properties, for single motions and in lanes.
+    type(method_info_t), parameter :: taylor_info = method_info_t( &
+        'taylor', 'Taylor series of order 8 to 30, chosen by the tolerance', adaptive=.true., needs=structure_series, &
+        finest_tolerance=1.0e-20_dp, share=0.02_dp, runs_in_lanes=.true.)
     !> The order, found by measurement: that for the tolerance 1, its increase per digit, and the lowest.
     real(dp), parameter :: order_at_one = 12, order_a_digit = 1.15_dp
     integer, parameter :: lowest_order = 8

@@ -52,24 +52,21 @@ def one(name: str) -> tuple[Run, ...]:
     return (Run(name),)
 
 
-COST = 330
-"""Function evaluations per nutation of the methods whose drift is compared."""
-
-EQUAL_COST = (
-    f"{TITLE}A million nutations of Example 1, {COST} function evaluations per nutation"
-    " in each method"
+COSTS = (
+    f"{TITLE}A million nutations of Example 1, 330 function evaluations per nutation;"
+    " Taylor at its finest tolerance 530, in less time"
 )
 
 DRIFT = tuple(
-    Run("long_drift", (f"integration.{setting}", f"integration.method={method}", EQUAL_COST))
+    Run("long_drift", (f"integration.{setting}", f"integration.method={method}", COSTS))
     for method, setting in (
-        ("taylor", "relative_tolerance=1e-14"),
+        ("taylor", "relative_tolerance=0"),
         ("dop853", "relative_tolerance=15e-10"),
         ("splitting_4", "steps=47195264"),
         ("splitting_6", "steps=23597632"),
     )
 )
-"""Settings at which the methods cost the same; steps are whole numbers between rows."""
+"""Settings at which the other methods cost the same; steps are whole numbers between rows."""
 
 GALLERY = (
     Exhibit(
@@ -306,9 +303,10 @@ GALLERY = (
         "drift",
         DRIFT,
         ("drift",),
-        "Drift over a million nutations of Example 1 at equal cost. Under splitting methods the"
-        " energy error remains constant after the first nutations; under the others it grows with"
-        " time. The Taylor series has the smallest one until the end.",
+        "Drift over a million nutations of Example 1. The energy error of"
+        " splitting methods remains constant after the first nutations, that of dop853 grows with"
+        " time. The Taylor series at its finest tolerance has the smallest one, which grows with"
+        " the root of time, as rounding errors of either sign do.",
         documented=("drift",),
         is_long=True,
     ),

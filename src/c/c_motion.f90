@@ -52,7 +52,6 @@ module spintop_c_motion
     contains
         procedure :: observe
         procedure :: set_row
-        procedure :: store_row
     end type sampler_t
 
     !> A sample of a fixed-step method within this fraction of a step is at the step.
@@ -118,7 +117,7 @@ contains
         do i = 1, size(sampler%samples)
             associate (t => sampler%samples(i))
                 call sampler%maker%find_exact_row(self%exact, t, sampler%values)
-                call sampler%store_row(t)
+                call store_row(sampler, t)
                 if (sampler%has_enough) return
                 t_reached = t
             end associate
@@ -208,7 +207,7 @@ contains
         class(sampler_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion !! the motion
         self%values(:) = self%maker%row(motion)
-        call self%store_row(motion%t)
+        call store_row(self, motion%t)
     end subroutine set_row
 
     !> Stores the row, which is of time t, in the cells of its sample.

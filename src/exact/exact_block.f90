@@ -34,7 +34,6 @@ module spintop_exact_block
     type, extends(exact_cases_t) :: exact_block_t
     contains
         procedure :: compute
-        procedure, private :: fill_last_strip
     end type exact_block_t
 
 contains
@@ -54,7 +53,7 @@ contains
             self%status = status_bad_input
             return
         end if
-        call self%fill_last_strip()
+        call fill_last_strip(self)
         do first = 1, self%n, strip_length
             last = first + strip_length - 1
             call describe_start(self, first, strip)

@@ -29,7 +29,6 @@ module spintop_symmetric_top
         procedure :: theta_stiffness
         procedure :: phi_acceleration
         procedure :: speed_budget
-        procedure :: budget_rounding
         procedure :: complete
     end type symmetric_top_t
 
@@ -119,7 +118,7 @@ contains
         real(dp) :: radicand
         radicand = self%speed_budget(y(2))
         clipped = .false.
-        if (abs(radicand - y(3)**2) <= self%budget_rounding(y(2))) return
+        if (abs(radicand - y(3)**2) <= budget_rounding(self, y(2))) return
         y(3) = sign(sqrt(max(0.0_dp, radicand)), y(3))
         clipped = radicand < 0
     end subroutine apply

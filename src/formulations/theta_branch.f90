@@ -24,7 +24,6 @@ module spintop_theta_branch
         procedure :: set
         procedure :: rates
         procedure :: at_turning_point
-        procedure, private :: leave_turning_point
         procedure :: time_left
         procedure :: depart
         procedure :: arrive
@@ -117,7 +116,7 @@ contains
         if (.not. departed) return
         dy = self%at_turning_point(y)
         if (is_zero(h)) h = share / sqrt(self%top%beta + self%top%a**2 + dy(1)**2)
-        call self%leave_turning_point(dy, h, y)
+        call leave_turning_point(self, dy, h, y)
     end subroutine depart
 
     !> Goes to the turning point: the angle by Newton's method for the radicand, the time to it with the next
@@ -140,7 +139,7 @@ contains
         back(2) = turning
         dy = self%at_turning_point(back)
         left = left * (1 - self%top%theta_stiffness(turning, dy(1)) * left**2 / 3)
-        call self%leave_turning_point(dy, -left, back)
+        call leave_turning_point(self, dy, -left, back)
         y(1) = y(1) + (y(1) - back(1))
         y(2) = turning
         y(3) = y(3) + (y(3) - back(3))

@@ -36,7 +36,6 @@ module spintop_bracket
     contains
         procedure :: begin
         procedure :: add_value
-        procedure, private :: aim
     end type bracket_t
 
 contains
@@ -58,7 +57,7 @@ contains
             self%status = status_bad_input
         end if
         self%found = self%status /= status_ok
-        if (.not. self%found) call self%aim(0.5_dp)
+        if (.not. self%found) call aim(self, 0.5_dp)
     end subroutine begin
 
     !> Adds the value of the function at `trial`.
@@ -92,7 +91,7 @@ contains
             share = self%fa / (self%fb - self%fa) * (fc / (self%fb - fc)) &
                 + (c - self%a) / (self%b - self%a) * (self%fa / (fc - self%fa)) * (self%fb / (fc - self%fb))
         end if
-        call self%aim(share)
+        call aim(self, share)
     end subroutine add_value
 
     !> Sets the next trial at a fraction of the way from `a` to `b`, or ends at the better of the two.

@@ -43,8 +43,6 @@ module spintop_json
         procedure :: add_null
         procedure :: add_optional
         procedure, private :: add_text, add_integer, add_real, add_logical, add_texts, add_strings
-        procedure, private :: open_container
-        procedure, private :: add_item
     end type json_t
 
 contains
@@ -61,14 +59,14 @@ contains
     subroutine open_object(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call self%open_container('{', '}', key)
+        call open_container(self, '{', '}', key)
     end subroutine open_object
 
     !> Opens a list: a member of an object, or, without a key, an element of a list.
     subroutine open_list(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call self%open_container('[', ']', key)
+        call open_container(self, '[', ']', key)
     end subroutine open_list
 
     !> Closes the innermost container.
@@ -97,7 +95,7 @@ contains
     subroutine add_null(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key !! name of the member
-        call self%add_item('null', key)
+        call add_item(self, 'null', key)
     end subroutine add_null
 
     !> Adds a text, or null for one that is blank.
@@ -116,14 +114,14 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         character(*), intent(in) :: value
-        call self%add_item(quoted(trim(value)), key)
+        call add_item(self, quoted(trim(value)), key)
     end subroutine add_text
 
     subroutine add_integer(self, key, value)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         integer, intent(in) :: value
-        call self%add_item(to_text(value), key)
+        call add_item(self, to_text(value), key)
     end subroutine add_integer
 
     subroutine add_real(self, key, value)
@@ -131,7 +129,7 @@ contains
         character(*), intent(in) :: key
         real(dp), intent(in) :: value
         if (is_finite(value)) then
-            call self%add_item(to_text(value), key)
+            call add_item(self, to_text(value), key)
         else
             call self%add_null(key)
         end if
@@ -141,7 +139,7 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         logical, intent(in) :: value
-        call self%add_item(trim(merge('true ', 'false', value)), key)
+        call add_item(self, trim(merge('true ', 'false', value)), key)
     end subroutine add_logical
 
     subroutine add_texts(self, key, values)
@@ -151,7 +149,7 @@ contains
         integer :: i
         call self%open_list(key)
         do i = 1, size(values)
-            call self%add_item(quoted(trim(values(i))))
+            call add_item(self, quoted(trim(values(i))))
         end do
         call self%close()
     end subroutine add_texts
@@ -163,7 +161,7 @@ contains
         integer :: i
         call self%open_list(key)
         do i = 1, size(values)
-            call self%add_item(quoted(values(i)%text))
+            call add_item(self, quoted(values(i)%text))
         end do
         call self%close()
     end subroutine add_strings
@@ -172,7 +170,7 @@ contains
         class(json_t), intent(inout) :: self
         character, intent(in) :: opening, closing
         character(*), intent(in), optional :: key
-        call self%add_item(opening, key)
+        call add_item(self, opening, key)
         self%depth = self%depth + 1
         self%closing(self%depth) = closing
         self%has_item(self%depth) = .false.

@@ -34,10 +34,7 @@ module spintop_assignment
         procedure :: begin
         procedure :: store_values
         procedure :: finish
-        procedure, private :: store_element
-        procedure, private :: store_word
         procedure :: refuse
-        procedure, private :: fail
     end type assignment_t
 
 contains
@@ -212,7 +209,7 @@ contains
                     'too many values for ' // parameter%key, hint)
                 return
             end if
-            call self%store_element(parameter, token, text, self%first + self%count - 1, diagnostics)
+            call store_element(self, parameter, token, text, self%first + self%count - 1, diagnostics)
             if (parameter%faulty) return
         end do
     end subroutine store_values
@@ -258,7 +255,7 @@ contains
 
         parameter%places(self%row, column) = token%place
         if (parameter%kind == kind_text) then
-            call self%store_word(parameter, token, text, column, diagnostics)
+            call store_word(self, parameter, token, text, column, diagnostics)
             return
         end if
         allocate (character(0) :: unit)
@@ -291,7 +288,7 @@ contains
             end if
         end if
         if (problem /= '') then
-            call self%fail(parameter, diagnostics, token%place, problem, hint)
+            call fail(self, parameter, diagnostics, token%place, problem, hint)
             return
         end if
         select case (parameter%kind)
@@ -341,7 +338,7 @@ contains
             else if (i > 0) then
                 word = parameter%choices(i)%text
             else
-                call self%fail(parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
+                call fail(self, parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
                     ' is not a valid value for ' // parameter%key, &
                     suggest_word(text, parameter%choices, parameter%aliases))
             end if
@@ -369,7 +366,7 @@ contains
         type(place_t), intent(in) :: place !! place in the source
         character(*), intent(in) :: message !! what is wrong
         character(*), intent(in), optional :: hint !! what is expected
-        call self%fail(parameter, diagnostics, place, message, hint)
+        call fail(self, parameter, diagnostics, place, message, hint)
         self%refused = .true.
     end subroutine refuse
 

@@ -49,8 +49,6 @@ module spintop_diagnostics
         procedure :: has_warnings
         procedure :: report
         procedure :: raise
-        procedure, private :: add
-        procedure, private :: problem_text
     end type diagnostics_t
 
 contains
@@ -79,7 +77,7 @@ contains
         character(*), intent(in) :: message !! what is wrong
         character(*), intent(in), optional :: hint !! what is expected
         self%errors = self%errors + 1
-        call self%add(place, 'error', message, hint)
+        call add(self, place, 'error', message, hint)
     end subroutine error
 
     !> Adds a warning.
@@ -89,7 +87,7 @@ contains
         character(*), intent(in) :: message !! what is wrong
         character(*), intent(in), optional :: hint !! what is expected
         self%warnings = self%warnings + 1
-        call self%add(place, 'warning', message, hint)
+        call add(self, place, 'warning', message, hint)
     end subroutine warning
 
     !> Whether there is an error among them.
@@ -137,7 +135,7 @@ contains
         text = ''
         if (.not. allocated(self%problems)) return
         do i = 1, size(self%problems)
-            text = text // self%problem_text(self%problems(i), columns) // new_line('a') // new_line('a')
+            text = text // problem_text(self, self%problems(i), columns) // new_line('a') // new_line('a')
         end do
         if (self%errors > 0) text = text // counted(self%errors, 'error')
         if (self%errors > 0 .and. self%warnings > 0) text = text // ', '

@@ -51,7 +51,6 @@ module spintop_parameters
         procedure :: verify => verify_table
         procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers, add_long
         procedure, private :: add_text, add_texts, add_flag
-        procedure, private :: append
     end type parameter_table_t
 
 contains
@@ -64,7 +63,7 @@ contains
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%reals, [1, 1])
-        call self%append(parameter, 0, name, what, unit=unit, range=range)
+        call append(self, parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_real
 
     !> Reals; `elements` specifies which must be given together (default: all_elements).
@@ -77,7 +76,7 @@ contains
         type(parameter_t) :: parameter
         parameter%elements = all_elements
         parameter%reals(1:1, 1:size(variable)) => variable
-        call self%append(parameter, 1, name, what, unit=unit, range=range, elements=elements)
+        call append(self, parameter, 1, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_reals
 
     !> Rows of reals; `elements` specifies which of a row must be given together (default: leading_elements).
@@ -90,7 +89,7 @@ contains
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
         parameter%reals => variable
-        call self%append(parameter, 2, name, what, unit=unit, range=range, elements=elements)
+        call append(self, parameter, 2, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_real_rows
 
     !> An integer.
@@ -101,7 +100,7 @@ contains
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%integers, [1, 1])
-        call self%append(parameter, 0, name, what, unit=unit, range=range)
+        call append(self, parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_integer
 
     !> An integer of 64 bits. It cannot be an axis of a sweep.
@@ -112,7 +111,7 @@ contains
         character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         parameter%long => variable
-        call self%append(parameter, 0, name, what, unit=unit, range=range)
+        call append(self, parameter, 0, name, what, unit=unit, range=range)
     end subroutine add_long
 
     !> Integers; `elements` specifies which must be given together (default: all_elements).
@@ -125,7 +124,7 @@ contains
         type(parameter_t) :: parameter
         parameter%elements = all_elements
         parameter%integers(1:1, 1:size(variable)) => variable
-        call self%append(parameter, 1, name, what, unit=unit, range=range, elements=elements)
+        call append(self, parameter, 1, name, what, unit=unit, range=range, elements=elements)
     end subroutine add_integers
 
     !> A text, or one of the words in `choices` ('a|b|c').
@@ -139,7 +138,7 @@ contains
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), 1])
         if (present(aliases)) allocate (parameter%aliases, source=[character(len(parameter%aliases)) :: aliases])
-        call self%append(parameter, 0, name, what, choices=choices)
+        call append(self, parameter, 0, name, what, choices=choices)
     end subroutine add_text
 
     !> Texts; `elements` specifies which must be given together (default: leading_elements).
@@ -153,7 +152,7 @@ contains
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
         call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), size(variable)])
-        call self%append(parameter, 1, name, what, choices=choices, elements=elements)
+        call append(self, parameter, 1, name, what, choices=choices, elements=elements)
     end subroutine add_texts
 
     !> A logical value.
@@ -164,7 +163,7 @@ contains
         character(*), intent(in) :: what
         type(parameter_t) :: parameter
         parameter%flag => variable
-        call self%append(parameter, 0, name, what)
+        call append(self, parameter, 0, name, what)
     end subroutine add_flag
 
     !> Adds a parameter that is bound to its variable.

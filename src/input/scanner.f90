@@ -62,8 +62,6 @@ module spintop_scanner
         procedure :: word
         procedure :: string
         procedure :: is_name
-        procedure, private :: skip_blanks
-        procedure, private :: end_of_string
     end type scanner_t
 
 contains
@@ -91,7 +89,7 @@ contains
         integer :: before, length
 
         before = self%at%position
-        call self%skip_blanks(token%starts_line)
+        call skip_blanks(self, token%starts_line)
         token%touches = before == self%at%position .and. .not. token%starts_line
         token%first = self%at%position
         token%last = self%at%position
@@ -117,7 +115,7 @@ contains
                 token%kind = token_colon
             case ('''', '"')
                 token%kind = token_string
-                call self%end_of_string(token%last, token%closed)
+                call end_of_string(self, token%last, token%closed)
             case default
                 token%kind = token_word
                 if (self%comments) then

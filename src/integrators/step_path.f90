@@ -28,9 +28,6 @@ module spintop_step_path
         procedure :: walk_to
         procedure :: motion => motion_of_follower
         procedure :: store_or_restore
-        procedure, private :: copy_from
-        procedure, private :: try
-        procedure, private :: try_given
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -147,8 +144,8 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
         logical :: sure
-        call self%try(formulation, t, y, there, sure)
-        call self%copy_from(there)
+        call try(self, formulation, t, y, there, sure)
+        call copy_from(self, there)
     end subroutine go_to
 
     !> Copies another follower of the same motion.
@@ -179,11 +176,11 @@ contains
             self%y = y
             return
         end if
-        call self%try(formulation, t, y, there, sure)
+        call try(self, formulation, t, y, there, sure)
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
                                .or. stepper%is_spent()
         if (sure) then
-            call self%copy_from(there)
+            call copy_from(self, there)
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
@@ -214,7 +211,7 @@ contains
                                formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
                                there%angle, sure)
         end if
-        if (formulation%body%given%differ) call self%try_given(formulation, there, sure)
+        if (formulation%body%given%differ) call try_given(self, formulation, there, sure)
     end subroutine try
 
     !> The same for the angles in the axes of the input.

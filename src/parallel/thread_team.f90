@@ -85,14 +85,8 @@ module spintop_thread_team
         procedure :: assemble
         procedure :: compute
         procedure :: in_words
-        procedure, private :: compute_share
-        procedure, private :: serve_others
-        procedure, private :: run_journal_thread
-        procedure, private :: keep_entry_if_due
-        procedure, private :: end_on_signal
         procedure, private :: exchange
         procedure, private :: write_next
-        procedure, private :: reduce_costs
     end type team_t
 
 contains
@@ -135,17 +129,17 @@ contains
         call set_journal_thread(has_journal_thread .or. .not. self%ranks%is_writer())
         !$omp end single
         if (this_thread() < self%servers) then
-            call self%serve_others(table)
+            call serve_others(self, table)
         else if (this_thread() < self%threads + self%servers) then
-            call self%compute_share(workers(this_thread() - self%servers + 1), table)
+            call compute_share(self, workers(this_thread() - self%servers + 1), table)
         else
-            call self%run_journal_thread(table)
+            call run_journal_thread(self, table)
         end if
         !$omp end parallel
         call set_journal_thread(.false.)
-        if (end_is_wanted()) call self%end_on_signal(table)
+        if (end_is_wanted()) call end_on_signal(self, table)
         if (.not. self%ranks%is_writer()) call self%ranks%sign_off()
-        call self%reduce_costs()
+        call reduce_costs(self)
     end subroutine compute
 
     !> The loop of each computing thread: take the next block, compute it and pass it to the queue, until none
@@ -226,8 +220,8 @@ contains
             is_over = self%active == 0
             !$omp end critical (queue)
             if (is_over) exit
-            if (end_is_wanted()) call self%end_on_signal(table)
-            call self%keep_entry_if_due(table)
+            if (end_is_wanted()) call end_on_signal(self, table)
+            call keep_entry_if_due(self, table)
         end do
     end subroutine run_journal_thread
 
@@ -270,7 +264,7 @@ contains
                 table%entry_wanted = .true.
                 is_busy = self%queue%is_writing() .or. table%in_entry
                 !$omp end critical (queue)
-                call self%keep_entry_if_due(table)
+                call keep_entry_if_due(self, table)
                 if (.not. is_busy) exit
                 call pause_for(pause_of_journal_thread)
             end do

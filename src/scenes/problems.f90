@@ -27,7 +27,6 @@ module spintop_problems
         procedure :: report_to
         procedure :: add_all
         procedure :: add_warnings
-        procedure, private :: append
     end type problems_t
 
 contains
@@ -36,14 +35,14 @@ contains
     subroutine add(self, name, message, hint)
         class(problems_t), intent(inout) :: self
         character(*), intent(in) :: name, message, hint !! parameter or group concerned; what is wrong; what is expected
-        call self%append(problem_t(name, message, hint, .true.))
+        call append(self, problem_t(name, message, hint, .true.))
     end subroutine add
 
     !> Adds a warning.
     subroutine warn(self, name, message, hint)
         class(problems_t), intent(inout) :: self
         character(*), intent(in) :: name, message, hint !! parameter or group concerned; what is wrong; what is expected
-        call self%append(problem_t(name, message, hint, .false.))
+        call append(self, problem_t(name, message, hint, .false.))
     end subroutine warn
 
     subroutine append(self, problem)
@@ -80,7 +79,7 @@ contains
         integer :: i
         if (.not. allocated(other%list)) return
         do i = 1, size(other%list)
-            call self%append(other%list(i))
+            call append(self, other%list(i))
         end do
     end subroutine add_all
 

@@ -37,8 +37,6 @@ module spintop_case_groups
         procedure :: add
         procedure :: merge_with
         procedure :: store_or_restore
-        procedure, private :: find_group
-        procedure, private :: end_group
     end type case_groups_t
 
     !> Room for unfinished groups at the beginning.
@@ -72,13 +70,13 @@ contains
 
         do k = 1, size(numbers)
             place = place_in_saltelli(numbers(k), self%factors)
-            call self%find_group(place%base, i)
+            call find_group(self, place%base, i)
             associate (group => self%group(i))
                 group%is_there(place%role) = .true.
                 group%values(place%role, :) = no_number
                 if (is_ok(k)) group%values(place%role, :) = values(:, k)
             end associate
-            call self%end_group(i)
+            call end_group(self, i)
         end do
     end subroutine add
 
@@ -92,14 +90,14 @@ contains
             call self%indices(i)%merge_with(other%indices(i))
         end do
         do k = 1, other%unfinished
-            call self%find_group(other%group(k)%base, i)
+            call find_group(self, other%group(k)%base, i)
             associate (group => self%group(i), more => other%group(k))
                 do role = 1, self%factors + 2
                     if (more%is_there(role)) group%values(role, :) = more%values(role, :)
                 end do
                 group%is_there = group%is_there .or. more%is_there
             end associate
-            call self%end_group(i)
+            call end_group(self, i)
         end do
     end subroutine merge_with
 
@@ -163,7 +161,7 @@ contains
             if (there(1) < 1 .or. all(there(2:) == 1)) call stream%refuse()
             if (allocated(stream%error)) return
             if (stream%is_read) then
-                call self%find_group(there(1), i)
+                call find_group(self, there(1), i)
                 self%group(i)%is_there = there(2:) == 1
             end if
             call stream%carry_memory(c_loc(self%group(i)%values(1, 1)), &

@@ -41,8 +41,6 @@ module spintop_order_free_sum
         procedure :: add_square
         procedure :: merge_with
         procedure :: total
-        procedure, private :: add_integer
-        procedure, private :: raise
     end type exact_sum_t
 
     !> Terms whose pieces are added together, and fewer of them that are added one by one.
@@ -194,7 +192,7 @@ contains
         integer(int64) :: significand
         integer :: exponent
         call decompose(term, significand, exponent)
-        if (significand /= 0) call self%add_integer(significand, exponent, term < 0)
+        if (significand /= 0) call add_integer(self, significand, exponent, term < 0)
     end subroutine add
 
     !> Adds the square of a finite term, without rounding it.
@@ -209,9 +207,9 @@ contains
         low = iand(significand, low_mask)
         ! 106 bits, in two integers.
         twice = 2 * high * low
-        call self%add_integer(high * high + shiftr(twice, low_bits), 2 * (exponent + low_bits), .false.)
+        call add_integer(self, high * high + shiftr(twice, low_bits), 2 * (exponent + low_bits), .false.)
         low = shiftl(iand(twice, low_mask), low_bits) + low * low
-        if (low /= 0) call self%add_integer(low, 2 * exponent, .false.)
+        if (low /= 0) call add_integer(self, low, 2 * exponent, .false.)
     end subroutine add_square
 
     !> Adds the terms of another sum.
@@ -219,7 +217,7 @@ contains
         class(exact_sum_t), intent(inout) :: self
         type(exact_sum_t), intent(in) :: other !! the sum whose terms are added
         integer :: shift
-        if (other%top > self%top) call self%raise(other%top)
+        if (other%top > self%top) call raise(self, other%top)
         shift = self%top - other%top
         if (shift >= limbs) return
         self%limb(shift + 1:) = self%limb(shift + 1:) + other%limb(:limbs - shift)
@@ -265,7 +263,7 @@ contains
         middle = iand(rest, limb_mask)
         high = shiftr(rest, width)
         highest = lowest + merge(merge(2, 1, high /= 0), 0, rest /= 0)
-        if (highest > self%top) call self%raise(highest)
+        if (highest > self%top) call raise(self, highest)
         if (is_negative) then
             low = -low
             middle = -middle

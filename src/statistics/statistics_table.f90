@@ -58,8 +58,6 @@ module spintop_statistics_table
         procedure :: finish
         procedure :: abandon
         procedure, private :: resume
-        procedure, private :: recall_counts
-        procedure, private :: convert
     end type statistics_table_t
 
 contains
@@ -79,7 +77,7 @@ contains
             if (allocated(problem)) then
                 if (problem /= '') error = refusal(self%path, problem)
             end if
-            if (sum(self%counts) == 0 .and. .not. allocated(error)) call self%recall_counts(error)
+            if (sum(self%counts) == 0 .and. .not. allocated(error)) call recall_counts(self, error)
             return
         end if
         call self%plan%start(self%accumulators)
@@ -197,7 +195,7 @@ contains
         n = cells_before + size(self%plan%numbers)
         first = 1
         associate (gathered => block%statistics_cells)
-            call self%convert(gathered, n)
+            call convert(self, gathered, n)
             is_scattered = count(abs(gathered(2:, bin_cell) &
                 - gathered(:block%statistics_rows - 1, &
                     bin_cell)) > 0) > block%statistics_rows / 2

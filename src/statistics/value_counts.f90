@@ -46,11 +46,6 @@ module spintop_value_counts
         procedure :: quantiles
         procedure :: resolution
         procedure :: store_or_restore
-        procedure, private :: find_page
-        procedure, private :: sort
-        procedure, private :: key
-        procedure, private :: first_of
-        procedure, private :: grow
     end type value_counts_t
 
 contains
@@ -61,7 +56,7 @@ contains
         integer, intent(in) :: bits !! 1 .. 20
         self%bits = bits
         allocate (self%pages_of_first(0:exponents - 1), source=0)
-        call self%grow()
+        call grow(self)
     end subroutine start
 
     !> The largest relative error of a quantile.
@@ -88,7 +83,7 @@ contains
             call stream%carry_numbers(size(place), place)
             if (place(1) < 1 .or. place(2) < 0 .or. place(2) >= exponents) call stream%refuse()
             if (allocated(stream%error)) return
-            if (stream%is_read) call self%find_page(place(1), int(place(2)), page)
+            if (stream%is_read) call find_page(self, place(1), int(place(2)), page)
             call stream%carry_numbers(size(self%counts, 1), self%counts(:, page))
         end do
     end subroutine store_or_restore
@@ -112,7 +107,7 @@ contains
                 last = exponent
                 page = 0
                 if (bin == 1) page = self%pages_of_first(exponent)
-                if (page == 0) call self%find_page(bin, exponent, page)
+                if (page == 0) call find_page(self, bin, exponent, page)
             end if
             self%counts(cell, page) = self%counts(cell, page) + 1
         end do
@@ -128,7 +123,7 @@ contains
         do k = 1, other%pages
             place = other%bin_of(k)
             if (present(bin)) place = bin
-            call self%find_page(place, other%exponent_of(k), page)
+            call find_page(self, place, other%exponent_of(k), page)
             self%counts(:, page) = self%counts(:, page) + other%counts(:, k)
         end do
     end subroutine merge_with
@@ -140,7 +135,7 @@ contains
         integer(int64), allocatable, intent(out) :: counts(:)    !! values in each cell
         integer :: i, k, n, page, cell, cells, found
 
-        call self%sort()
+        call sort(self)
         cells = size(self%counts, 1)
         found = count(self%counts(:, :self%pages) > 0)
         allocate (lower(found), upper(found), counts(found))
@@ -172,9 +167,9 @@ contains
         integer(int64) :: ranks(size(shares)), below
         integer :: i, k, page, cell, cells, first, last
 
-        call self%sort()
-        first = self%first_of(bin)
-        last = self%first_of(bin + 1) - 1
+        call sort(self)
+        first = first_of(self, bin)
+        last = first_of(self, bin + 1) - 1
         values = no_number
         if (last < first) return
         ranks = max(ceiling(shares * real(sum([(sum(self%counts(:, self%sorted(k))), k=first, last)]), dp), int64), 1_int64)
@@ -222,7 +217,7 @@ contains
                     else if (i >= middle) then
                         merged(place) = self%sorted(k)
                         k = k + 1
-                    else if (self%key(self%sorted(i)) <= self%key(self%sorted(k))) then
+                    else if (key(self, self%sorted(i)) <= key(self, self%sorted(k))) then
                         merged(place) = self%sorted(i)
                         i = i + 1
                     else
@@ -302,7 +297,7 @@ contains
             slot = mod(slot, self%slots) + 1
         end do
         if (self%pages == size(self%bin_of)) then
-            call self%grow()
+            call grow(self)
             slot = free_slot(self, bin, exponent)
         end if
         self%pages = self%pages + 1

@@ -33,7 +33,6 @@ module spintop_loaded_table
         procedure :: words
         procedure :: read_column
         procedure :: place_of_row
-        procedure, private :: index_of
     end type table_t
 
 contains
@@ -144,7 +143,7 @@ contains
         character(*), intent(in) :: name !! name of the column
         type(string_t), allocatable :: cells(:)
         integer :: i
-        i = self%index_of(name)
+        i = index_of(self, name)
         if (i > 0) then
             allocate (cells, source=self%cells(i, :))
         else
@@ -162,7 +161,7 @@ contains
         logical :: is_number, takes
         integer :: column, row
 
-        column = self%index_of(name)
+        column = index_of(self, name)
         if (column == 0) then
             allocate (values(0))
             error = input_error('no table was read')

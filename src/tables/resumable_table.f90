@@ -76,8 +76,6 @@ module spintop_resumable_table
         procedure :: finish_part
         procedure, nopass :: read_head => read_beginning
         procedure :: check_complete
-        procedure, private :: difference_from
-        procedure, private :: start_anew
         procedure, private :: resume
     end type resumable_table_t
 
@@ -101,7 +99,7 @@ contains
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
-            problem = self%difference_from(path, head)
+            problem = difference_from(self, path, head)
             if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
@@ -116,7 +114,7 @@ contains
                 call refuse_to_discard(path, error)
                 if (allocated(error)) call self%table%abandon()
             end if
-            if (.not. allocated(error)) call self%start_anew(head, resume, error)
+            if (.not. allocated(error)) call start_anew(self, head, resume, error)
         end if
         self%due = seconds() + first_pause
     end subroutine start
@@ -176,7 +174,7 @@ contains
         character(:), allocatable :: problem
 
         associate (path => self%table%path)
-            problem = self%difference_from(part_of(path), head)
+            problem = difference_from(self, part_of(path), head)
             if (problem == '') call read_journal(path, entry, problem)
             if (problem == '') call self%check_part(entry, problem, error)
             if (problem /= '') error = refusal(path, problem)

@@ -26,8 +26,6 @@ module spintop_text_buffer
         procedure :: append
         procedure :: contents
         procedure :: clear
-        procedure, private :: start_cell
-        procedure, private :: reserve
     end type text_buffer_t
 
 contains
@@ -40,8 +38,8 @@ contains
         integer :: written
 
         if (size(values) == 0) return
-        call self%start_cell()
-        call self%reserve((real_width + 1) * size(values))
+        call start_cell(self)
+        call reserve(self, (real_width + 1) * size(values))
         call write_reals(values, self%room(self%length + 1:), written)
         self%length = self%length + written
     end subroutine add_reals
@@ -51,8 +49,8 @@ contains
         class(text_buffer_t), intent(inout) :: self
         integer(int64), intent(in) :: value !! the content of the cell
         integer :: written
-        call self%start_cell()
-        call self%reserve(real_width)
+        call start_cell(self)
+        call reserve(self, real_width)
         call write_integer(value, self%room(self%length + 1:), written)
         self%length = self%length + written
     end subroutine add_integer
@@ -76,7 +74,7 @@ contains
                 cell(i:i) = ' '
             end select
         end do
-        call self%start_cell()
+        call start_cell(self)
         call self%append(trim(cell))
     end subroutine add_text
 
@@ -85,7 +83,7 @@ contains
     subroutine add_name(self, name)
         class(text_buffer_t), intent(inout) :: self
         character(*), intent(in) :: name !! the name, or another word without quotes
-        call self%start_cell()
+        call start_cell(self)
         if (index(name, ',') > 0) call self%append('"')
         call self%append(trim(name))
         if (index(name, ',') > 0) call self%append('"')
@@ -102,7 +100,7 @@ contains
     subroutine append(self, text)
         class(text_buffer_t), intent(inout) :: self
         character(*), intent(in) :: text !! the text, which is not changed
-        call self%reserve(len(text))
+        call reserve(self, len(text))
         self%room(self%length + 1:self%length + len(text)) = text
         self%length = self%length + len(text)
     end subroutine append

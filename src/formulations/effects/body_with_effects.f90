@@ -34,7 +34,6 @@ module spintop_body_with_effects
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: follow
-        procedure, private :: loads_at
     end type body_with_effects_t
 
     interface body_with_effects_t
@@ -107,7 +106,7 @@ contains
                 return
             end select
         end if
-        call self%loads_at(t, y, loads)
+        call loads_at(self, t, y, loads)
         dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
         dy(5:7) = loads%rate
         dy(8) = 0
@@ -118,7 +117,7 @@ contains
         class(body_with_effects_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         type(loads_t) :: loads
-        call self%loads_at(t, y, loads)
+        call loads_at(self, t, y, loads)
         motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), loads%omega, near)
         motion%norm_error = norm2(y(1:4)) - 1
         motion%omega_rate = acceleration(self%body, loads)
@@ -130,7 +129,7 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
         type(loads_t) :: loads
-        call self%loads_at(t, y, loads)
+        call loads_at(self, t, y, loads)
         motion%t = t
         motion%quaternion = y(1:4) / norm2(y(1:4))
         motion%norm_error = norm2(y(1:4)) - 1
@@ -150,8 +149,8 @@ contains
         call find_kinematics(self%body, self%effects, t_last, y_last(1:4), y_last(5:7), last)
         call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), now)
         if (may_meet_pole(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last)) then
-            call self%loads_at(t_last, y_last, last)
-            call self%loads_at(t, y, now)
+            call loads_at(self, t_last, y_last, last)
+            call loads_at(self, t, y, now)
             slope(:, 1) = acceleration(self%body, last)
             slope(:, 2) = acceleration(self%body, now)
             call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, beside, slope)

@@ -35,7 +35,6 @@ module spintop_smooth_effects_series
     contains
         procedure :: set
         procedure :: find
-        procedure, private :: expand_pivot
     end type smooth_series_t
 
     interface
@@ -171,7 +170,7 @@ contains
         end associate
         state(21:23) = h
         pivot(:, 0) = 0
-        if (self%of%vibrates > 0) call self%expand_pivot(t, order, pivot)
+        if (self%of%vibrates > 0) call expand_pivot(self, t, order, pivot)
         if (abs(self%of%circle) > 0) call set_pivot_acceleration(self, t, state, pivot(:, 0))
         call c_expand(order, self%of, state, pivot, short_share, share_rest, coefficient, has_series)
         exists = has_series > 0
@@ -188,7 +187,7 @@ contains
         real(dp), intent(inout) :: state(:), pivot(3)
         real(dp) :: rows(3, 3), space(3, 0:max_series_order)
         space = 0
-        call self%expand_pivot(t, 1, space)
+        call expand_pivot(self, t, 1, space)
         rows = reshape([state(13:15), state(17:19), state(9:11)], [3, 3])
         state(13:15) = matmul(rows, space(:, 0))
         state(17:19) = matmul(rows, space(:, 1)) / self%rate

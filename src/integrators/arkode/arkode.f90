@@ -26,7 +26,6 @@ module spintop_arkode
         !> A table that is not of ARKODE's own.
         type(tableau_t), allocatable :: own
     contains
-        procedure, private :: find_table
         procedure :: begin
         procedure :: advance
         procedure :: try_step
@@ -60,7 +59,7 @@ contains
         class(arkode_t), intent(in) :: self
         type(arkode_table_t) :: table
         logical :: found
-        call self%find_table(table, found)
+        call find_table(self, table, found)
         order = table%order
     end function order
 
@@ -89,7 +88,7 @@ contains
         self%steps_of_memory = steps_of_arkode
         call begin_on_grid(self, formulation, status)
         if (.not. is_ok(status)) return
-        call self%find_table(table, found)
+        call find_table(self, table, found)
         status = status_integrator
         if (.not. found) return
         if (allocated(self%owner)) deallocate (self%owner)

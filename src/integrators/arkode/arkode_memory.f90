@@ -72,7 +72,6 @@ module spintop_arkode_memory
         type(SUNNonlinearSolver), pointer, private :: nonlinear_solver => null()
     contains
         procedure :: create
-        procedure, private :: keep
         procedure :: restart
         procedure :: set_fixed_step
         procedure :: set_stop_time
@@ -124,7 +123,7 @@ contains
         self%unit = formulation%units()
         self%state = run%y / self%unit
         call self%dense%set_order(table%order)
-        call self%keep(create_context(self%context))
+        call keep(self, create_context(self%context))
         if (self%flag < 0) return
         self%state_vector => FN_VMake_Serial(n, self%state, self%context)
         if (table%implicit) then
@@ -134,16 +133,16 @@ contains
             self%integrator = FARKStepCreate(c_funloc(rhs), c_null_funptr, run%t, &
                                              self%state_vector, self%context)
         end if
-        if (.not. c_associated(self%integrator)) call self%keep(ARK_MEM_FAIL)
+        if (.not. c_associated(self%integrator)) call keep(self, ARK_MEM_FAIL)
         if (self%flag < 0) return
         ! This comes first, so that no later call prints.
-        call self%keep(silence(self%integrator))
+        call keep(self, silence(self%integrator))
         if (present(own)) then
-            call self%keep(set_own_table(self%integrator, own))
+            call keep(self, set_own_table(self%integrator, own))
         else if (table%implicit) then
-            call self%keep(FARKStepSetTableNum(self%integrator, table%id, ARKODE_ERK_NONE))
+            call keep(self, FARKStepSetTableNum(self%integrator, table%id, ARKODE_ERK_NONE))
         else
-            call self%keep(FARKStepSetTableNum(self%integrator, ARKODE_DIRK_NONE, table%id))
+            call keep(self, FARKStepSetTableNum(self%integrator, ARKODE_DIRK_NONE, table%id))
         end if
         call set_options(self, controls)
         if (table%implicit) call set_implicit_options(self, controls)
@@ -163,7 +162,7 @@ contains
         real(c_double) :: relative, absolute, unused(3)
 
         associate (ark => self%integrator)
-            call self%keep(FARKStepSetUserData(ark, c_loc(self)))
+            call keep(self, FARKStepSetUserData(ark, c_loc(self)))
             relative = fixed_step_tolerance
             absolute = fixed_step_tolerance
             if (self%adaptive) then
@@ -173,18 +172,18 @@ contains
                 absolute = controls%absolute_tolerance / sqrt(real(self%states, dp))
             end if
             call self%weight%set(self%formulation, relative, absolute)
-            call self%keep(FARKStepWFtolerances(ark, c_funloc(find_weights)))
+            call keep(self, FARKStepWFtolerances(ark, c_funloc(find_weights)))
             ! The I controller: for this smooth motion it needs one sixth fewer evaluations than the default
             ! of ARKODE.
             unused = 0
-            call self%keep(FARKStepSetAdaptivityMethod(ark, ARK_ADAPT_I, 1_c_int, 0_c_int, unused))
-            call self%keep(FARKStepSetMaxNumSteps(ark, -1_c_long))
-            call self%keep(FARKStepSetMaxErrTestFails(ark, most_failures))
-            call self%keep(FARKStepSetMaxConvFails(ark, most_failures))
-            call self%keep(FARKStepSetPostprocessStepFn(ark, c_funloc(finish_step)))
+            call keep(self, FARKStepSetAdaptivityMethod(ark, ARK_ADAPT_I, 1_c_int, 0_c_int, unused))
+            call keep(self, FARKStepSetMaxNumSteps(ark, -1_c_long))
+            call keep(self, FARKStepSetMaxErrTestFails(ark, most_failures))
+            call keep(self, FARKStepSetMaxConvFails(ark, most_failures))
+            call keep(self, FARKStepSetPostprocessStepFn(ark, c_funloc(finish_step)))
             ! Higher interpolants evaluate the right-hand side at every stop time, and they have no advantage
             ! here: that of degree 5 has the error of one of degree 4 (seen in 6.4 and 7.5).
-            call self%keep(FARKStepSetInterpolantDegree(ark, 3_c_int))
+            call keep(self, FARKStepSetInterpolantDegree(ark, 3_c_int))
         end associate
     end subroutine set_options
 
@@ -202,26 +201,26 @@ contains
             if (controls%fixed_point) then
                 self%nonlinear_solver => FSUNNonlinSol_FixedPoint(self%state_vector, 0_c_int, &
                                                                   self%context)
-                call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
-                call self%keep(FARKStepSetMaxNonlinIters(ark, fixed_point_limit))
+                call keep(self, FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
+                call keep(self, FARKStepSetMaxNonlinIters(ark, fixed_point_limit))
                 ! A correction of an angle causes a larger one of its rate before both decrease.
-                call self%keep(FARKStepSetNonlinRDiv(ark, growth_allowed))
+                call keep(self, FARKStepSetNonlinRDiv(ark, growth_allowed))
             else
                 self%nonlinear_solver => FSUNNonlinSol_Newton(self%state_vector, self%context)
-                call self%keep(FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
+                call keep(self, FARKStepSetNonlinearSolver(ark, self%nonlinear_solver))
                 self%matrix => FSUNDenseMatrix(n, n, self%context)
                 self%linear_solver => FSUNLinSol_Dense(self%state_vector, self%matrix, self%context)
-                call self%keep(FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
+                call keep(self, FARKStepSetLinearSolver(ark, self%linear_solver, self%matrix))
                 ! By default a Jacobian is used for 50 steps and a factorisation for 20, and the estimate of
                 ! the resulting error fails at tight tolerances.
-                call self%keep(FARKStepSetLSetupFrequency(ark, 1_c_int))
-                call self%keep(FARKStepSetJacEvalFrequency(ark, 1_c_long))
-                call self%keep(FARKStepSetMaxNonlinIters(ark, newton_limit))
+                call keep(self, FARKStepSetLSetupFrequency(ark, 1_c_int))
+                call keep(self, FARKStepSetJacEvalFrequency(ark, 1_c_long))
+                call keep(self, FARKStepSetMaxNonlinIters(ark, newton_limit))
             end if
-            call self%keep(FARKStepSetNonlinConvCoef(ark, stage_share))
-            if (.not. self%adaptive) call self%keep(FSUNNonlinSolSetConvTestFn( &
+            call keep(self, FARKStepSetNonlinConvCoef(ark, stage_share))
+            if (.not. self%adaptive) call keep(self, FSUNNonlinSolSetConvTestFn( &
                 self%nonlinear_solver, c_funloc(judge_correction), c_loc(self%stage_history)))
-            call self%keep(FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
+            call keep(self, FARKStepSetDeduceImplicitRhs(ark, 1_c_int))
         end associate
     end subroutine set_implicit_options
 
@@ -230,22 +229,22 @@ contains
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in), optional :: h !! size of the first step, s
         self%state = self%now%y / self%unit
-        call self%keep(FARKStepReset(self%integrator, self%now%t, self%state_vector))
-        if (present(h)) call self%keep(FARKStepSetInitStep(self%integrator, h))
+        call keep(self, FARKStepReset(self%integrator, self%now%t, self%state_vector))
+        if (present(h)) call keep(self, FARKStepSetInitStep(self%integrator, h))
     end subroutine restart
 
     !> Turns step control off: the following steps have this size. With 0, step control is on again.
     subroutine set_fixed_step(self, h)
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in) :: h !! step size, s; 0 for step control
-        call self%keep(FARKStepSetFixedStep(self%integrator, h))
+        call keep(self, FARKStepSetFixedStep(self%integrator, h))
     end subroutine set_fixed_step
 
     !> Time that the next step must not pass.
     subroutine set_stop_time(self, t)
         class(arkode_memory_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        call self%keep(FARKStepSetStopTime(self%integrator, t))
+        call keep(self, FARKStepSetStopTime(self%integrator, t))
     end subroutine set_stop_time
 
     !> One step, which updates `now`. On failure (negative `flag`) only the counts change.

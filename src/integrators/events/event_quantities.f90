@@ -35,7 +35,6 @@ module spintop_event_quantities
         procedure :: begin_quantities
         procedure :: value_at
         procedure :: find_passage
-        procedure, private :: find_near
         procedure :: find_quarters
     end type event_quantities_t
 
@@ -119,7 +118,7 @@ contains
             last = i
         end do
         is_found = last > 0 .and. last == i - 1
-        if (is_found) call self%find_near(path, k, side%level, a, b, g, last, t, is_found)
+        if (is_found) call find_near(self, path, k, side%level, a, b, g, last, t, is_found)
         if (is_found) return
         before = [side%t, side%distance]
         if (last > 0) before = [a + (b - a) * (last - 1) / 4, g(last)]

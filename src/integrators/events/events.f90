@@ -66,11 +66,6 @@ module spintop_events
         procedure :: knows
         procedure :: record_occasion
         procedure :: store_or_restore => store_or_restore_search
-        procedure, private :: search
-        procedure, private :: refine
-        procedure, private :: measure_rounding
-        procedure, private :: update_side
-        procedure, private :: advance
     end type event_search_t
 
     abstract interface
@@ -168,9 +163,9 @@ contains
             if (self%is_paused) exit
             next = next_instant(self%here, self%pole_axis, self%t, t, self%pace)
             if (knows_end .and. is_equal(next, t)) then
-                call self%search(path, next, t, there)
+                call search(self, path, next, t, there)
             else
-                call self%search(path, next, t)
+                call search(self, path, next, t)
             end if
         end do
     end subroutine find_events
@@ -239,7 +234,7 @@ contains
         if (self%takes_several) then
             call self%find_quarters(path, self%t, b, limit, self%five(:, 2:), there)
         else
-            call self%advance(path, b, there, motion_last)
+            call advance(self, path, b, there, motion_last)
             if (path%is_spent()) return
         end if
         noise = 0
@@ -256,8 +251,8 @@ contains
             call self%sides(k)%update_is_clear(values, noise(k))
             is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
             call self%sides(k)%forget_rounding(self%t)
-            if (is_near) call self%measure_rounding(path, k, self%t, b)
-            call self%refine(path, k, self%t, b, values - self%sides(k)%level, 0, found)
+            if (is_near) call measure_rounding(self, path, k, self%t, b)
+            call refine(self, path, k, self%t, b, values - self%sides(k)%level, 0, found)
             call found%merge_from(before + 1)
         end do
         self%is_full = found%is_full
@@ -321,16 +316,16 @@ contains
         real(dp) :: quarter
 
         if (path%is_spent()) return
-        if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b)
+        if (depth > 0 .and. mod(depth, rounding_depth) == 0) call measure_rounding(self, path, k, a, b)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
-            call self%update_side(path, k, a, b, g, found)
+            call update_side(self, path, k, a, b, g, found)
             return
         end if
         quarter = (b - a) / 4
-        call self%refine(path, k, a, a + 2 * quarter, [g(1), distance_at(0.5_dp), g(2), distance_at(1.5_dp), g(3)], &
+        call refine(self, path, k, a, a + 2 * quarter, [g(1), distance_at(0.5_dp), g(2), distance_at(1.5_dp), g(3)], &
                          depth + 1, found)
-        call self%refine(path, k, a + 2 * quarter, b, [g(3), distance_at(2.5_dp), g(4), distance_at(3.5_dp), g(5)], &
+        call refine(self, path, k, a + 2 * quarter, b, [g(3), distance_at(2.5_dp), g(4), distance_at(3.5_dp), g(5)], &
                          depth + 1, found)
 
     contains

@@ -45,9 +45,7 @@ module spintop_segments
         procedure :: may_keep
         procedure :: store_or_restore
         procedure :: stepper_of
-        procedure, private :: go_over
         procedure, private :: latest_end
-        procedure, private :: limit_step
     end type segments_t
 
     !> Tolerance of the steps where there is no series, if that of the method is not smaller; and the smallest, for steps in
@@ -72,7 +70,7 @@ contains
         self%lying%controls = method%controls
         self%lying%t_begin = method%t_begin
         self%lying%t_end = method%t_end
-        if (self%rest%is_resting) call self%go_over(by_rest, formulation, method, stepper, status)
+        if (self%rest%is_resting) call go_over(self, by_rest, formulation, method, stepper, status)
         if (.not. has_series) return
         self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'))
         associate (own => self%crossing%controls, given => method%controls)
@@ -145,9 +143,9 @@ contains
             call stepper%advance(formulation, status)
             return
         end if
-        call self%limit_step(formulation, method, status)
+        call limit_step(self, formulation, method, status)
         if (.not. (self%rest%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
-        call self%go_over(by_runge_kutta, formulation, method, stepper, status)
+        call go_over(self, by_runge_kutta, formulation, method, stepper, status)
         if (is_ok(status)) call stepper%advance(formulation, status)
     end subroutine advance
 
@@ -220,7 +218,7 @@ contains
         next = merge(by_runge_kutta, by_method, self%must_cross)
         if (self%rest%is_resting) next = by_rest
         if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
-        if (stepper%t < method%t_end) call self%go_over(next, formulation, method, stepper, status)
+        if (stepper%t < method%t_end) call go_over(self, next, formulation, method, stepper, status)
     end subroutine end_step
 
     !> Whether the run could go on from its state as it is now: not from the beginning of a Runge-Kutta step.

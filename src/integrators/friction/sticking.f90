@@ -29,8 +29,6 @@ module spintop_sticking
         procedure :: note_turning
         procedure :: detect_rest
         procedure :: store_or_restore
-        procedure, private :: set_motion
-        procedure, private :: check_rest
     end type rest_t
 
     !> A body whose angular velocity is below this share of its largest value comes to rest.
@@ -55,7 +53,7 @@ contains
         self%has_series = has_series
         start = formulation%action%turning_at(stepper%t, stepper%y)
         self%largest = start%speed
-        if (.not. start%speed > 0) call self%check_rest(formulation, stepper%t, stepper%y)
+        if (.not. start%speed > 0) call check_rest(self, formulation, stepper%t, stepper%y)
     end subroutine begin
 
     !> Looks at the angular velocity. How fast it decreases is zero where nothing depends on its direction: without dry
@@ -78,7 +76,7 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         latest_end = huge(t)
-        call self%set_motion(formulation, t, y)
+        call set_motion(self, formulation, t, y)
         if (self%seen%slowing > 0 .and. self%seen%speed > 0) latest_end = t + share * self%seen%speed / self%seen%slowing
     end function latest_end
 
@@ -113,9 +111,9 @@ contains
         real(dp) :: allowed, left, y(max_states)
 
         is_stopped = .false.
-        call self%set_motion(formulation, stepper%t, stepper%y)
+        call set_motion(self, formulation, stepper%t, stepper%y)
         if (.not. self%seen%speed > 0) then
-            call self%check_rest(formulation, stepper%t, stepper%y)
+            call check_rest(self, formulation, stepper%t, stepper%y)
             return
         end if
         self%is_resting = .false.
@@ -126,7 +124,7 @@ contains
             if (.not. (formulation%action%may_stick .or. self%seen%across <= rounding * self%largest)) return
             left = min(speed / slowing, t_end - stepper%t)
             y = formulation%action%at_rest(stepper%t + left, stepper%y, left)
-            call self%check_rest(formulation, stepper%t + left, y)
+            call check_rest(self, formulation, stepper%t + left, y)
             if (self%is_resting .or. .not. is_fixed) stepper%y = y
             is_stopped = .not. is_fixed
         end associate

@@ -24,9 +24,6 @@ module spintop_lane_azimuth
         real(dp) :: reach = 0, in_pole2 = 0, bend = 0
     contains
         procedure :: follow => follow_step
-        procedure, private :: walk
-        procedure, private :: pass
-        procedure, private :: way
     end type lane_step_t
 
     !> s Gamma3 at which a lane changes its side: beyond the middle, so that a body near it does not change in
@@ -198,7 +195,7 @@ contains
         real(dp) :: t, gamma(2)
         t = self%t_last
         gamma = c(4:5, 0)
-        call self%walk(c, goal, t, gamma, other, passed)
+        call walk(self, c, goal, t, gamma, other, passed)
     end subroutine follow_step
 
     !> Follows the other angle from `t` and `gamma` = (Gamma1, Gamma2) on to a time within the last step, in paces
@@ -225,7 +222,7 @@ contains
                       .and. pace**2 * self%bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
             if (pace * rate <= largest_turn .and. (passed%arrived .or. .not. is_sure &
                                                    .or. sum(now(1:2)**2) <= self%in_pole2)) then
-                call self%pass(c, t, goal, other, passed, new, is_sure)
+                call pass(self, c, t, goal, other, passed, new, is_sure)
             end if
             if (is_sure .or. pace <= max(shortest_pace * (self%t - t_last), 2 * spacing(goal))) then
                 t = goal
@@ -237,8 +234,8 @@ contains
                 middle = t + part * pace
                 ! Late in the motion a small part of the pace is less than the spacing of the time.
                 if (.not. (middle > t .and. middle < goal)) middle = t + pace / 2
-                call self%walk(c, middle, t, gamma, other, passed)
-                call self%walk(c, goal, t, gamma, other, passed)
+                call walk(self, c, middle, t, gamma, other, passed)
+                call walk(self, c, goal, t, gamma, other, passed)
             end if
         end associate
     end subroutine walk
@@ -255,8 +252,8 @@ contains
         real(dp) :: xi_here, xi_there, phi
         logical :: had_arrived, is_decided
         had_arrived = passed%arrived
-        call self%way(c, t, here, xi_here)
-        call self%way(c, goal, there, xi_there)
+        call way(self, c, t, here, xi_here)
+        call way(self, c, goal, there, xi_there)
         associate (side => self%side)
             phi = side * (xi_here / 2 + other)
             call settle_passage(here, there, goal - t, self%reach, passed, phi, is_decided)

@@ -35,8 +35,6 @@ module spintop_root_monitor
         procedure(find_polynomials), deferred :: find_polynomials
         procedure(record_roots), deferred :: record_roots
         procedure :: observe
-        procedure, private :: judge
-        procedure, private :: find_noise
     end type root_monitor_t
 
     abstract interface
@@ -74,7 +72,7 @@ contains
         integer :: lane, k, found, degree
 
         call self%find_polynomials(run, degree, a, noise)
-        if (any(run%steps == 1)) call self%judge(run, degree, a, noise)
+        if (any(run%steps == 1)) call judge(self, run, degree, a, noise)
         if (self%has_constant) noise = merge(sqrt(huge(noise)), noise, self%is_constant)
         before = self%sign
         call find_changes(degree, a, noise, self%sign, changes, u)
@@ -84,7 +82,7 @@ contains
         slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
         of_method = noise * (run%method_noise / rounding)
         last = 0
-        call self%find_noise(degree, a, of_method, u, slope, last)
+        call find_noise(self, degree, a, of_method, u, slope, last)
         call self%record_roots(run, u, slope)
         do lane = 1, lanes
             if (.not. (changes(lane) > 1 .or. (changes(lane) > 0 .and. doubt(lane) > 0))) cycle
@@ -95,7 +93,7 @@ contains
                 slope = 0
                 u(lane) = roots(k)
                 slope(lane) = signs(k)
-                call self%find_noise(degree, a, of_method, u, slope, last)
+                call find_noise(self, degree, a, of_method, u, slope, last)
                 call self%record_roots(run, u, slope)
             end do
         end do

@@ -57,9 +57,6 @@ module spintop_stop_lanes
         procedure :: find_polynomials
         procedure :: record_roots
         procedure :: finish
-        procedure, private :: begin_angle
-        procedure, private :: begin_form
-        procedure, private :: counts
     end type stop_lanes_t
 
 contains
@@ -83,12 +80,12 @@ contains
         real(dp) :: value
         select case (self%passing)
         case (passing_phi, passing_psi)
-            call self%begin_angle(lane, start%angle(merge(1, 3, self%passing == passing_phi)), run%now%state(lane, 4:5), value)
+            call begin_angle(self, lane, start%angle(merge(1, 3, self%passing == passing_phi)), run%now%state(lane, 4:5), value)
         case (passing_turning)
             value = axis_height_rate(start)
             self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
         case default
-            call self%begin_form(lane, body, run%now%state(lane, 1:3), run%now%state(lane, 4:6), value)
+            call begin_form(self, lane, body, run%now%state(lane, 1:3), run%now%state(lane, 4:6), value)
         end select
         self%sign(lane) = merge(sign(1.0_dp, value), 0.0_dp, abs(value) > 0)
         self%left(lane) = self%wanted
@@ -306,7 +303,7 @@ contains
             if (self%is_noise(lane)) cycle
             t = run%now%t_last(lane) + u(lane) * (run%now%t(lane) - run%now%t_last(lane))
             if (self%left(lane) <= 0 .or. t <= self%started(lane)) cycle
-            if (.not. self%counts(run, lane, u(lane))) cycle
+            if (.not. counts(self, run, lane, u(lane))) cycle
             self%left(lane) = self%left(lane) - 1
             if (self%left(lane) == 0) call run%stop(lane, t)
         end do

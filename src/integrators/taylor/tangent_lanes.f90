@@ -38,11 +38,6 @@ module spintop_tangent_lanes
         procedure :: set
         procedure :: load
         procedure :: propagate
-        procedure, private :: try
-        procedure, private :: divide
-        procedure, private :: settle
-        procedure, private :: settle_lane
-        procedure, private :: scale_down
     end type tangent_lanes_t
 
 contains
@@ -73,7 +68,7 @@ contains
         real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
         self%z(lane, :, :) = z
         self%about(lane, :) = 0
-        call self%settle_lane(lane, run%now%state(lane, 4:6))
+        call settle_lane(self, lane, run%now%state(lane, 4:6))
         self%doublings(lane) = 0
         self%parts(lane) = 0
         self%status(lane) = status_ok
@@ -86,15 +81,15 @@ contains
         real(dp) :: after(lanes, components, size(self%z, 3)), duration(lanes), excess(lanes)
 
         duration = run%now%t - run%now%t_last
-        call self%try(run, run%c, duration, after, excess)
+        call try(self, run, run%c, duration, after, excess)
         if (all(excess <= 1)) then
             self%z(:, :, :) = after
             self%parts = self%parts + merge(1, 0, duration > 0)
         else
-            call self%divide(run, duration, after, excess)
+            call divide(self, run, duration, after, excess)
         end if
-        call self%settle(run)
-        call self%scale_down(run)
+        call settle(self, run)
+        call scale_down(self, run)
     end subroutine propagate
 
     !> Perturbations after a duration. `excess` is the ratio of the last terms to the tolerance; in lanes that do
@@ -163,7 +158,7 @@ contains
                     left(lane) = left(lane) - part(lane)
                     if (left(lane) > 0) then
                         call move_origin(run%order, part(lane), c(lane, :6, :))
-                        call self%settle_lane(lane, c(lane, 4:6, 0))
+                        call settle_lane(self, lane, c(lane, 4:6, 0))
                     end if
                 end if
                 part(lane) = min(left(lane), part(lane) * min(max(least_ratio, safety &
@@ -175,8 +170,8 @@ contains
                 if (.not. left(lane) > 0) part(lane) = 0
             end do
             if (.not. any(left > 0)) exit
-            call self%scale_down(run)
-            call self%try(run, c, part, after, excess)
+            call scale_down(self, run)
+            call try(self, run, c, part, after, excess)
         end do
     end subroutine divide
 

@@ -95,8 +95,6 @@ module spintop_taylor_lanes
         procedure :: find_other_angle
         procedure :: is_in_pole
         procedure :: angles_at
-        procedure, private :: step_of
-        procedure, private :: change_side
     end type taylor_lanes_t
 
     !> Orders of least cost, found by measurement. They are lower than for a single body, because other lanes
@@ -229,11 +227,11 @@ contains
             if (worst == 0) return
             do lane = 1, lanes
                 if (doubt(lane) >= turns_far) then
-                    step = self%step_of(lane)
+                    step = step_of(self, lane)
                     call step%follow(c(lane, :, :), now%t(lane), now%other(lane), self%passed(lane))
                     now%other_then(lane) = now%other(lane)
                 end if
-                if (now%side(lane) * now%state(lane, 6) < border) call self%change_side(lane)
+                if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
             end do
         end associate
     end subroutine advance
@@ -313,7 +311,7 @@ contains
         type(lane_step_t) :: step
         other = self%now%other_last(lane)
         passed = self%passed_last(lane)
-        step = self%step_of(lane)
+        step = step_of(self, lane)
         call step%follow(self%c(lane, :, :), t, other, passed)
     end subroutine find_other_angle
 

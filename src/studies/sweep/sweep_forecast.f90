@@ -39,8 +39,6 @@ module spintop_sweep_forecast
         real(dp) :: time = 0
         !> Time of the processor, which other programs do not disturb, s.
         real(dp) :: work = 0
-    contains
-        procedure :: each
     end type sample_t
 
 contains
@@ -79,7 +77,7 @@ contains
             call summary%add('statistics', 'about ' // amount(len(head) + bytes, 'B') // ' at most')
         end if
         call summary%add('memory', 'about ' // amount(memory, 'B'))
-        call summary%add('time', 'about ' // duration(sample%each() * cases / threads) // ' on ' // &
+        call summary%add('time', 'about ' // duration(each(sample) * cases / threads) // ' on ' // &
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
                          duration(sample%time))
         if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
@@ -161,7 +159,7 @@ contains
         call thread%prepare(job)
         block = size_of_block(job)
         call compute_places(few_places, min(cases_at_place, block))
-        if (sample%each() * block * many_places < enough) call compute_places(many_places, block)
+        if (each(sample) * block * many_places < enough) call compute_places(many_places, block)
 
     contains
 

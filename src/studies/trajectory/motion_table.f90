@@ -55,7 +55,6 @@ module spintop_motion_table
         procedure :: finish
         procedure :: discard
         procedure :: abandon
-        procedure, private :: append_block
     end type motion_table_t
 
 contains
@@ -137,7 +136,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%block%rows = self%block%rows + 1
         self%block%cells(:, self%block%rows) = values
-        if (self%block%rows == rows_at_once) call self%append_block(error)
+        if (self%block%rows == rows_at_once) call append_block(self, error)
     end subroutine add_row
 
     !> Passes the next rows on.
@@ -165,7 +164,7 @@ contains
         character(:), allocatable :: path, bytes
         logical :: due
 
-        call self%append_block(error)
+        call append_block(self, error)
         call self%rows_table%make_entry_if_due(entry, due, error)
         if (.not. due) return
         call self%rows_table%begin_state(entry%state, path)
@@ -215,7 +214,7 @@ contains
         character(*), intent(in) :: status !! `ok`, or the reason and the time of the end
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
-        call self%append_block(error)
+        call append_block(self, error)
         if (allocated(error)) return
         allocate (self%rows_table%trailer(0))
         call append(self%rows_table%trailer, status_column // ': ' // status)

@@ -41,7 +41,6 @@ module spintop_row_maker
         procedure :: write_row
         procedure :: proof_summary
         procedure :: close
-        procedure, private :: find_values
     end type row_maker_t
 
 contains
@@ -75,7 +74,7 @@ contains
         real(dp) :: values(size(self%columns))
         if (present(work)) self%view%work = work
         call self%view%set_motion(computed, as_computed)
-        call self%find_values(values)
+        call find_values(self, values)
     end function row
 
     !> Whether the angles and their rates at an instant are enough for a row, which `find_exact_row` then gives: no turns are
@@ -95,7 +94,7 @@ contains
         real(dp) :: angle(3), rate(3)
         call exact%find_angles(t, angle, rate)
         call self%view%set_angles(t, angle, rate)
-        call self%find_values(values)
+        call find_values(self, values)
     end subroutine find_exact_row
 
     !> The values of the columns for the current motion. A vector is computed once for all of its columns.

@@ -57,11 +57,6 @@ module spintop_nutation_recorder
         procedure :: is_noisy
         procedure :: knows_class
         procedure :: include_end
-        procedure, private :: find_own
-        procedure, private :: handle_own_event
-        procedure, private :: as_given
-        procedure, private :: update_extremes
-        procedure, private :: update_force_extremes
     end type nutation_recorder_t
 
 contains
@@ -89,10 +84,10 @@ contains
         self%is_plane = swings_over_poles(case%body, case%start, exactly_plane) .and. .not. case%body%given%differ
         given = case%start
         given%omega_rate = angular_acceleration(case%body, given)
-        given = self%as_given(given)
+        given = as_given(self, given)
         self%starts_turning = turns_at(given, given%omega_rate)
         self%end_theta = given%angle(2)
-        call self%update_extremes(case%start, given)
+        call update_extremes(self, case%start, given)
         ! From a pole the motion begins with the limit of the precession rate.
         gamma = vertical_from_quaternion(given%quaternion)
         if (hypot(gamma(1), gamma(2)) > through_pole .or. self%is_plane) return
@@ -126,10 +121,10 @@ contains
             n = n - size(self%own)
             call motions%fill(motion)
             if (self%case%body%given%differ) then
-                call given%fill(self%as_given(motion))
-                call self%find_own(motions, given, own)
+                call given%fill(as_given(self, motion))
+                call find_own(self, motions, given, own)
             else
-                call self%find_own(motions, motions, own)
+                call find_own(self, motions, motions, own)
             end if
             values(n + 1:) = own(1, self%own)
         end if
@@ -143,7 +138,7 @@ contains
         real(dp), intent(out) :: values(:, :) !! a column for each event
         real(dp) :: own(instants, largest_force)
         integer :: k
-        call self%find_own(motions, motions, own)
+        call find_own(self, motions, motions, own)
         do k = 1, size(self%own)
             values(:, k) = own(:, self%own(k))
         end do
@@ -179,7 +174,7 @@ contains
         n = size(self%events)
         if (allocated(self%own)) n = n - size(self%own)
         if (number > n) then
-            call self%handle_own_event(number - n, motion, is_noise=.false.)
+            call handle_own_event(self, number - n, motion, is_noise=.false.)
         else
             call self%event_recorder_t%handle_event(number, motion)
         end if
@@ -196,12 +191,12 @@ contains
 
         if (number <= 0) return
         kind = self%own(number)
-        given = self%as_given(motion)
-        call self%update_extremes(motion, given)
+        given = as_given(self, motion)
+        call update_extremes(self, motion, given)
         if (kind /= upper .and. kind /= lower) return
         ! A start at a turning point is not an event, but it is a turning point of the other kind than the
         ! first event.
-        if (self%starts_turning .and. .not. is_noise) call self%turns(upper + lower - kind)%add(self%as_given(self%case%start))
+        if (self%starts_turning .and. .not. is_noise) call self%turns(upper + lower - kind)%add(as_given(self, self%case%start))
         self%starts_turning = .false.
         if (is_noise) then
             call interrupt(self%turns)
@@ -216,7 +211,7 @@ contains
         class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the passage
-        if (allocated(self%own)) call self%handle_own_event(number - (size(self%events) - size(self%own)), motion, &
+        if (allocated(self%own)) call handle_own_event(self, number - (size(self%events) - size(self%own)), motion, &
             is_noise=.true.)
     end subroutine handle_doubtful_event
 
@@ -230,10 +225,10 @@ contains
             end associate
         end if
         self%here%omega_rate = angular_acceleration(self%case%body, self%here)
-        given = self%as_given(self%here)
+        given = as_given(self, self%here)
         self%end_theta(2) = given%angle(2)
-        if (self%measures%turning) call count_end(self%turns, self%as_given(self%case%start), given, given%omega_rate)
-        call self%update_extremes(self%here, given)
+        if (self%measures%turning) call count_end(self%turns, as_given(self, self%case%start), given, given%omega_rate)
+        call update_extremes(self, self%here, given)
     end subroutine include_end
 
     !> Updates the extremes of the rates, of the height of the centre of mass and of the force by a motion, which is given in
@@ -248,7 +243,7 @@ contains
         end if
         self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
                                                          vertical_from_quaternion(motion%quaternion)))
-        if (self%measures%has_forces()) call self%update_force_extremes(motion, given)
+        if (self%measures%has_forces()) call update_force_extremes(self, motion, given)
     end subroutine update_extremes
 
     !> Updates the extremes of the nutation rate and of the support force.

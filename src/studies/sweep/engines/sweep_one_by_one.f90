@@ -49,8 +49,6 @@ module spintop_sweep_one_by_one
         real(dp) :: t = 0, y(max_states) = 0, near(3) = 0
     contains
         procedure :: observe
-        procedure :: record_motion
-        procedure, private :: update_energy_error
     end type witness_t
 
 contains
@@ -237,7 +235,7 @@ contains
                 call path%at(instants(i), motion)
                 if (path%is_spent()) status = status_step_limit
                 if (.not. is_ok(status)) return
-                call witness%record_motion(motion)
+                call record_motion(witness, motion)
             end do
         end associate
     end subroutine walk
@@ -283,9 +281,9 @@ contains
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
         if (self%period > 0 .and. matches(t, self%period)) then
-            call self%record_motion(formulation%motion(t, y, near))
+            call record_motion(self, formulation%motion(t, y, near))
         else
-            call self%update_energy_error(formulation%motion_without_angles(t, y))
+            call update_energy_error(self, formulation%motion_without_angles(t, y))
         end if
         self%t = t
         self%y = y
@@ -297,7 +295,7 @@ contains
         class(witness_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         self%last = motion
-        call self%update_energy_error(motion)
+        call update_energy_error(self, motion)
         if (self%period > 0 .and. matches(motion%t, self%period)) then
             self%saw_period = .true.
             self%azimuth_at_period = motion%angle(1) - self%case%start%angle(1)

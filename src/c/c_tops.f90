@@ -19,7 +19,7 @@ module spintop_c_tops
 
     integer, parameter :: name_length = 24
 
-    !> Names of the data, and of the quantities, in the order of `data_of` and `quantity_of`.
+    !> Names of the data, and of the quantities, in the order of `arrays_of`.
     character(*), parameter :: data_names(*) = [character(name_length) :: 'inertia1', 'inertia3', 'mgl', 'theta', 'phi_rate', &
         'theta_rate', 'omega3', 'phi', 'psi', 't_end']
     character(*), parameter :: quantity_names(*) = [character(name_length) :: 'theta_min', 'theta_max', 'delta_u', &
@@ -39,6 +39,11 @@ module spintop_c_tops
         integer(int64) :: stride = 0
         real(c_double), pointer :: values(:) => null()
     end type array_t
+
+    !> An array of a block.
+    type :: block_array_t
+        real(dp), pointer, contiguous :: values(:) => null()
+    end type block_array_t
 
     !> What C asks for.
     type :: request_t
@@ -186,12 +191,14 @@ contains
         type(request_t), intent(in) :: request
         integer(int64), intent(in) :: first
         type(exact_block_t), target, intent(inout) :: block
+        type(block_array_t) :: arrays(size(data_names) + size(quantity_names))
         real(dp), pointer, contiguous :: room(:)
         integer(int64) :: at
         integer :: i, k
 
+        arrays = arrays_of(block%exact_cases_t)
         do k = 1, size(data_names)
-            room => data_of(block%exact_cases_t, k)
+            room => arrays(k)%values
             room(:block%n) = 0
             do i = 1, size(request%given)
                 if (request%given(i)%place /= k) cycle
@@ -214,15 +221,15 @@ contains
         type(request_t), intent(in) :: request
         integer(int64), intent(in) :: first
         type(exact_block_t), target, intent(inout) :: block
-        real(dp), pointer, contiguous :: room(:)
+        type(block_array_t) :: arrays(size(data_names) + size(quantity_names))
         integer :: i
         logical :: any_failed
 
+        arrays = arrays_of(block%exact_cases_t)
         associate (n => block%n)
             any_failed = any(.not. is_ok(block%status(:n)))
             do i = 1, size(request%wanted)
-                room => quantity_of(block%exact_cases_t, request%wanted(i)%place)
-                request%wanted(i)%values(first + 1:first + n) = room(:n)
+                request%wanted(i)%values(first + 1:first + n) = arrays(size(data_names) + request%wanted(i)%place)%values(:n)
                 if (any_failed) where (.not. is_ok(block%status(:n))) &
                     request%wanted(i)%values(first + 1:first + n) = no_number
             end do
@@ -230,66 +237,17 @@ contains
         end associate
     end subroutine unload
 
-    !> The array of a block for data number k.
-    function data_of(cases, k) result(room)
+    !> The arrays of a block: those of the data, and those of the quantities, in the order of their names.
+    function arrays_of(cases) result(arrays)
         type(exact_cases_t), target, intent(inout) :: cases
-        integer, intent(in) :: k
-        real(dp), pointer, contiguous :: room(:)
-        select case (k)
-        case (1)
-            room => cases%inertia1
-        case (2)
-            room => cases%inertia3
-        case (3)
-            room => cases%mgl
-        case (4)
-            room => cases%theta
-        case (5)
-            room => cases%phi_rate
-        case (6)
-            room => cases%theta_rate
-        case (7)
-            room => cases%omega3
-        case (8)
-            room => cases%phi
-        case (9)
-            room => cases%psi
-        case default
-            room => cases%t_end
-        end select
-    end function data_of
-
-    !> The array of a block with quantity number k.
-    function quantity_of(cases, k) result(room)
-        type(exact_cases_t), target, intent(inout) :: cases
-        integer, intent(in) :: k
-        real(dp), pointer, contiguous :: room(:)
-        select case (k)
-        case (1)
-            room => cases%theta_min
-        case (2)
-            room => cases%theta_max
-        case (3)
-            room => cases%delta_u
-        case (4)
-            room => cases%period
-        case (5)
-            room => cases%precession
-        case (6)
-            room => cases%precession_rate
-        case (7)
-            room => cases%phi_rate_max
-        case (8)
-            room => cases%theta_end
-        case (9)
-            room => cases%phi_end
-        case (10)
-            room => cases%psi_end
-        case (11)
-            room => cases%theta_rate_end
-        case default
-            room => cases%energy_error
-        end select
-    end function quantity_of
+        type(block_array_t) :: arrays(size(data_names) + size(quantity_names))
+        arrays = [block_array_t(cases%inertia1), block_array_t(cases%inertia3), block_array_t(cases%mgl), &
+                  block_array_t(cases%theta), block_array_t(cases%phi_rate), block_array_t(cases%theta_rate), &
+                  block_array_t(cases%omega3), block_array_t(cases%phi), block_array_t(cases%psi), block_array_t(cases%t_end), &
+                  block_array_t(cases%theta_min), block_array_t(cases%theta_max), block_array_t(cases%delta_u), &
+                  block_array_t(cases%period), block_array_t(cases%precession), block_array_t(cases%precession_rate), &
+                  block_array_t(cases%phi_rate_max), block_array_t(cases%theta_end), block_array_t(cases%phi_end), &
+                  block_array_t(cases%psi_end), block_array_t(cases%theta_rate_end), block_array_t(cases%energy_error)]
+    end function arrays_of
 
 end module spintop_c_tops

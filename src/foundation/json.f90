@@ -13,13 +13,13 @@ module spintop_json
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
     use spintop_line_list, only: line_list_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: string_t, strings_of, to_text
     implicit none
     private
     public :: json_t
 
-    !> Containers that are open at once, at most; containers down to this depth have a line per item.
-    integer, parameter :: max_depth = 8, depth_of_lines = 2
+    !> Containers down to this depth have a line per item.
+    integer, parameter :: depth_of_lines = 2
 
     !> A document that is being written.
     type :: json_t
@@ -29,8 +29,8 @@ module spintop_json
         character(:), allocatable :: line
         integer :: depth = 0
         !> What closes each open container, and whether it has an item already.
-        character :: closing(max_depth) = ' '
-        logical :: has_item(max_depth) = .false.
+        character(:), allocatable :: closing
+        logical, allocatable :: has_item(:)
     contains
         procedure :: begin
         procedure :: open_object
@@ -52,7 +52,8 @@ contains
         class(json_t), intent(out) :: self
         self%line = '{'
         self%depth = 1
-        self%closing(1) = '}'
+        self%closing = '}'
+        self%has_item = [.false.]
     end subroutine begin
 
     !> Opens an object: a member of an object, or, without a key, an element of a list.
@@ -76,8 +77,10 @@ contains
             call self%lines%add(self%line)
             self%line = repeat(' ', 2 * (self%depth - 1))
         end if
-        self%line = self%line // self%closing(self%depth)
+        self%line = self%line // self%closing(self%depth:)
         self%depth = self%depth - 1
+        self%closing = self%closing(:self%depth)
+        self%has_item = self%has_item(:self%depth)
     end subroutine close_container
 
     !> Closes the document, and gives its lines.
@@ -146,12 +149,7 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         character(*), intent(in) :: values(:)
-        integer :: i
-        call self%open_list(key)
-        do i = 1, size(values)
-            call add_item(self, quoted(trim(values(i))))
-        end do
-        call self%close()
+        call self%add(key, strings_of(values))
     end subroutine add_texts
 
     subroutine add_strings(self, key, values)
@@ -172,8 +170,8 @@ contains
         character(*), intent(in), optional :: key
         call add_item(self, opening, key)
         self%depth = self%depth + 1
-        self%closing(self%depth) = closing
-        self%has_item(self%depth) = .false.
+        self%closing = self%closing // closing
+        self%has_item = [self%has_item, .false.]
     end subroutine open_container
 
     !> Adds the text of a value, or of the beginning of a container, to the innermost container.

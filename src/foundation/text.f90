@@ -6,6 +6,7 @@ module spintop_text
     implicit none
     private
     public :: string_t, append, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
+    public :: strings_of
     public :: write_reals, write_integer, fixed_text, real_width
 
     !> Maximum number of characters of a real number.
@@ -175,7 +176,7 @@ contains
 
     !> Words of one length as texts, without their trailing blanks.
     pure function strings_of(words) result(strings)
-        character(*), intent(in) :: words(:)
+        character(*), intent(in) :: words(:) !! the words
         type(string_t) :: strings(size(words))
         integer :: i
         do i = 1, size(words)

@@ -12,7 +12,7 @@ module spintop_assignment
         token_string, token_t, token_word
     use spintop_suggestions, only: names_file, suggest_word
     use spintop_text, only: abbreviate, lower_case, to_text
-    use spintop_units, only: is_unit_word
+    use spintop_units, only: convert_unit
     implicit none
     private
     public :: assignment_t
@@ -190,7 +190,8 @@ contains
         character(*), intent(in) :: text !! the value, without quotes
         integer, intent(in) :: repeats !! number of consecutive elements with this value
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        character(:), allocatable :: hint
+        character(:), allocatable :: hint, problem
+        real(dp) :: factor
         integer :: i
 
         do i = 1, repeats
@@ -204,9 +205,13 @@ contains
                 if (token%touches .and. parameter%kind == kind_text) then
                     hint = hint // '; a quote inside a text is written twice'
                 end if
-                if (parameter%kind == kind_real .and. is_unit_word(text)) hint = quotes_hint
-                call self%refuse(parameter, diagnostics, token%place, &
-                    'too many values for ' // parameter%key, hint)
+                problem = ''
+                if (parameter%kind == kind_real .and. has_unit('1 ' // text)) then
+                    hint = quotes_hint
+                    call convert_unit(text, text, factor, problem)
+                end if
+                if (problem == '') problem = 'too many values for ' // parameter%key
+                call self%refuse(parameter, diagnostics, token%place, problem, hint)
                 return
             end if
             call store_element(self, parameter, token, text, self%first + self%count - 1, diagnostics)

@@ -10,8 +10,7 @@
 !> rate by g at constant y. Splitting methods are then symplectic Runge-Kutta-Nystrom methods.
 module spintop_cayley_klein
     use spintop_kinds, only: dp, xp
-    use spintop_attitude, only: follow_angles, may_meet_pole, conjugate_quaternion, quaternion_product, &
-        vertical_from_quaternion
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_capabilities, only: flows_t, max_series_order, max_states, series_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
@@ -34,7 +33,6 @@ module spintop_cayley_klein
     type, extends(formulation_t) :: cayley_klein_t
         private
         type(oscillators_t) :: pair = oscillators_t()
-        real(dp) :: sigma = 0
         !> sigma in extended precision, for its phase.
         real(xp) :: spin_rate = 0
     contains
@@ -42,7 +40,7 @@ module spintop_cayley_klein
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
-        procedure :: follow
+        procedure :: find_turning
         procedure :: invariants
     end type cayley_klein_t
 
@@ -177,27 +175,15 @@ contains
         v = 2 * product(2:4)
     end function twice_vector
 
-    !> Continues the angles to a later state; the separated spin changes psi by sigma t.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
+    !> The angular velocity of the attitude in the state, and its rate.
+    pure subroutine find_turning(self, t, y, omega, rate)
         class(cayley_klein_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
-        real(dp), intent(inout) :: angle(3)
-            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        real(dp) :: omega_last(3), omega(3), rate(3, 2)
-        ! The oscillators have these angles minus sigma t.
-        angle(3) = angle(3) - self%sigma * t_last
-        omega_last = twice_vector(y_last(1:4), y_last(5:8))
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
         omega = twice_vector(y(1:4), y(5:8))
-        if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
-            rate(:, 1) = twice_vector(y_last(1:4), self%pair%acceleration(y_last(1:4), 1.0_dp))
-            rate(:, 2) = twice_vector(y(1:4), self%pair%acceleration(y(1:4), 1.0_dp))
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside, rate)
-        else
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside)
-        end if
-        angle(3) = angle(3) + self%sigma * t
-    end subroutine follow
+        if (present(rate)) rate = twice_vector(y(1:4), self%pair%acceleration(y(1:4), 1.0_dp))
+    end subroutine find_turning
 
     !> Squared norm of the quaternion and half its rate, momenta over I1 about the axis and the vertical, and
     !> twice the energy over I1, of the motion without its spin.

@@ -3,6 +3,7 @@
 !> A formulation is prepared once for a body and a start and does not change afterwards, so threads may share
 !> it. States are arrays of fixed size; unused components are zero.
 module spintop_formulation
+    use spintop_attitude, only: follow_angles, may_meet_pole
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_capabilities, only: flows_t, group_action_t, max_series_order, max_states, &
@@ -63,6 +64,10 @@ module spintop_formulation
         logical :: depends_on_time = .false.
         !> Index of the first of three components of the state that are the angular momentum in body axes; 0 if there are none.
         integer :: momentum = 0
+        !> The quaternion of `info`, by which angles are counted; 0 if the state contains the angles themselves. Its spin may be
+        !> less than that of the body by a separated rate, rad/s.
+        integer :: attitude = 0
+        real(dp) :: sigma = 0
         !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
         !> `prepare` sets them by `set_capabilities`.
         class(flows_t), allocatable :: flows
@@ -85,7 +90,8 @@ module spintop_formulation
         procedure :: find_motions => find_motions_singly
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
-        procedure :: follow => keep_angles
+        procedure :: find_turning => find_no_turning
+        procedure, non_overridable :: follow
         procedure, non_overridable :: info
         procedure, non_overridable :: set_capabilities
     end type formulation_t
@@ -174,6 +180,9 @@ contains
         class(formulation_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(formulation_info_t) :: info
+        info = self%describe()
+        self%attitude = info%quaternion
         if (allocated(self%flows)) call self%flows%set(body, start)
         if (allocated(self%stages)) call self%stages%set(body, start)
         if (allocated(self%group)) call self%group%set(body, start)
@@ -193,17 +202,43 @@ contains
         values = 0
     end subroutine no_invariants
 
+    !> The angular velocity of the attitude quaternion of the state, and its rate if it is wanted; by default there is none.
+    pure subroutine find_no_turning(self, t, y, omega, rate)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        omega = 0
+        if (present(rate)) rate = 0
+    end subroutine find_no_turning
+
     !> Continues angles from one time and state to a later one, so that angles that the state contains only
-    !> modulo a turn are continuous. If `sure` is false, states in between are needed. By default the state
-    !> contains the angles themselves.
-    pure subroutine keep_angles(self, t_last, y_last, t, y, angle, sure, beside)
+    !> modulo a turn are continuous. If `sure` is false, states in between are needed.
+    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
         real(dp), intent(inout) :: angle(3)
             !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
         logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
+        real(dp) :: omega_last(3), omega(3), rate(3, 2)
+
         sure = .true.
         beside = .false.
-    end subroutine keep_angles
+        if (self%attitude == 0) return
+        ! The attitude of the state has these angles minus sigma t.
+        angle(3) = angle(3) - self%sigma * t_last
+        call self%find_turning(t_last, y_last, omega_last)
+        call self%find_turning(t, y, omega)
+        associate (q_last => y_last(self%attitude:self%attitude + 3), q => y(self%attitude:self%attitude + 3))
+            if (may_meet_pole(q_last, omega_last, q, omega, t - t_last)) then
+                call self%find_turning(t_last, y_last, omega_last, rate(:, 1))
+                call self%find_turning(t, y, omega, rate(:, 2))
+                call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside, rate)
+            else
+                call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside)
+            end if
+        end associate
+        angle(3) = angle(3) + self%sigma * t
+    end subroutine follow
 
 end module spintop_formulation

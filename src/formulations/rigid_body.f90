@@ -4,8 +4,7 @@
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
     use spintop_kinds, only: dp
-    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product, rotation_minus_one, &
-        vertical_from_quaternion
+    use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_capabilities, only: group_action_t, max_states
     use spintop_effects_series_quadruple, only: body_quadruple_t
@@ -38,7 +37,7 @@ module spintop_rigid_body
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: find_motions
-        procedure :: follow
+        procedure :: find_turning
         procedure :: invariants
     end type rigid_body_t
 
@@ -191,27 +190,19 @@ contains
         end do
     end subroutine find_motions
 
-    !> Continues the angles to a later state.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
+    !> The angular velocity of the attitude in the state, and its rate.
+    pure subroutine find_turning(self, t, y, omega, rate)
         class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
-        real(dp), intent(inout) :: angle(3)
-            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        real(dp) :: omega_last(3), omega(3), slope(max_states, 2)
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        real(dp) :: dy(max_states)
         integer :: status
-        omega_last = y_last(5:7) / self%body%inertia
         omega = y(5:7) / self%body%inertia
-        if (may_meet_pole(y_last(1:4), omega_last, y(1:4), omega, t - t_last)) then
-            call self%derivative(t_last, y_last, slope(:, 1), status)
-            call self%derivative(t, y, slope(:, 2), status)
-            slope(5:7, 1) = slope(5:7, 1) / self%body%inertia
-            slope(5:7, 2) = slope(5:7, 2) / self%body%inertia
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside, slope(5:7, :))
-        else
-            call follow_angles(y_last(1:4), omega_last, y(1:4), omega, t - t_last, angle, sure, beside)
-        end if
-    end subroutine follow
+        if (.not. present(rate)) return
+        call self%derivative(t, y, dy, status)
+        rate = dy(5:7) / self%body%inertia
+    end subroutine find_turning
 
     !> Squared norm of the quaternion, energy, momentum about the vertical and, for a symmetric top, about its
     !> axis.

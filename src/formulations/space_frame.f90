@@ -6,7 +6,7 @@
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 module spintop_space_frame
     use spintop_kinds, only: dp, epsilon_dp, xp
-    use spintop_attitude, only: follow_angles, may_meet_pole, conjugate_quaternion, quaternion_product, to_space
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_motion, only: motion_t, motion_from_quaternion
@@ -22,8 +22,8 @@ module spintop_space_frame
     !> State y = (L1, L2, p0, p1, p2, p3).
     type, extends(formulation_t) :: space_frame_t
         private
-        !> Momentum about the vertical, spin rate about the axis, and sigma, the separated part of the spin.
-        real(dp) :: vertical = 0, omega3 = 0, sigma = 0
+        !> Momentum about the vertical.
+        real(dp) :: vertical = 0
         !> sigma in extended precision, for its phase.
         real(xp) :: spin_rate = 0
         real(dp) :: mgl = 0, i1 = 1
@@ -33,7 +33,7 @@ module spintop_space_frame
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
-        procedure :: follow
+        procedure :: find_turning
         procedure :: invariants
     end type space_frame_t
 
@@ -72,7 +72,6 @@ contains
         self%body = body
         momentum = to_space(start%quaternion, body%inertia * start%omega)
         self%vertical = momentum(3)
-        self%omega3 = start%omega(3)
         self%i1 = body%inertia(1)
         self%spin_rate = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
         self%sigma = real(self%spin_rate, dp)
@@ -169,45 +168,19 @@ contains
         q = quaternion_product(p, [c * rest_c - s * rest_s, 0.0_dp, 0.0_dp, s * rest_c + c * rest_s])
     end function with_spin
 
-    !> Continues the angles to a later state; the separated spin changes psi by sigma t.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
+    !> The angular velocity L/I1 in the axes of p, and its rate L'/I1.
+    pure subroutine find_turning(self, t, y, omega, rate)
         class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
-        real(dp), intent(inout) :: angle(3)
-            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        real(dp) :: omega_last(3), omega(3), rate(3, 2)
-        ! The attitude without spin has these angles minus sigma t.
-        angle(3) = angle(3) - self%sigma * t_last
-        omega_last = without_spin(self, y_last)
-        omega = without_spin(self, y)
-        if (may_meet_pole(y_last(3:6), omega_last, y(3:6), omega, t - t_last)) then
-            rate(:, 1) = without_spin_rate(self, t_last, y_last)
-            rate(:, 2) = without_spin_rate(self, t, y)
-            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside, rate)
-        else
-            call follow_angles(y_last(3:6), omega_last, y(3:6), omega, t - t_last, angle, sure, beside)
-        end if
-        angle(3) = angle(3) + self%sigma * t
-    end subroutine follow
-
-    !> Angular velocity L/I1, in the axes of p.
-    pure function without_spin(self, y) result(omega)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states)
-        real(dp) :: omega(3)
-        omega = to_space(conjugate_quaternion(y(3:6)), [y(1:2), self%vertical]) / self%i1
-    end function without_spin
-
-    !> Its rate: that of L, L'/I1, in the axes of p.
-    pure function without_spin_rate(self, t, y) result(rate)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        real(dp) :: rate(3), slope(max_states)
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        real(dp) :: dy(max_states)
         integer :: status
-        call self%derivative(t, y, slope, status)
-        rate = to_space(conjugate_quaternion(y(3:6)), [slope(1:2), 0.0_dp]) / self%i1
-    end function without_spin_rate
+        omega = to_space(conjugate_quaternion(y(3:6)), [y(1:2), self%vertical]) / self%i1
+        if (.not. present(rate)) return
+        call self%derivative(t, y, dy, status)
+        rate = to_space(conjugate_quaternion(y(3:6)), [dy(1:2), 0.0_dp]) / self%i1
+    end subroutine find_turning
 
     !> Squared norm of the quaternion, energy of the motion without its spin, and momentum about the axis.
     pure subroutine invariants(self, y, values)

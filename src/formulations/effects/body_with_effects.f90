@@ -5,7 +5,7 @@
 !> Taylor takes two to three times as long without effects as by those of `rigid_body`. It has no invariants, as effects do
 !> work and turn the momentum, and no bound of its angular velocity, which is not that of the momentum.
 module spintop_body_with_effects
-    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product
+    use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_states
     use spintop_effects, only: effects_t
@@ -33,7 +33,7 @@ module spintop_body_with_effects
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
-        procedure :: follow
+        procedure :: find_turning
     end type body_with_effects_t
 
     interface body_with_effects_t
@@ -137,26 +137,20 @@ contains
         motion%omega_rate = acceleration(self%body, loads)
     end function motion_without_angles
 
-    !> Continues the angles to a later state.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
+    !> The angular velocity of the attitude in the state, and its rate.
+    pure subroutine find_turning(self, t, y, omega, rate)
         class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
-        real(dp), intent(inout) :: angle(3)
-            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        type(loads_t) :: last, now
-        real(dp) :: slope(3, 2)
-        call find_kinematics(self%body, self%effects, t_last, y_last(1:4), y_last(5:7), last)
-        call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), now)
-        if (may_meet_pole(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last)) then
-            call loads_at(self, t_last, y_last, last)
-            call loads_at(self, t, y, now)
-            slope(:, 1) = acceleration(self%body, last)
-            slope(:, 2) = acceleration(self%body, now)
-            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, beside, slope)
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        type(loads_t) :: loads
+        if (present(rate)) then
+            call loads_at(self, t, y, loads)
+            rate = acceleration(self%body, loads)
         else
-            call follow_angles(y_last(1:4), last%omega, y(1:4), now%omega, t - t_last, angle, sure, beside)
+            call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
         end if
-    end subroutine follow
+        omega = loads%omega
+    end subroutine find_turning
 
 end module spintop_body_with_effects

@@ -11,7 +11,7 @@ from spintop.library import PROGRESS, InputError, library
 Progress = bool | Callable[[float], object]
 """True for a line on standard error, or a function of the share that is done, from 0 to 1."""
 PAUSE = 0.1
-"""Seconds between two reports of the progress."""
+"""Seconds between two reports of the progress, and until a signal is handled at the latest."""
 
 
 class Call:
@@ -45,8 +45,12 @@ class Call:
             self.ended.set()
 
     def wait(self, report: Callable[[float], object] | None) -> None:
-        """Wait for the end, and report the progress up to there."""
-        while not self.ended.wait(PAUSE if report else None):
+        """Wait for the end, and report the progress up to there.
+
+        A signal does not end a waiting that begins just after it, nor is the waiting thread told
+        of one that another takes: it looks for signals after each pause.
+        """
+        while not self.ended.wait(PAUSE):
             if report:
                 report(self.share)
 

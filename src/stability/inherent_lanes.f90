@@ -12,6 +12,7 @@ module spintop_inherent_lanes
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, epsilon_dp, pi, no_number
     use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
+    use spintop_lyapunov_lanes, only: growth_lanes_t
     use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_regular_start, only: rates_describe
@@ -39,6 +40,9 @@ module spintop_inherent_lanes
     type, extends(lane_monitor_t) :: inherent_lanes_t
         real(dp), allocatable :: error(:)
         integer, allocatable :: status(:)
+        !> The growth, if it is found as well: errors of the start are then sums of its perturbations.
+        type(growth_lanes_t), allocatable :: growth
+        real(dp), private :: parts(6, of_start, lanes) = 0
         type(tangent_lanes_t), private :: tangents
         !> Error of phi at the start, which stays, in units of `rounding`.
         real(dp), private :: azimuth(lanes) = 0
@@ -53,10 +57,17 @@ module spintop_inherent_lanes
 contains
 
     !> For motions of at most so many steps.
-    subroutine set(self, max_steps)
+    subroutine set(self, max_steps, growth)
         class(inherent_lanes_t), intent(inout) :: self
         integer(int64), intent(in) :: max_steps !! number of steps and of parts of steps for a case
-        call self%tangents%set(of_start + of_body, of_body, tolerance, order, max_steps)
+        type(growth_lanes_t), intent(in), optional :: growth !! what finds largest singular values of the same motions
+        if (allocated(self%growth)) deallocate (self%growth)
+        if (present(growth)) then
+            allocate (self%growth, source=growth)
+            call self%tangents%set(of_body, of_body, tolerance, order, max_steps)
+        else
+            call self%tangents%set(of_start + of_body, of_body, tolerance, order, max_steps)
+        end if
     end subroutine set
 
     !> Makes room for so many cases.
@@ -66,6 +77,7 @@ contains
         if (allocated(self%error)) deallocate (self%error, self%status)
         allocate (self%error(cases), source=no_number)
         allocate (self%status(cases), source=status_step_limit)
+        if (allocated(self%growth)) call self%growth%prepare(cases)
     end subroutine prepare
 
     !> A case begins in a lane.
@@ -86,7 +98,13 @@ contains
         else
             call change_quaternion(start, z(:, :of_start))
         end if
-        call self%tangents%load(run, lane, z)
+        if (allocated(self%growth)) then
+            call self%growth%begin(run, lane, body, start)
+            self%parts(:, :, lane) = self%growth%parts_of(lane, body, start, z(:, :of_start))
+            call self%tangents%load(run, lane, z(:, of_start + 1:))
+        else
+            call self%tangents%load(run, lane, z)
+        end if
         call change_torque(body, torque)
         do i = 1, 3
             k = mod(i, 3) + 1
@@ -194,6 +212,12 @@ contains
     subroutine observe(self, run)
         class(inherent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        if (allocated(self%growth)) then
+            call self%growth%observe(run)
+            associate (others => self%growth%tangents)
+                self%tangents%beside = scale(others%whole, others%doublings - self%tangents%doublings)
+            end associate
+        end if
         call self%tangents%propagate(run)
     end subroutine observe
 
@@ -204,9 +228,14 @@ contains
         integer, intent(in) :: lane, case !! index of the lane, and of its case
         real(dp) :: error
         self%status(case) = self%tangents%status(lane)
+        if (allocated(self%growth)) then
+            call self%growth%finish(run, lane, case)
+            if (is_ok(self%status(case))) self%status(case) = self%growth%tangents%status(lane)
+        end if
         if (.not. is_ok(self%status(case))) return
         error = norm2([self%tangents%z(lane, 4:6, :), self%tangents%about(lane, :)])
         error = scale(error, min(self%tangents%doublings(lane), maxexponent(error) / 2))
+        if (allocated(self%growth)) error = norm2([error, self%growth%rotation_of(lane, self%parts(:, :, lane))])
         error = rounding * norm2([error, self%azimuth(lane)])
         self%error(case) = merge(pi, error, error > pi)
     end subroutine finish

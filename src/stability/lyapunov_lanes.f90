@@ -14,7 +14,7 @@ module spintop_lyapunov_lanes
     use spintop_status, only: is_ok, status_bad_input, status_non_finite
     use spintop_stepper, only: controls_t
     use spintop_tangent_lanes, only: components, tangent_lanes_t
-    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_taylor_lanes, only: lane_order, lanes, taylor_lanes_t
     use spintop_vectors, only: cross
     implicit none
     private
@@ -37,7 +37,7 @@ module spintop_lyapunov_lanes
     end type growth_t
 
     !> Monitors perturbations: one that has no special direction, for the exponent; or all that keep the length of the
-    !> vertical, for the singular value. `set`, then hand it over.
+    !> vertical, for the singular value: `tangents`. `set`, then hand it over.
     type, extends(lane_monitor_t) :: growth_lanes_t
         !> What is found for each case.
         type(growth_t), allocatable :: growth(:)
@@ -45,7 +45,7 @@ module spintop_lyapunov_lanes
         logical :: is_singular = .false., has_exponent = .true.
         !> The perturbation of the exponent is the sum of all times this.
         real(dp), private :: share(5, lanes) = 0
-        type(tangent_lanes_t), private :: tangents
+        type(tangent_lanes_t) :: tangents
         real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
     contains
         procedure :: set
@@ -53,6 +53,8 @@ module spintop_lyapunov_lanes
         procedure :: begin
         procedure :: observe
         procedure :: finish
+        procedure :: parts_of
+        procedure :: rotation_of
     end type growth_lanes_t
 
 contains
@@ -63,12 +65,12 @@ contains
         type(controls_t), intent(in) :: controls !! settings of the method
         logical, intent(in) :: is_singular !! the largest singular value, not the exponent
         logical, intent(in), optional :: with_exponent !! the exponent beside the singular value
+        real(dp) :: tolerance
         self%is_singular = is_singular
         self%has_exponent = .not. is_singular
         if (present(with_exponent)) self%has_exponent = with_exponent .or. .not. is_singular
-        call self%tangents%set(merge(5, 1, is_singular), 0, &
-                               slack * max(controls%relative_tolerance, least_tolerance), huge(1), &
-                               int(controls%max_steps, int64))
+        tolerance = slack * max(controls%relative_tolerance, least_tolerance)
+        call self%tangents%set(merge(5, 1, is_singular), 0, tolerance, lane_order(tolerance), int(controls%max_steps, int64))
     end subroutine set
 
     !> Makes room for so many cases.
@@ -144,6 +146,41 @@ contains
             end if
         end associate
     end subroutine finish
+
+    !> Perturbations of the start as sums of those of the singular value: their multiples, and the rotation about the vertical.
+    pure function parts_of(self, lane, body, start, z) result(parts)
+        class(growth_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
+        real(dp) :: parts(6, size(z, 2)), x(6), vectors(6, 5)
+        integer :: n
+        x = euler_poisson_state(body, start)
+        associate (unit => self%unit(:, lane))
+            call span_perturbations(x(1:3), unit, vectors)
+            do n = 1, size(z, 2)
+                parts(:5, n) = matmul([cross(x(1:3), z(4:6, n)), body%inertia * z(1:3, n)] / unit, &
+                                      vectors / spread(unit, 2, size(vectors, 2)))
+            end do
+        end associate
+        parts(6, :) = matmul(x(1:3), z(4:6, :))
+    end function parts_of
+
+    !> The rotation that such perturbations have become, all of them together as independent errors, rad.
+    pure real(dp) function rotation_of(self, lane, parts) result(angle)
+        class(growth_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane !! index of the lane
+        real(dp), intent(in) :: parts(:, :) !! `parts_of` the perturbations
+        real(dp) :: turned(4, size(parts, 2))
+        associate (found => self%tangents)
+            turned(:3, :) = matmul(found%z(lane, 4:6, :), parts(:5, :))
+            turned(4, :) = matmul(found%about(lane, :), parts(:5, :))
+            turned = scale(turned, min(found%doublings(lane), maxexponent(angle) / 2))
+        end associate
+        turned(4, :) = turned(4, :) + parts(6, :)
+        angle = norm2(turned)
+    end function rotation_of
 
     !> The growth of perturbations of the motions of bodies over spans: the Lyapunov exponents, the largest singular
     !> values of the tangent maps, or both.

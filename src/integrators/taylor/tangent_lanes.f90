@@ -31,6 +31,13 @@ module spintop_tangent_lanes
         integer :: status(lanes) = status_ok
         !> Changes of the body that force the last of the perturbations.
         type(lane_body_t), allocatable :: change(:)
+        !> Sizes of the perturbations before the last step or part of one, and of others that count beside them.
+        real(dp) :: whole(lanes) = 0, beside(lanes) = 0
+        !> Those after a step, or a part of it; the numbers of those that are not zero in all lanes for ever, and whether they are
+        !> to be found again.
+        real(dp), allocatable, private :: next(:, :, :)
+        integer, allocatable, private :: moving(:)
+        logical, private :: is_new = .true.
         real(dp), private :: tolerance = 0
         integer, private :: most_order = 0
         integer(int64), private :: max_parts = 0, parts(lanes) = 0
@@ -49,8 +56,9 @@ contains
         real(dp), intent(in) :: tolerance !! of the last terms of a series, relative to the perturbations
         integer, intent(in) :: most_order !! order of the series, unless that of the motion is lower
         integer(int64), intent(in) :: max_parts !! number of steps and parts of steps for a case
-        if (allocated(self%z)) deallocate (self%z, self%about, self%change)
+        if (allocated(self%z)) deallocate (self%z, self%next, self%about, self%change)
         allocate (self%z(lanes, components, number), self%about(lanes, number), source=0.0_dp)
+        allocate (self%next, source=self%z)
         allocate (self%change(forced))
         self%tolerance = tolerance
         self%most_order = most_order
@@ -68,6 +76,7 @@ contains
         real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
         self%z(lane, :, :) = z
         self%about(lane, :) = 0
+        self%is_new = .true.
         call settle_lane(self, lane, run%now%state(lane, 4:6))
         self%doublings(lane) = 0
         self%parts(lane) = 0
@@ -78,46 +87,50 @@ contains
     subroutine propagate(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
-        real(dp) :: after(lanes, components, size(self%z, 3)), duration(lanes), excess(lanes)
+        real(dp), allocatable :: before(:, :, :)
+        real(dp) :: duration(lanes), excess(lanes)
 
+        if (self%is_new) call find_moving(self)
         duration = run%now%t - run%now%t_last
-        call try(self, run, run%c, duration, after, excess)
+        call try(self, run, run%c, duration, excess)
         if (all(excess <= 1)) then
-            self%z(:, :, :) = after
+            call move_alloc(self%z, before)
+            call move_alloc(self%next, self%z)
+            call move_alloc(before, self%next)
             self%parts = self%parts + merge(1, 0, duration > 0)
         else
-            call divide(self, run, duration, after, excess)
+            call divide(self, run, duration, excess)
         end if
         call settle(self, run)
         call scale_down(self, run)
     end subroutine propagate
 
-    !> Perturbations after a duration. `excess` is the ratio of the last terms to the tolerance; in lanes that do
+    !> Finds the perturbations that are not zero in all lanes for ever.
+    subroutine find_moving(self)
+        class(tangent_lanes_t), intent(inout) :: self
+        integer :: v, free
+        free = size(self%z, 3) - size(self%change)
+        self%moving = pack([(v, v=1, size(self%z, 3))], [(.not. is_idle(self%z(:, :, v), v - free, self%change), &
+                                                          v=1, size(self%z, 3))])
+        self%next = 0
+        self%is_new = .false.
+    end subroutine find_moving
+
+    !> Perturbations after a duration, in `next`. `excess` is the ratio of the last terms to the tolerance; in lanes that do
     !> not move it is zero.
-    subroutine try(self, run, c, duration, after, excess)
-        class(tangent_lanes_t), intent(in) :: self
+    subroutine try(self, run, c, duration, excess)
+        class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: c(lanes, rows, 0:run%order), duration(lanes)
-        real(dp), contiguous, intent(out) :: after(:, :, :)
         real(dp), intent(out) :: excess(lanes)
-        real(dp), dimension(lanes) :: whole, last
-        integer :: which(size(self%z, 3)), v, n, free
-
-        free = size(self%z, 3) - size(self%change)
-        n = 0
-        do v = 1, size(self%z, 3)
-            if (is_idle(self%z(:, :, v), v - free, self%change)) then
-                after(:, :, v) = 0
-                cycle
-            end if
-            n = n + 1
-            which(n) = v
-        end do
+        real(dp) :: last(lanes)
         associate (now => run%now)
-            call propagate_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, n, which, free, &
-                                    self%change, self%z, after, whole, last)
+            call propagate_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%moving), &
+                                    self%moving, size(self%z, 3) - size(self%change), self%change, self%z, self%next, &
+                                    self%whole, last)
         end associate
-        excess = merge(last / (self%tolerance * whole), 0.0_dp, last > self%tolerance * whole)
+        self%whole = self%whole + self%beside
+        excess = merge(last / (self%tolerance * self%whole), 0.0_dp, last > self%tolerance * self%whole)
         ! What is not finite exceeds as well.
         excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
         excess = merge(excess, 0.0_dp, duration > 0 .and. is_ok(self%status))
@@ -135,12 +148,11 @@ contains
         end associate
     end function is_idle
 
-    !> Propagates the perturbations over the last step in parts, in the lanes that need it; the others take `after`.
-    subroutine divide(self, run, duration, after, excess)
+    !> Propagates the perturbations over the last step in parts, in the lanes that need it; the others take `next`.
+    subroutine divide(self, run, duration, excess)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: duration(lanes)
-        real(dp), contiguous, intent(inout) :: after(:, :, :)
         real(dp), intent(inout) :: excess(lanes)
         real(dp) :: c(lanes, rows, 0:run%order), left(lanes), part(lanes)
         integer :: lane, order
@@ -154,7 +166,7 @@ contains
                 if (.not. left(lane) > 0) cycle
                 self%parts(lane) = self%parts(lane) + 1
                 if (excess(lane) <= 1) then
-                    self%z(lane, :, :) = after(lane, :, :)
+                    self%z(lane, :, :) = self%next(lane, :, :)
                     left(lane) = left(lane) - part(lane)
                     if (left(lane) > 0) then
                         call move_origin(run%order, part(lane), c(lane, :6, :))
@@ -171,7 +183,7 @@ contains
             end do
             if (.not. any(left > 0)) exit
             call scale_down(self, run)
-            call try(self, run, c, part, after, excess)
+            call try(self, run, c, part, excess)
         end do
     end subroutine divide
 

@@ -27,7 +27,7 @@ module spintop_taylor_lanes
     use spintop_taylor, only: order_for
     implicit none
     private
-    public :: taylor_lanes_t, lane_numbers_t, lanes
+    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share = 0.004_dp
@@ -114,7 +114,7 @@ contains
 
         self%controls = controls
         self%method_noise = noise_of_tolerance(controls%relative_tolerance, share)
-        self%order = order_for(controls%relative_tolerance, order_at_one, order_a_digit)
+        self%order = lane_order(controls%relative_tolerance)
         terms = lanes * rows * (self%order + 1)
         others = 0
         if (allocated(self%effects)) deallocate (self%effects)
@@ -132,6 +132,12 @@ contains
         first = first + terms + numbers
         if (others > 0) self%more(1:lanes, 1:more_rows, 0:self%order) => self%room(first:first + others - 1)
     end subroutine set
+
+    !> The order of series for a tolerance.
+    pure integer function lane_order(tolerance) result(order)
+        real(dp), intent(in) :: tolerance !! relative tolerance of the motions
+        order = order_for(tolerance, order_at_one, order_a_digit)
+    end function lane_order
 
     !> The first number of an array that begins a cache line.
     integer function start_of_line(room) result(first)

@@ -63,8 +63,13 @@ contains
         if (wanted(of_energy)) call append(energy)
         if (wanted(of_lyapunov) .or. wanted(of_singular)) then
             call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
-            call append(growth)
         end if
+        if (wanted(of_singular) .and. wanted(of_inherent)) then
+            call inherent%set(controls%max_steps, growth)
+            call append(inherent)
+            return
+        end if
+        if (wanted(of_lyapunov) .or. wanted(of_singular)) call append(growth)
         if (wanted(of_inherent)) then
             call inherent%set(controls%max_steps)
             call append(inherent)
@@ -116,14 +121,10 @@ contains
             type is (extreme_lanes_t)
                 call set_extreme(monitor, i, values, rate)
             type is (growth_lanes_t)
-                associate (found => monitor%growth(i))
-                    if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
-                                                                   found%singular_status, note_no_singular)
-                    if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
-                                                                    found%exponent_status, note_no_lyapunov)
-                end associate
+                call store_growth(monitor)
             type is (inherent_lanes_t)
                 call store_or_explain(values%inherent_error, monitor%error(i), monitor%status(i), note_no_inherent)
+                if (allocated(monitor%growth)) call store_growth(monitor%growth)
             type is (turning_lanes_t)
                 turns = monitor%turns(:, i)
             end select
@@ -140,6 +141,17 @@ contains
         call set_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
 
     contains
+
+        !> Stores the growth of perturbations.
+        subroutine store_growth(monitor)
+            type(growth_lanes_t), intent(in) :: monitor
+            associate (found => monitor%growth(i))
+                if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
+                                                               found%singular_status, note_no_singular)
+                if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
+                                                                found%exponent_status, note_no_lyapunov)
+            end associate
+        end subroutine store_growth
 
         !> Stores a value, or notes the reason why there is none.
         subroutine store_or_explain(quantity, value, how, reason)

@@ -17,10 +17,11 @@ module spintop_c_derivatives
     private
     public :: asked_derivatives_t
 
-    !> The motions with other values of a key, and the same with other accuracies.
+    !> The motions with other values of a key, and the same with other accuracies. A class is copied and freed by a procedure of
+    !> its own; for a type gfortran writes out all that is in it at each place.
     type :: varied_key_t
         type(nodes_t) :: nodes
-        type(asked_motion_t), allocatable :: motion(:), other(:, :)
+        class(asked_motion_t), allocatable :: motion(:), other(:, :)
         logical :: has_other(node_count, other_accuracies) = .false.
     end type varied_key_t
 

@@ -28,16 +28,16 @@ module spintop_c_top
     implicit none
     private
 
-    !> A top: its motion, the columns of that, and the derivatives of some.
+    !> A top: its motion, the columns of that, and the derivatives of some. Classes are quicker to compile: see `varied_key_t`.
     type :: top_t
-        type(asked_motion_t) :: motion
+        class(asked_motion_t), allocatable :: motion
         type(asked_derivatives_t) :: derivatives
         type(described_column_t), allocatable :: described(:)
         type(c_column_t), allocatable :: columns(:)
         !> Warnings of the input.
         type(c_text_t) :: warnings
         !> The input, if it has events; and the columns of their table.
-        type(prepared_t), allocatable :: prepared
+        class(prepared_t), allocatable :: prepared
         type(trajectory_column_t), allocatable :: chosen(:)
     end type top_t
 
@@ -62,6 +62,7 @@ contains
         if (is_null(input, 'the input', error)) return
         if (is_wrong(is_empty(name), 'the name of the input is empty', error)) return
         allocate (top)
+        allocate (top%motion)
         !$omp critical (library)
         call prepare_top(input, name, top, problem)
         if (allocated(problem)) call hand_error(problem, error)

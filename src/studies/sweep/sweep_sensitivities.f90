@@ -22,10 +22,11 @@ module spintop_sweep_sensitivities
     character(*), parameter :: tolerance_key = 'integration.relative_tolerance'
 
     !> A sweep over nodes of a case: the axes of the sweep of the table, then the other keys. It must stay where it was prepared,
-    !> and be a target there.
+    !> and be a target there. A class is copied and freed by a procedure of its own; for a type gfortran writes out all that is
+    !> in it at each place.
     type :: node_sweep_t
-        type(job_t), allocatable :: job
-        type(sweep_worker_t), allocatable :: worker
+        class(job_t), allocatable :: job
+        class(sweep_worker_t), allocatable :: worker
         type(row_block_t) :: rows
         integer :: cases_of_block = 1
         !> Quantities at the nodes of the keys.
@@ -38,7 +39,7 @@ module spintop_sweep_sensitivities
     !> Data of a thread; it must stay where it was prepared, and be a target there.
     type :: sweep_sensitivities_t
         !> The sweep over the nodes, and the same with other accuracies, in which the error of the method shows.
-        type(node_sweep_t), allocatable, private :: own, other(:)
+        class(node_sweep_t), allocatable, private :: own, other(:)
         !> The axis of each key in these sweeps.
         integer, allocatable, private :: axis(:)
         !> Cells of a row of the table before the derivatives.

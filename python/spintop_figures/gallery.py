@@ -57,7 +57,7 @@ COST, FINEST_COST = 330, 530
 
 COSTS = (
     f"{TITLE}A million nutations of Example 1, {COST} function evaluations per nutation;"
-    f" Taylor at its finest tolerance {FINEST_COST}, in less time"
+    f" Taylor at its finest tolerance {FINEST_COST}"
 )
 
 DRIFT = tuple(

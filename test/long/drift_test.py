@@ -19,10 +19,12 @@ EXE = os.environ["SPINTOP_EXE"]
 TOPS, PERIOD, STEPS_A_NUTATION = 32, 1.5, 11
 USUAL = 30_000
 NUTATIONS = int(os.environ.get("SPINTOP_NUTATIONS", USUAL))
-SIZES = {"energy": 1.0, "Lz": 3.0, "norm": 1.0, "energy_max": 2.0}
+SIZES = {"energy": 1.0, "Lz": 3.0, "norm": 1.0, "energy_max": 1.0}
 """Largest errors in 1e-16 times the root of the number of steps."""
 LARGEST_POWER = 0.65
 """Of time, between a hundredth of the span and its end; 32 random walks scatter by 0.05."""
+LARGEST_NORM = 2e-14
+"""Of the error of the norm, over the usual span."""
 SAMPLES, EARLY, LATE = 401, slice(2, 7), slice(361, 401)
 ROTOR = "&effects rotor_momentum = 0, 0, 0.3 /"
 
@@ -39,8 +41,8 @@ def start_of(k: int, symmetric: bool) -> dict[str, float]:
     }
 
 
-def scene(start: dict[str, float], formulation: str, nutations: float, more: str) -> str:
-    """An input whose motion has this start, in whose text keys stand in the order of groups."""
+def scene(start: dict[str, float], formulation: str, span: str, more: str = "") -> str:
+    """An input whose motion has this start, without its study and its columns."""
     groups = {"top": "mass = 1  inertia(3) = 0.25  length = 0.8660254037844387", "initial": ""}
     for name, value in start.items():
         group, key = name.split(".")
@@ -49,7 +51,7 @@ def scene(start: dict[str, float], formulation: str, nutations: float, more: str
         "\n".join(f"&{group} {text} /" for group, text in groups.items())
         + f"""
 {more}
-&span t_end = {nutations * PERIOD}  samples = {SAMPLES} /
+&span {span} /
 &integration formulation = '{formulation}'  method = 'taylor'  relative_tolerance = 0
              max_steps = 200000000 /
 """
@@ -90,12 +92,15 @@ class DriftTest(unittest.TestCase):
                 steps = NUTATIONS * STEPS_A_NUTATION
                 self.assertLess(late, SIZES[name] * 1e-16 * math.sqrt(steps))
                 self.assertLess(power, LARGEST_POWER)
+                if name == "norm" and NUTATIONS <= USUAL:
+                    self.assertLess(late, LARGEST_NORM)
 
     def follow(self, kind: str, formulation: str, more: str, symmetric: bool) -> None:
         """Motions, each on its own."""
 
         def errors_of(k: int) -> dict[str, list[float]]:
-            text = scene(start_of(k, symmetric), formulation, NUTATIONS, more)
+            span = f"t_end = {NUTATIONS * PERIOD}  samples = {SAMPLES}"
+            text = scene(start_of(k, symmetric), formulation, span, more)
             text += "&output columns = 't', 'energy_error', 'lz', 'norm_error' /\n"
             rows = run(self.folder, str(k), "&study kind = 'trajectory' /\n" + text)
             lz = rows["lz"]
@@ -115,7 +120,7 @@ class DriftTest(unittest.TestCase):
         self.check(kind, sizes, (LATE.start + LATE.stop - 1) / (EARLY.start + EARLY.stop - 1))
 
     def test_space_frame(self) -> None:
-        """Symmetric tops."""
+        """Symmetric tops; over 1e5 nutations the power of Lz is 0.71, by few of them."""
         self.follow("space_frame", "space_frame", "", True)
 
     def test_rigid_body(self) -> None:
@@ -138,9 +143,8 @@ class DriftTest(unittest.TestCase):
         names = ", ".join(f"'{key}'" for key in keys)
         sizes = []
         for nutations in (NUTATIONS / growth, NUTATIONS):
-            text = scene(starts[0] | {"top.inertia(2)": 0.85}, "rigid_body", nutations, "").replace(
-                f"samples = {SAMPLES}", ""
-            )
+            top = starts[0] | {"top.inertia(2)": 0.85}
+            text = scene(top, "rigid_body", f"t_end = {nutations * PERIOD}")
             text += f"&sweep parameter = {names}  combine = 'zip'\n{lists} /\n"
             text += "&output columns = 'energy_error_max' /\n"
             rows = run(self.folder, "lanes", "&study kind = 'sweep' /\n" + text)

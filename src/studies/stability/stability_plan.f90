@@ -40,15 +40,15 @@ contains
         type(scene_t), intent(in) :: scene !! contents of the input
         type(stability_plan_t), intent(out) :: plan !! cases and methods; valid without errors in `problems`
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(*), parameter :: compares = 'a stability study compares methods and formulations', &
+            hint = 'name them in stability.methods'
         integer :: i
 
         if (scene%stop_at /= '') then
             call problems%add('span.stop_at', 'a stability study computes each motion to the end of its span', 'omit it')
         end if
-        if (scene%method /= 'auto' .or. scene%formulation /= 'auto') then
-            call problems%add(trim(merge('integration.formulation', 'integration.method     ', scene%method == 'auto')), &
-                              'a stability study compares methods and formulations', 'name them in stability.methods')
-        end if
+        if (scene%method /= 'auto') call problems%add('integration.method', compares, hint)
+        if (scene%formulation /= 'auto') call problems%add('integration.formulation', compares, hint)
         if (all(scene%stability_cases == '')) then
             plan%cases = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
         else

@@ -9,6 +9,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
+pytest_plugins = ["fortran_suites"]
+
 # scripts/test names the program to test; a bare pytest takes the release build.
 os.environ.setdefault("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 
@@ -33,27 +35,24 @@ class Counts:
         self.passed: set[str] = set()
         self.reasons: dict[str, None] = {}  # for which tests were skipped, in their order
 
-    def note_reason(self, report: pytest.CollectReport | pytest.TestReport) -> None:
-        """Keep why something was skipped, which is no expected failure."""
-        if hasattr(report, "wasxfail"):
-            return
-        text = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
-        self.reasons.setdefault(text.removeprefix("Skipped: "))
-
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Note the outcome of a collection."""
-        if report.failed:
-            self.failed.add(report.nodeid)
-        elif report.skipped:
-            self.note_reason(report)
+        self.note(report, "collect")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note the outcome of a phase of a test or of a subtest."""
+        self.note(report, report.when)
+
+    def note(self, report: pytest.CollectReport | pytest.TestReport, phase: str) -> None:
+        """Count it, or keep why something was skipped, which is no expected failure."""
         if report.failed:
             self.failed.add(report.nodeid)
         elif report.skipped:
-            self.note_reason(report)
-        elif report.when == "call":
+            if not hasattr(report, "wasxfail"):
+                where = report.longrepr
+                text = where[2] if isinstance(where, tuple) else str(where)
+                self.reasons.setdefault(text.removeprefix("Skipped: "))
+        elif phase == "call":
             self.passed.add(report.nodeid)
 
     def pytest_report_teststatus(
@@ -71,17 +70,16 @@ class Counts:
         terminal = session.config.get_terminal_writer()
         for reason in self.reasons:
             terminal.line(f"  left out: {reason}")
-        name = Path(session.config.args[0]).stem
         passed = len(self.passed - self.failed)
-        terminal.line(f"{name}: {passed} passed, {len(self.failed)} failed", flush=True)
+        terminal.line(f"{passed} passed, {len(self.failed)} failed", flush=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option of scripts/test."""
-    parser.addoption("--counts", action="store_true", help='end with "SUITE: N passed, N failed"')
+    parser.addoption("--counts", action="store_true", help='end with "N passed, N failed"')
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Count, if asked to."""
-    if config.getoption("counts"):
+    """Count, if asked to; what runs in several processes is counted in the first."""
+    if config.getoption("counts") and not hasattr(config, "workerinput"):
         config.pluginmanager.register(Counts(), "spintop-counts")

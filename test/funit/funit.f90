@@ -35,13 +35,16 @@ module funit
     ! the suite that is running (a program runs one), and its running test
     character(64) :: suite_name, test_name
     integer :: passed, failed
-    logical :: test_failed
+    logical :: test_failed, is_verbose
 
 contains
 
-    !> Start counting.
+    !> Start counting. As in pFUnit, -d makes the program say which test begins, fails and ends.
     subroutine begin_suite(name)
         character(*), intent(in) :: name
+        character(2) :: option
+        call get_command_argument(1, option)
+        is_verbose = option == '-d'
         suite_name = name
         passed = 0
         failed = 0
@@ -54,6 +57,7 @@ contains
         procedure(test_procedure), optional :: before, after
         test_name = name
         test_failed = .false.
+        call tell('Start:')
         if (present(before)) call before()
         if (.not. test_failed) then
             call test()
@@ -61,10 +65,19 @@ contains
         end if
         if (test_failed) then
             failed = failed + 1
+            call tell('Failure in')
         else
             passed = passed + 1
         end if
+        call tell('  end:')
     end subroutine run_test
+
+    !> Say what happens to the running test.
+    subroutine tell(event)
+        character(*), intent(in) :: event
+        if (is_verbose) write (output_unit, '(1x, 4a)') event, ' <', trim(test_name), '>'
+        flush (output_unit)
+    end subroutine tell
 
     !> Say that a test is disabled.
     subroutine skip_test(name)

@@ -76,9 +76,10 @@ SKIPPED = {
     ],
     "developing.md": [
         "scripts/test",
+        "scripts/test --all",
         "scripts/test manual_test program_test",
         "scripts/test --debug taylor_test",
-        "scripts/test --sanitize namelist_test",
+        "scripts/test --lf --durations=20",
         "scripts/test --long",
         "scripts/coverage",
         "scripts/lint",

@@ -14,6 +14,8 @@ import unittest
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
@@ -147,6 +149,7 @@ def wait_for(condition: Callable[[], object], what: str) -> object:
     raise AssertionError(f"waited in vain for {what}")
 
 
+@pytest.mark.slow
 class BrowserCase(unittest.TestCase):
     """A browser, with the report of a study opened anew before each test.
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 BODIES = {
     "symmetric": "mass = 1  inertia = 0.5, 0.5, 0.2  length = 0.3",

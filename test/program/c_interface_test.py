@@ -430,6 +430,7 @@ class CInterfaceTest(unittest.TestCase):
         )
 
     @unittest.skipIf(KIND == "sanitized", "its allocator does not count")
+    @pytest.mark.slow
     def test_memory(self) -> None:
         """Each kind of call gives back all that it took, also after an error."""
         driver = self.driver()

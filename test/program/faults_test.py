@@ -16,7 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+import pytest
+
 from program_test import PROGRAM, ROOT, ProgramCase
+
+pytestmark = pytest.mark.slow
 
 TOP = "&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
 MOTION = TOP + "&initial theta_deg = 20, psi_rate = 5 /\n"

@@ -11,8 +11,12 @@ import time
 import unittest
 from pathlib import Path
 
+import pytest
+
 from program_test import GOOD, IS_OPTIMISED, PROGRAM, ROOT
 from survival_test import FAST, SLOW, STEPPING, STEPS, SurvivalCase
+
+pytestmark = pytest.mark.slow
 
 MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 

@@ -10,6 +10,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
@@ -347,6 +349,7 @@ class PartsTest(NetcdfCase):
             self.assertEqual((self.folder / f"output/merged{ending}").read_bytes(), whole)
 
 
+@pytest.mark.slow
 class InterruptionTest(NetcdfCase):
     """Runs that are killed, and go on to the same bytes."""
 

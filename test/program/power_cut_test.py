@@ -14,7 +14,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import pytest
+
 from program_test import GOOD, PROGRAM, ROOT, ProgramCase
+
+pytestmark = pytest.mark.slow
 
 SWEEP = """\
 &study kind = 'sweep' /

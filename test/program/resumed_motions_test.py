@@ -8,6 +8,8 @@ import subprocess
 import time
 from pathlib import Path
 
+import pytest
+
 from program_test import IS_OPTIMISED, PROGRAM, ProgramCase
 
 BODY = """\
@@ -129,6 +131,7 @@ def undated(content: bytes) -> bytes:
 class ResumedMotionTest(MotionCase):
     """Killed at random moments."""
 
+    @pytest.mark.slow
     def test_every_method(self) -> None:
         """Events, work and energies: all tables are the same, and nothing else is left."""
         seed = random.randrange(10**9)

@@ -11,6 +11,8 @@ import unittest
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from program_test import PROGRAM, ROOT, ProgramCase
 from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
 from survival_test import SLOW, SurvivalCase
@@ -92,6 +94,7 @@ class LinksTest(StudyCase):
             case "FIFO":
                 os.mkfifo(path)
 
+    @pytest.mark.slow
     def test_every_file_that_is_written(self) -> None:
         """A link or a FIFO is refused at once with its name; what it leads to stays as it is."""
         all_kinds = ("symbolic link", "hard link", "FIFO")

@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from program_test import GOOD, IS_OPTIMISED, PROGRAM, ROOT, ProgramCase, Table
 
 # Long enough to be interrupted at any moment: a few seconds on one thread.
@@ -116,6 +118,7 @@ def begin_patiently(number: signal.Signals) -> None:
     os.nice(19)
 
 
+@pytest.mark.slow
 class InterruptionTest(SurvivalCase):
     """Runs that are killed, and go on."""
 
@@ -620,6 +623,7 @@ class ShardTest(SurvivalCase):
                 shutil.rmtree(self.folder / "o u t")
                 shutil.rmtree(self.folder / "whole")
 
+    @pytest.mark.slow
     def test_a_job_out_of_time_is_queued_again(self) -> None:
         """The warning ends each task with its rows kept; it requeues itself, and goes on."""
         whole = self.reference

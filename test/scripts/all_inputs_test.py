@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS / "program"), str(TESTS.parent / "python")]
@@ -26,6 +28,8 @@ from program_test import (  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
 from spintop_figures.tables.table import read_table  # noqa: E402
 from spintop_figures.tables.words import words_of  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 FOLDER = "deep/er/fold er"
 WITHOUT_FIGURES = {

@@ -12,6 +12,8 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
+import pytest
+
 sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
@@ -22,6 +24,8 @@ from engines import ENGINES, Engine  # noqa: E402
 from engines.figure import draw, spread  # noqa: E402
 from engines.motions import MOTIONS, SAMPLES, errors  # noqa: E402
 from engines.table import NAMES, order, sheet  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 FOLDER = ROOT / "scripts/engines"
 SHARED = {"__init__.py", "common.py", "common.mjs", "motions.py", "table.py", "figure.py"}

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pytest
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -117,6 +118,7 @@ class LookTest(TableCase):
                 if "histogram" not in path.name:
                     yield read_table(path)
 
+    @pytest.mark.slow
     def test_look(self) -> None:
         """No figure has a fault, on a page and in a column; nearly all kinds are there.
 

@@ -27,6 +27,8 @@ from filming.solids import surface  # noqa: E402
 from filming.stage import View, project  # noqa: E402
 from filming.take import FINE, FilmError, Part, compute, span_of  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 INPUT = ROOT / "input" / "tip_loop.nml"
 SIZE = (320, 180)

@@ -10,6 +10,8 @@ import unittest
 from pathlib import Path
 from typing import ClassVar
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
@@ -156,6 +158,7 @@ class InstallTest(unittest.TestCase):
         self.call("bash", "-c", command, PKG_CONFIG_PATH=path, RPATH=str(self.prefix / "lib"))
         self.check_example(self.folder / "by_pkg_config")
 
+    @pytest.mark.slow
     def test_cmake(self) -> None:
         """A project finds the package; one that asks for a newer version does not."""
         if not shutil.which("cmake") or not (shutil.which("make") or shutil.which("ninja")):

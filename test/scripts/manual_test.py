@@ -11,6 +11,8 @@ import unittest
 from itertools import pairwise, zip_longest
 from pathlib import Path
 
+import pytest
+
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
@@ -390,6 +392,7 @@ class CommandsTest(ManualCase):
         self.assertNotEqual(result.stdout, "")
 
     @unittest.skipUnless(IS_OPTIMISED, "the commands take long with run-time checks")
+    @pytest.mark.slow
     def test_commands(self) -> None:
         """Page by page, for later blocks may use what earlier ones have made."""
         has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()

@@ -10,6 +10,8 @@ import unittest.mock
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
@@ -23,6 +25,8 @@ from peers.scene import SceneError, pose, read_scene  # noqa: E402
 from peers.summary import as_time, cheapest, summarise  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
 from spintop_figures.tables.table import read_table  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 SHORT = """\
 &study kind = 'trajectory' title = 'A short motion' /

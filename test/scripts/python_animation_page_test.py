@@ -10,6 +10,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
 
@@ -26,6 +28,8 @@ from browser_case import (  # noqa: E402
     wait_for,
 )
 from reporting.packages import esbuild_package  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, theta=0.2, psi_rate=1.0)

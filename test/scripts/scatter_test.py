@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
@@ -221,6 +222,7 @@ class LookTest(ScatterCase):
             self.assertGreater(abs(one - other), 0.15)
         self.assertEqual(len({marker for _, marker in cloud_module.LOOKS}), len(cloud_module.LOOKS))
 
+    @pytest.mark.slow
     def test_script(self) -> None:
         """Draws what belongs to the tables, without a warning of the layout."""
         tables = {

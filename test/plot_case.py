@@ -247,7 +247,8 @@ class TableCase(unittest.TestCase):
     def call(self, *arguments: str | Path) -> tuple[int, str]:
         """Run its main procedure here, which is faster; give exit code and standard error."""
         script = str(SCRIPTS / "plot")
-        main = runpy.run_path(script)["main"]
+        with unittest.mock.patch("gc.disable"), unittest.mock.patch("atexit.register"):
+            main = runpy.run_path(script)["main"]
         output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
         with (
             unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),

@@ -95,6 +95,7 @@ class FigureKind(NamedTuple):
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
+        table = in_own_units(table)
         if self.kind and table.kind != self.kind:
             return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
@@ -485,6 +486,6 @@ def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> 
             known = ", ".join(kind.name for kind in kinds)
             raise TableError(f"there is no figure {name}; there are {known}")
     for table in [tables] if alone and not asked.y else tables:
-        if refusal := kind.refusal(in_own_units(table)):
+        if refusal := kind.refusal(table):
             raise TableError(f"{refusal}: no {kind.name} figure")
     return kind.draw(tables, asked)

@@ -445,6 +445,9 @@ def choose_figures(
 ) -> tuple[list[FigureKind], list[str]]:
     """The figures to draw from a table, and what is wrong with those that should be drawn too."""
     table = in_own_units(table)
+    if unknown := set(names or ()) - {kind.name for kind in FIGURES}:
+        known = ", ".join(kind.name for kind in FIGURES)
+        return [], [f"there is no figure {min(unknown)}; there are {known}"]
     wanted = [
         kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
     ]

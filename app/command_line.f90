@@ -25,6 +25,8 @@ module spintop_command_line
         type(string_t), allocatable :: inputs(:)
         !> What to list ('' for all topics), or the table to merge into.
         character(:), allocatable :: topic, merged
+        !> The file for the names of written tables; '' without it.
+        character(:), allocatable :: written
         !> List as JSON.
         logical :: as_json = .false.
     end type request_t
@@ -48,6 +50,7 @@ module spintop_command_line
         option_t('--shard', '', 'I/N', 'compute part I of N of a study; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
+        option_t('--written', '', 'FILE', 'names of the written tables to FILE, each with a null character behind'), &
         option_t('--help', '-h', '', 'this text'), &
         option_t('--version', '', '', 'version and revision of the program'), &
         option_t('--', '', '', 'end of options: the other arguments are inputs')]
@@ -103,6 +106,7 @@ contains
         integer :: i
 
         request%options%output = 'output'
+        request%written = ''
         request%options%command = shell_word(argument_at(0))
         allocate (request%options%overrides(0), request%inputs(0))
         only_inputs = .false.
@@ -181,9 +185,12 @@ contains
             request%options%quiet = .true.
         case ('--progress')
             request%options%progress = .true.
+        case ('--written')
+            request%written = value
+            if (value == '') error = wrong('the name of the file for names of tables is empty')
         end select
         if (allocated(error)) return
-        if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart'])) then
+        if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart', '--written'])) then
             call keep_options(first, i, request)
         end if
     end subroutine read_option

@@ -9,6 +9,9 @@ program spintop_main
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
+    use spintop_files, only: replace_file
+    use spintop_job, only: job_t
+    use spintop_job_files, only: tables_written
     use spintop_listing, only: list_as_json, list_topic
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_processor, only: check_level
@@ -24,6 +27,7 @@ program spintop_main
     type(prepared_t), allocatable, target :: prepared(:)
     type(string_t), allocatable :: lines(:)
     type(error_t), allocatable :: error
+    character(:), allocatable :: written
     character, parameter :: nl = new_line('a')
     integer(int64) :: cases
     integer :: code, worst, i
@@ -67,6 +71,7 @@ program spintop_main
     if (request%action == action_run) call protect_interrupted(prepared, request%options, error)
     call end_on(error)
     worst = exit_ok
+    written = ''
     do i = 1, size(prepared)
         call complain(prepared(i)%job%warnings)
         if (request%action == action_check) then
@@ -81,6 +86,7 @@ program spintop_main
         else
             call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
             call complain(prepared(i)%job%late_warnings)
+            if (.not. allocated(error)) call note_tables(prepared(i)%job, error)
             if (allocated(error)) then
                 call complain(error%message)
                 code = error%code
@@ -92,6 +98,15 @@ program spintop_main
     call leave(worst)
 
 contains
+
+    !> Writes the names of all tables so far to the file that is asked for.
+    subroutine note_tables(job, error)
+        type(job_t), intent(in) :: job
+        type(error_t), allocatable, intent(out) :: error
+        if (request%written == '' .or. .not. ranks%is_writer()) return
+        written = written // tables_written(job)
+        call replace_file(request%written, written, error)
+    end subroutine note_tables
 
     !> Writes a text to standard error, unless it is empty. It may quote bytes of a damaged file.
     subroutine complain(text)

@@ -99,9 +99,10 @@ int spintop_top_at(const spintop_top *top, size_t n, const double *t, double *ce
 
 /* A table. */
 typedef struct spintop_table {
-    const char *name; /* "rows", "events" or "statistics" */
+    const char *name; /* "rows", "events", "statistics", "histogram", "indices" or "residuals" */
     const spintop_column *columns;
     long long column_count, row_count;
+    const char *frame; /* its lines as a CSV file but for the rows: header, names, end; "" of spintop_top_events */
 } spintop_table;
 
 /* What a run gives. */

@@ -5,22 +5,27 @@ import math
 import struct
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spintop.library import InputError
+from spintop.runs import registry
+
+if TYPE_CHECKING:
+    from spintop_figures.tables.table import Table as FileTable
 
 QUATERNION = ("q0", "q1", "q2", "q3")
 OMEGA = ("omega1", "omega2", "omega3")
 PLACE = ("com_x", "com_y", "com_z")
 
 
-def export(motion: Mapping[str, Any], path: str | Path, t: Any = None) -> Path:
+def export(motion: "Mapping[str, Any] | FileTable", path: str | Path, t: Any = None) -> Path:
     """Write a motion as the file that the ending of `path` names; returns the path.
 
-    `motion` is a table or a motion with the columns q0 to q3, and `t` its times, s, if it has no
-    column `t`. An InputError says what is missing.
+    `motion` is a table, a motion or the result of a run with the columns q0 to q3, and `t` its
+    times, s, if it has no column `t`. Times increase. Columns may have other units, as `t_ms` and
+    `com_z_mm`. An InputError says what is missing or wrong.
 
     `.tum`: a trajectory for evo, `t x y z qx qy qz qw` per line, with the centre of mass (columns
     com_x, com_y, com_z) as the place, else the pivot.
@@ -28,24 +33,49 @@ def export(motion: Mapping[str, Any], path: str | Path, t: Any = None) -> Path:
     QUATERNIONS' (space to body, scalar first) and INPUT_TIME_TYPE = 'ET'; behind them
     omega1 to omega3 if there are these columns, for ANGULAR_RATE_FRAME = 'INSTRUMENT'.
     `.glb`: a glTF 2.0 scene with the node `top` that moves: a cone whose tip is the pivot, with
-    a stripe that shows the spin.
+    a stripe that shows the spin. It begins at the first row. Viewers turn the shorter way from row
+    to row: the body turns by less than half a turn there, or, without omega1 to omega3, a quarter.
     """
     path = Path(path)
     writers = {".tum": tum, ".msopck": msopck, ".glb": glb}
     if path.suffix not in writers:
         raise InputError(f"{path.name}: the ending is one of {', '.join(writers)}", code=2)
-    wanted = QUATERNION if t is not None else ("t", *QUATERNION)
-    missing = [name for name in wanted if name not in motion]
-    if missing:
+    if not isinstance(motion, Mapping):
+        motion = getattr(motion, "rows", motion)
+    times = column(motion, "t", "s") if t is None else np.asarray(t, dtype=float)
+    columns = {name: column(motion, name, "") for name in QUATERNION}
+    wanted = {"t": times, **columns}
+    for group, unit in ((OMEGA, "rad/s"), (PLACE, "m")):
+        there = {name: column(motion, name, unit) for name in group}
+        if any(values is not None for values in there.values()):
+            wanted |= there
+            columns |= there
+    if missing := [name for name, values in wanted.items() if values is None]:
         raise InputError(f"an export needs the column {missing[0]}", code=2)
-    times = np.asarray(motion["t"] if t is None else t, dtype=float)
-    columns = {
-        name: np.asarray(motion[name]) for name in (*QUATERNION, *OMEGA, *PLACE) if name in motion
-    }
-    if times.ndim != 1 or any(column.shape != times.shape for column in columns.values()):
+    if times.ndim != 1 or any(values.shape != times.shape for values in columns.values()):
         raise InputError("an export needs a number in each column for each time", code=2)
+    if not times.size or not all(np.isfinite(values).all() for values in wanted.values()):
+        raise InputError("an export needs rows, and finite numbers in them", code=2)
+    refuse(np.diff(times) <= 0, "its time is not after that of the row before")
+    refuse(sum(columns[name] ** 2 for name in QUATERNION) == 0, "q0 to q3 are 0", 1)
     path.write_bytes(writers[path.suffix](times, columns))
     return path
+
+
+def column(motion: Mapping[str, Any], name: str, unit: str) -> np.ndarray | None:
+    """A column in its own unit, which the motion may have in another one; None if it has none."""
+    if name in motion:
+        return np.asarray(motion[name], dtype=float)
+    for other in registry("columns")["column_units"] if unit else ():
+        if other["of"] == unit and (named := f"{name}_{other['suffix']}") in motion:
+            return other["size"] * np.asarray(motion[named], dtype=float)
+    return None
+
+
+def refuse(wrong: np.ndarray, what: str, first: int = 2) -> None:
+    """Name the first row that is wrong, if one is; `first` is the number of the first element."""
+    if wrong.any():
+        raise InputError(f"row {int(np.argmax(wrong)) + first}: {what}", code=2)
 
 
 def lines(*columns: Any) -> bytes:
@@ -83,6 +113,21 @@ def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return triangles.reshape(-1, 3), np.repeat(normals, 3, 0), np.repeat(colours, 3, 0)
 
 
+def refuse_far_rows(
+    times: np.ndarray, turns: np.ndarray, columns: Mapping[str, np.ndarray]
+) -> None:
+    """Refuse rows between which the body may turn another way than the shortest."""
+    if all(name in columns for name in OMEGA):
+        rate = np.sqrt(sum(columns[name] ** 2 for name in OMEGA))
+        angle, limit = np.diff(times) * np.maximum(rate[1:], rate[:-1]), math.pi
+    else:
+        half = np.clip(np.sum(turns[1:] * turns[:-1], axis=1), -1, 1)
+        angle, limit = 2 * np.arccos(half), math.pi / 2
+    known = "" if limit == math.pi else ", or the columns omega1 to omega3"
+    words = f"too far from the row before for the turn of the body: give more rows{known}"
+    refuse(angle >= limit, words)
+
+
 def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     """A scene of glTF 2.0 in one binary file."""
     w, x, y, z = (columns[name] for name in QUATERNION)
@@ -90,6 +135,9 @@ def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     turns = turns / np.linalg.norm(turns, axis=1, keepdims=True)
     flips = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=1) < 0, -1, 1))
     turns[1:] *= flips[:, None]  # viewers interpolate between neighbours
+    refuse_far_rows(times, turns, columns)
+    times = (times - times[0]).astype("<f4")
+    refuse(np.diff(times) <= 0, "its time is that of the row before in single precision")
     arrays = [*cone(), times, turns]
     kinds = ["VEC3", "VEC3", "VEC4", "SCALAR", "VEC4"]
     blob, views, accessors = b"", [], []

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from spintop.calls import Progress
 from spintop.inputs import names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
-from spintop.results import Figures, Result
-from spintop.runs import call_run, figures_of, registry
+from spintop.results import Result
+from spintop.runs import call_run, registry
 
 
 def fit(
@@ -45,15 +45,11 @@ def fit(
         sigma = None
     wanted = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
 
-    def draw(*names: str) -> Figures:
-        """Draw the figures of the fit, which is repeated."""
-        with written_input(columns, wanted, given) as scene:
-            return figures_of(read_input(scene), 0, *names)
-
     with written_input(columns, wanted, given) as scene:
         path = str(scene["fit"]["data"])
         with without_places(scene, path):
-            result = Result(call_run(*read_input(scene), None, 0, progress), draw)
+            text, name = read_input(scene)
+            result = Result(call_run(text, name, None, 0, progress), name)
         result.warnings = plain(result.warnings, path)
         return result
 

@@ -93,6 +93,7 @@ class CTable(Structure):
         ("columns", POINTER(CColumn)),
         ("column_count", c_longlong),
         ("row_count", c_longlong),
+        ("frame", c_char_p),
     )
 
 

@@ -4,8 +4,9 @@ import base64
 import ctypes
 import html
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import xarray
 
     from spintop.animation import Animation
+    from spintop_figures.tables.table import Table as FileTable
 
 
 class Owner:
@@ -101,9 +103,11 @@ class Table(Columns):
     ) -> None:
         """Take a table of a result; the rows of a sweep over a grid have its dimensions."""
         self.name = text_of(table.name)
-        """What it is: `rows`, `events` or `statistics`."""
+        """What it is: `rows`, `events`, `statistics`, `histogram`, `indices` or `residuals`."""
         self.row_count = int(table.row_count)
         """Number of rows."""
+        self.frame = text_of(table.frame)
+        """Its text as a CSV file without the rows: header, names, status; empty of `Top.events`."""
         columns = [table.columns[i] for i in range(table.column_count)]
         self._owner = owner
         self._columns: dict[str, CColumn] = {text_of(column.name): column for column in columns}
@@ -178,11 +182,10 @@ class Result:
     def __init__(
         self,
         place: "ctypes._Pointer[CResult]",
-        draw: "Callable[..., Figures] | None" = None,
-        show: "Callable[[], Animation] | None" = None,
+        name: str = "input",
         grid: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        """Take over a result of the library; `draw` draws its figures, `show` its motion."""
+        """Take over a result of the library, of an input with this name."""
         result = place.contents
         owner = Owner(place)
         self.ok = result.code == 0
@@ -194,7 +197,7 @@ class Result:
         found = [Table(result.tables[i], owner, grid) for i in range(result.table_count)]
         self.tables = {table.name: table for table in found}
         """The tables by name."""
-        self._draw, self._show = draw, show
+        self._name = Path(name).stem
 
     @cached_property
     def rows(self) -> Table:
@@ -220,22 +223,41 @@ class Result:
         end = "" if self.ok else ", not ok"
         return f"<spintop.Result: {', '.join(map(repr, self.tables.values()))}{end}>"
 
+    @cached_property
+    def _drawn(self) -> dict[str, "FileTable"]:
+        """The tables as figures have them, by name."""
+        from spintop_figures.tables.table import table_in_memory
+
+        drawn: dict[str, FileTable] = {}
+        for name, table in self.tables.items():
+            if not table.frame:
+                raise TypeError("events of a top have no figures: `spintop.run` of an input has")
+            path = Path(f"{self._name}.{name}.csv" if drawn else f"{self._name}.csv")
+            columns = {column: np.ravel(table[column]) for column in table}
+            drawn[name] = table_in_memory(path, table.frame, columns, drawn)
+        return drawn
+
     def plot(self, *figures: str) -> Figures:
-        """Draw the figures that `scripts/plot` draws of this run, or those named, by name.
+        """Draw the figures that `scripts/plot` draws of these tables, or those named, by name.
 
         A notebook shows them; each is a figure of matplotlib, with `savefig`.
-        The tables of a run without a folder are in no file: it is repeated into one.
         """
-        if self._draw is None:
-            raise TypeError("only the tables of spintop.run can be drawn")
-        return self._draw(*figures)
+        from spintop.runs import plot
+        from spintop_figures.registry import choose_figures
+
+        found, tables = Figures(), [*self._drawn.values()]
+        for name in figures:
+            mine = [table for table in tables if choose_figures(table, [name])[0]]
+            found.update(plot((mine or tables)[0], name))
+        for table in () if figures else tables:
+            found.update(plot(table))
+        return found
 
     def animate(self) -> "Animation":
         """Show the top in motion, in a notebook or a file: the viewer of a report.
 
-        The run is a trajectory with the columns `phi theta psi` or `q0` to `q3`. The table of a run
-        without a folder is in no file: it is repeated into one.
+        The run is a trajectory with the columns `phi theta psi` or `q0` to `q3`.
         """
-        if self._show is None:
-            raise TypeError("only a trajectory of spintop.run can be shown")
-        return self._show()
+        from spintop.animation import animate
+
+        return animate(next(iter(self._drawn.values())))

@@ -2,16 +2,13 @@
 
 import ctypes
 import json
-import tempfile
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.animation import Animation, animate
 from spintop.calls import Progress, call
 from spintop.inputs import Input, names_in, numbers, plain, read_input, thread_count, without_places
 from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
@@ -41,7 +38,7 @@ def run(
     read = read_input(given)
     with without_places(given):
         place = call_run(*read, None if folder is None else str(folder), threads, progress)
-    result = Result(place, partial(figures_of, read, threads), partial(animation_of, read, threads))
+    result = Result(place, read[1])
     if isinstance(given, Mapping):
         result.warnings = plain(result.warnings)
     return result
@@ -86,7 +83,7 @@ def sweep(
     one case. `columns`, `progress` and Ctrl-C are as for `run`.
     """
     given = with_columns(given, columns)
-    text, _ = read_input(as_sweep(given))
+    text, name = read_input(as_sweep(given))
     named = {name: np.atleast_1d(numbers(values, name)) for name, values in parameters.items()}
     try:
         arrays = [np.ascontiguousarray(array) for array in np.broadcast_arrays(*named.values())]
@@ -105,7 +102,7 @@ def sweep(
     )
     with without_places(given):
         raise_error(place)
-    return Result(result, grid=grid)
+    return Result(result, name, grid)
 
 
 def as_sweep(given: Input) -> Input:
@@ -182,23 +179,3 @@ def plot(table: "FileTable | str | Path", *names: str, **options: object) -> Fig
     if problems:
         raise TableError("; ".join(problems))
     return Figures((kind.name, kind.draw(table, asked)) for kind in kinds)
-
-
-def figures_of(given: tuple[str, str], threads: int, *names: str) -> Figures:
-    """Draw the figures of a run, which is repeated into a folder."""
-    with tempfile.TemporaryDirectory() as folder:
-        call_run(*given, folder, threads)
-        found = Figures()
-        for path in sorted(Path(folder).glob("*.csv")):
-            is_main = "." not in path.stem
-            if is_main or not names:
-                found.update(plot(path, *names))
-        return found
-
-
-def animation_of(given: tuple[str, str], threads: int) -> Animation:
-    """Show the motion of a run, which is repeated into a folder."""
-    with tempfile.TemporaryDirectory() as folder:
-        call_run(*given, folder, threads)
-        (path,) = (path for path in Path(folder).glob("*.csv") if "." not in path.stem)
-        return animate(path)

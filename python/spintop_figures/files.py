@@ -15,6 +15,7 @@ from spintop_figures.registry import FigureKind
 from spintop_figures.style.options import DEFAULT, Options
 from spintop_figures.style.saving import save_as
 from spintop_figures.tables.characters import printable
+from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError
 
 LARGEST = 1e150
@@ -39,7 +40,7 @@ def draw_to(
 ) -> list[Path]:
     """Draw a figure to files, or raise a TableError that says why that cannot be."""
     alone = isinstance(tables, Table)
-    known = [without_overflow(table) for table in ([tables] if alone else tables)]
+    known = [in_own_units(without_overflow(table)) for table in ([tables] if alone else tables)]
     for table in known:
         if wide := too_large(table, kind.columns):
             raise TableError(f"{wide}: no {kind.name} figure")

@@ -95,6 +95,7 @@ class FigureKind(NamedTuple):
 
     def refusal(self, table: Table) -> str:
         """Why the figure does not belong to a table; empty if it does."""
+        table = in_own_units(table)
         if self.kind and table.kind != self.kind:
             return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
@@ -444,6 +445,9 @@ def choose_figures(
 ) -> tuple[list[FigureKind], list[str]]:
     """The figures to draw from a table, and what is wrong with those that should be drawn too."""
     table = in_own_units(table)
+    if unknown := set(names or ()) - {kind.name for kind in FIGURES}:
+        known = ", ".join(kind.name for kind in FIGURES)
+        return [], [f"there is no figure {min(unknown)}; there are {known}"]
     wanted = [
         kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
     ]
@@ -485,6 +489,6 @@ def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> 
             known = ", ".join(kind.name for kind in kinds)
             raise TableError(f"there is no figure {name}; there are {known}")
     for table in [tables] if alone and not asked.y else tables:
-        if refusal := kind.refusal(in_own_units(table)):
+        if refusal := kind.refusal(table):
             raise TableError(f"{refusal}: no {kind.name} figure")
     return kind.draw(tables, asked)

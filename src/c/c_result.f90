@@ -20,6 +20,7 @@ module spintop_c_result
     type, bind(C) :: c_table_t
         type(c_ptr) :: name = c_null_ptr, columns = c_null_ptr
         integer(c_long_long) :: column_count = 0, row_count = 0
+        type(c_ptr) :: frame = c_null_ptr
     end type c_table_t
 
     !> `spintop_result` of the header.
@@ -39,7 +40,7 @@ module spintop_c_result
 
     !> A table, and what it points to.
     type :: table_owner_t
-        type(c_text_t) :: name
+        type(c_text_t) :: name, frame
         type(data_table_t) :: data
         type(described_column_t), allocatable :: described(:)
         type(c_column_t), allocatable :: columns(:)
@@ -77,7 +78,8 @@ contains
     !> A table as C reads it.
     type(c_table_t) function face_of(table) result(face)
         type(table_owner_t), target, intent(in) :: table
-        face = c_table_t(table%name%at(), c_loc(table%columns), size(table%columns, kind=c_long_long), table%data%rows)
+        face = c_table_t(table%name%at(), c_loc(table%columns), size(table%columns, kind=c_long_long), table%data%rows, &
+                         table%frame%at())
     end function face_of
 
     !> Moves a table to its owner, and describes its columns for C.
@@ -87,6 +89,8 @@ contains
         integer :: i
 
         call owner%name%set(table%name)
+        if (.not. allocated(table%frame)) table%frame = ''
+        call owner%frame%set(table%frame)
         owner%data%rows = table%rows
         call move_alloc(table%column, owner%data%column)
         allocate (owner%columns(size(owner%data%column)), owner%described(size(owner%data%column)))

@@ -55,7 +55,7 @@ contains
             text = given
         else
             call read_file(path, merge(largest_table, largest_file, is_table), text, unreadable, &
-                           may_wait=.true.)
+                           may_wait=.true., is_text=.true.)
         end if
         if (allocated(unreadable)) then
             call diagnostics%error(place_t(), unreadable%message)

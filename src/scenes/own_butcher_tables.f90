@@ -66,7 +66,7 @@ contains
             return
         end if
         name = ''
-        call read_file(path_from(input, path), most_bytes, text, error)
+        call read_file(path_from(input, path), most_bytes, text, error, is_text=.true.)
         if (allocated(error)) then
             call problems%add(key, error%message, 'its path is relative to the folder of the input')
             return

@@ -18,7 +18,8 @@ module spintop_in_memory
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
     use spintop_sweep_study, only: compute_cases
-    use spintop_sweep_table, only: describe_columns
+    use spintop_statistics_csv, only: path_beside
+    use spintop_sweep_table, only: describe_columns, make_head
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, string_t
     !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -28,7 +29,8 @@ module spintop_in_memory
 
     !> What a run gives.
     type :: memory_run_t
-        !> Its tables: `rows`, and where the input asks for them `events` and `statistics`.
+        !> Its tables: `rows`, and where the input asks for them `events`, `statistics` with `histogram` and `indices`, or
+        !> `residuals`.
         type(data_table_t), allocatable :: table(:)
         !> Warnings of the input and of the run, and the summary of the run, for a reader; either may be empty.
         character(:), allocatable :: warnings, summary
@@ -91,6 +93,7 @@ contains
         call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
         allocate (run%table(1))
+        call make_head(job, options%shard, table%columns, table%data%frame)
         call move_table(table%data, run%table(1))
     end subroutine run_sweep
 
@@ -101,6 +104,7 @@ contains
         to%name = from%name
         to%rows = from%rows
         call move_alloc(from%column, to%column)
+        call move_alloc(from%frame, to%frame)
     end subroutine move_table
 
     !> Runs a job whose files nobody else is to see.
@@ -132,6 +136,7 @@ contains
         type(memory_run_t), intent(inout) :: run
         type(error_t), allocatable, intent(out) :: error
         type(string_t), allocatable :: lines(:)
+        character(:), allocatable :: statistics
         integer :: first
 
         allocate (lines(0), run%table(0))
@@ -148,9 +153,15 @@ contains
             run%warnings = run%warnings // prepared%job%late_warnings
         end if
         associate (job => prepared%job)
-            call add_table(job%files%table, merge('rows      ', 'statistics', job%keeps_rows()), run, error)
+            statistics = job%files%statistics
+            if (.not. job%keeps_rows()) statistics = job%files%table
+            if (job%keeps_rows()) call add_table(job%files%table, 'rows', run, error)
             if (.not. allocated(error)) call add_table(job%files%events, 'events', run, error)
-            if (.not. allocated(error)) call add_table(job%files%statistics, 'statistics', run, error)
+            if (.not. allocated(error)) call add_table(statistics, 'statistics', run, error)
+            if (.not. allocated(error) .and. job%statistics%is_wanted) then
+                call add_table(path_beside(statistics, 'histogram'), 'histogram', run, error)
+                if (.not. allocated(error)) call add_table(path_beside(statistics, 'indices'), 'indices', run, error)
+            end if
             if (.not. allocated(error) .and. job%input%scene%kind == study_kinds(kind_fit)) then
                 call add_table(residual_path(job%files%table), 'residuals', run, error)
             end if
@@ -171,7 +182,7 @@ contains
         do i = 1, size(run%table)
             call move_table(run%table(i), more(i))
         end do
-        call load_table(path, trim(name), more(size(more)), error)
+        call load_table(path, name, more(size(more)), error)
         call move_alloc(more, run%table)
     end subroutine add_table
 

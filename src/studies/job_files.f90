@@ -1,7 +1,7 @@
 !> The files of a job: their names, and that none of them replaces a file that is read, or that another job writes.
 module spintop_job_files
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: is_same_file, path_from
+    use spintop_files, only: file_exists, is_same_file, path_from
     use spintop_fit_table, only: residual_path
     use spintop_job, only: job_t
     use spintop_options, only: options_t
@@ -13,7 +13,7 @@ module spintop_job_files
     use spintop_text, only: string_t
     implicit none
     private
-    public :: name_job, name_outputs, refuse_overwriting
+    public :: name_job, name_outputs, refuse_overwriting, tables_written
 
     !> Paths of files of a job.
     type :: files_t
@@ -105,6 +105,20 @@ contains
         end subroutine refuse
 
     end subroutine refuse_overwriting
+
+    !> The names of the tables of a job that was run, each with a null character behind it.
+    function tables_written(job) result(names)
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: names
+        type(files_t) :: files
+        integer :: i
+        names = ''
+        files = files_written(job)
+        do i = 1, files%n
+            if (files%path(i)%text == job%files%log .or. .not. file_exists(files%path(i)%text)) cycle
+            names = names // files%path(i)%text // achar(0)
+        end do
+    end function tables_written
 
     !> The files that a job may write.
     type(files_t) function files_written(job) result(files)

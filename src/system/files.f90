@@ -17,6 +17,8 @@ module spintop_files
     type :: input_file_t
         character(:), allocatable :: path
         integer(c_int), private :: descriptor = no_file
+        !> Whether it is a text of any system, whether its beginning is to be read, and whether its lines end in CR LF.
+        logical, private :: is_text = .false., is_new = .true., has_returns = .false.
     contains
         procedure :: open => open_input
         procedure :: read => read_bytes
@@ -246,12 +248,18 @@ contains
     end function is_same_file
 
     !> Opens a file for reading. Its errors are input errors. A FIFO, of which one waits for the writer, must be allowed.
-    subroutine open_input(self, path, error, may_wait)
+    subroutine open_input(self, path, error, may_wait, is_text)
         class(input_file_t), intent(inout) :: self
         character(*), intent(in) :: path !! path of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
+        logical, intent(in), optional :: is_text
+            !! whether it is read as text: without a byte order mark, and with LF for CR LF if the first line ends so
         integer(c_int) :: only_regular
+        self%is_text = .false.
+        if (present(is_text)) self%is_text = is_text
+        self%is_new = .true.
+        self%has_returns = .false.
         only_regular = 1
         if (present(may_wait)) only_regular = merge(0, 1, may_wait)
         self%path = path
@@ -265,15 +273,46 @@ contains
     !> Reads from the current position into a text. `length` is less than its length only at the end of the
     !> file.
     subroutine read_bytes(self, text, length, error)
-        class(input_file_t), intent(in) :: self
+        class(input_file_t), intent(inout) :: self
         character(*), intent(inout) :: text !! the bytes are at its beginning
         integer, intent(out) :: length !! bytes read
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer(c_long_long) :: got
-        call check_call(c_read(self%descriptor, text, len(text, c_long_long), got), 'read', self%path, error, &
-                        reading=.true.)
-        length = int(got)
+        integer(c_long_long) :: got, kept
+        length = 0
+        do
+            call check_call(c_read(self%descriptor, text(length + 1:), len(text, c_long_long) - length, got), 'read', &
+                            self%path, error, reading=.true.)
+            kept = got
+            if (self%is_text) call make_plain(self, text(length + 1:), kept)
+            length = length + int(kept)
+            if (allocated(error) .or. kept == got) exit ! else there is room for more
+        end do
     end subroutine read_bytes
+
+    !> Takes the byte order mark and the carriage returns from a block of a text.
+    subroutine make_plain(file, block, length)
+        type(input_file_t), intent(inout) :: file
+        character(*), intent(inout) :: block
+        integer(c_long_long), intent(inout) :: length
+        character, parameter :: carriage_return = achar(13)
+        character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
+        integer(c_long_long) :: i, n, first, break
+        if (file%is_new) then
+            break = index(block(:length), new_line('a'), kind=c_long_long)
+            if (break > 1) file%has_returns = block(break - 1:break - 1) == carriage_return
+        end if
+        first = 1
+        if (file%is_new .and. index(block(:length), byte_order_mark) == 1) first = first + len(byte_order_mark)
+        file%is_new = .false.
+        if (first == 1 .and. .not. file%has_returns) return
+        n = 0
+        do i = first, length
+            if (file%has_returns .and. block(i:i) == carriage_return) cycle
+            n = n + 1
+            block(n:n) = block(i:i)
+        end do
+        length = n
+    end subroutine make_plain
 
     !> Closes the file.
     subroutine close_input(self)
@@ -284,19 +323,20 @@ contains
     end subroutine close_input
 
     !> Reads a whole file of at most `limit` bytes. Errors are input errors.
-    subroutine read_file(path, limit, text, error, may_wait)
+    subroutine read_file(path, limit, text, error, may_wait, is_text)
         character(*), intent(in) :: path !! path of the file
         integer, intent(in) :: limit !! maximum size, bytes
         character(:), allocatable, intent(out) :: text !! contents of the file
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
+        logical, intent(in), optional :: is_text !! whether it is read as text, as `open` says; false by default
         type(input_file_t) :: file
         character(:), allocatable :: block, more
         integer, parameter :: first_room = 65536
         integer :: length, got
 
         text = ''
-        call file%open(path, error, may_wait)
+        call file%open(path, error, may_wait, is_text)
         if (allocated(error)) return
         allocate (character(first_room) :: block)
         length = 0

@@ -199,7 +199,7 @@ contains
         of_head = head_length
         allocate (character(block_size) :: block)
         call check%begin()
-        call file%open(part, error)
+        call file%open(part, error, is_text=.true.)
         do while (.not. allocated(error))
             call file%read(block, length, error)
             if (allocated(error) .or. length == 0) exit

@@ -178,7 +178,7 @@ contains
         problem = ''
         allocate (character(block_size) :: block)
         call check%begin()
-        call file%open(path, error)
+        call file%open(path, error, is_text=.true.)
         do while (.not. allocated(error))
             call file%read(block, length, error)
             if (allocated(error) .or. length == 0) exit
@@ -188,7 +188,7 @@ contains
         call file%close()
         if (.not. allocated(error)) then
             if (check%is_right()) return
-            call read_file(path, huge(0), text, error)
+            call read_file(path, huge(0), text, error, is_text=.true.)
         end if
         if (allocated(error)) then
             problem = error%message
@@ -197,29 +197,20 @@ contains
         end if
     end subroutine check_table
 
-    !> Checks a table in memory, if it has its last line. Line ends may be those of another system.
+    !> Checks a table in memory, if it has its last line.
     subroutine check_table_text(text, has_end, problem)
         character(*), intent(in) :: text !! the table
         logical, intent(out) :: has_end !! whether it has that line
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is known to be
-        character, parameter :: carriage_return = achar(13)
         type(table_check_t) :: check
-        character(:), allocatable :: plain, passed
-        integer :: i, n
+        character(:), allocatable :: passed
 
         problem = ''
         has_end = index(text, nl // key) > 0
         if (.not. has_end) return
-        allocate (character(len(text)) :: plain)
-        n = 0
-        do i = 1, len(text)
-            if (text(i:i) == carriage_return) cycle
-            n = n + 1
-            plain(n:n) = text(i:i)
-        end do
         call check%begin()
-        call check%pass(plain(:n), passed)
-        if (.not. check%is_right()) problem = what_is_wrong(plain(:n), check)
+        call check%pass(text, passed)
+        if (.not. check%is_right()) problem = what_is_wrong(text, check)
     end subroutine check_table_text
 
     !> What is wrong with a table whose last line is not that of its rows: the first wrong row, where that can be told.

@@ -58,7 +58,7 @@ contains
         head = ''
         first = 1
         allocate (character(piece) :: block)
-        call file%open(path, error)
+        call file%open(path, error, is_text=.true.)
         if (allocated(error)) return
         do
             call file%read(block, length, error)

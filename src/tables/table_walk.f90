@@ -21,7 +21,6 @@ module spintop_table_walk
     !> Maximum size of a table, bytes.
     integer, parameter :: largest_table = 2**30 - 1
     character(*), parameter :: blanks = ' ' // achar(9) // achar(13)
-    character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
 
     !> A place in a table.
     type :: table_cursor_t
@@ -71,10 +70,9 @@ contains
         has_lines = .false.
         self%damage = ''
         self%path = path_from(input, path)
-        call read_file(self%path, largest_table, self%text, error, may_wait=.true.)
+        call read_file(self%path, largest_table, self%text, error, may_wait=.true., is_text=.true.)
         if (.not. allocated(error)) call check_format(self%path, self%text, error)
         if (allocated(error)) return
-        if (index(self%text, byte_order_mark) == 1) self%at%last = len(byte_order_mark)
         if (index(self%text, achar(0)) > 0) then
             call self%refuse(diagnostics, 'not a text file: it has NUL bytes', 'expected a CSV table')
             return

@@ -38,7 +38,6 @@ FAILING = {"slow_top_scenario1"}  # ends at its turning point, with exit code 3
 LARGEST_PHI_RATE = 67.96567368900274
 PERIOD = 2.3859004994933266
 PRECESSION_DEG = 188.8551930812859
-C2 = 8.457466540857877
 
 ERRORS = ["orientation_error", "tip_error"]
 

@@ -208,6 +208,36 @@ class TableEndTest(StudyCase):
             self.assertTrue(read_table(path).note)
             shutil.rmtree(self.folder / "output")
 
+    def test_lines_from_elsewhere(self) -> None:
+        """Tables with CR LF and a byte order mark are read as those with LF by all readers."""
+        top = "&top mass = 1, inertia = 0.9, 0.9, 0.3, length = 0.5 /\n"
+        top += "&initial theta = 0.5, psi_rate"
+        motion = self.write(f"{top} = 14 /\n&span t_end = 2, samples = 21 /\n", "motion.nml")
+        keys = "data = 'output/motion.csv', unknown = 'initial.psi_rate'"
+        fit = f"&study kind = 'fit' /\n{top} = 13.9 /\n&fit {keys} /\n"
+        parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
+        self.run_program(motion, "--set", "output.columns=t,theta,psi")
+        for part in ("1/2", "2/2"):
+            self.run_study("sweep", "--shard", part)
+        calls = (
+            ("verify", "output/motion.csv"),
+            ("merge", "all.csv", *parts),
+            ("--quiet", "--restart", self.write(fit, "sought.nml")),
+        )
+        mark, found = b"\xef\xbb\xbf", []
+        for begin, end in ((b"", b"\n"), (b"", b"\r\n"), (mark, b"\r\n"), (mark, b"\n")):
+            for path in (self.folder / name for name in ("output/motion.csv", *parts)):
+                lines = path.read_bytes().removeprefix(mark).splitlines()
+                path.write_bytes(begin + end.join([*lines, b""]))
+            for call in calls:
+                result = self.run_program(*call)
+                self.assertEqual(result.returncode, 0, result.stderr)
+            rows = (self.folder / "output/sought.csv").read_bytes().splitlines()
+            found.append((self.folder / "all.csv").read_bytes())
+            found[-1] += b"".join(line for line in rows if line[:1] != b"#")
+            (self.folder / "all.csv").unlink()
+        self.assertEqual(found[1:], found[:1] * 3)
+
     def test_tables_of_cases(self) -> None:
         """The table of the axes of a sweep is checked, with the place of the error."""
         self.run_study("sweep")

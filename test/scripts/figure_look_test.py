@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
@@ -234,6 +235,27 @@ class OptionsTest(TableCase):
             ]
             for line in lines:
                 self.assertGreater(to_oklab(line.get_color())[0], 0.6)
+
+    def test_dark_maps(self) -> None:
+        """A legend of a map has the colours of the map, which are those on white."""
+        scene = [EXE, "--quiet", "-o", self.folder, INPUTS / "kapitza_map.nml"]
+        few = [word for i in (1, 2) for word in ("--set", f"sweep.count({i})=4")]
+        subprocess.run([*scene, *few], check=True, capture_output=True)
+        narrow = a_map(across=40)  # its classes have no room for their names
+        for path in (self.folder / "kapitza_map.csv", self.put("narrow.csv", narrow)):
+            looks = []
+            for dark in (False, True):
+                panels = draw(read_table(path), "maps", dark=dark).axes
+                legends = [legend for axes in panels if (legend := axes.get_legend())]
+                handles = [handle for legend in legends for handle in legend.legend_handles]
+                looks.append(
+                    [
+                        handle.get_color() if isinstance(handle, Line2D) else handle.get_facecolor()
+                        for handle in handles
+                    ]
+                )
+            self.assertGreater(len(looks[0]), 0)
+            self.assertEqual(*looks)
 
     def test_style(self) -> None:
         """The colours of a style sheet are those of the lines."""

@@ -157,6 +157,22 @@ class LiveTest(LiveCase):
                 self.assertAlmostEqual(found, value, delta=1e-14 * value)
                 self.assertEqual(float(box.get_property("value")), found)
 
+    def test_thousands(self) -> None:
+        """They are grouped as in the language of the page, which has its own decimal mark."""
+        cases = {
+            "en": {"1,500 rpm": 1500, "1.500 rpm": 1.5, "1,5 rpm": 1.5, "1,500.5 rpm": 1500.5},
+            "de": {"1.500 rpm": 1500, "1,500 rpm": 1.5, "0.866 rpm": 0.866, "1.500,5 rpm": 1500.5},
+            "fr": {"1.500 rpm": 1500, "1\u202f500 rpm": 1500, "\u22121,5e\u22121 rpm": -0.15},
+        }
+        for language, texts in cases.items():
+            self.open(self.page, f"#lang={language}")
+            for text, value in texts.items():
+                with self.subTest(text, language=language):
+                    self.type_into(self.control("omega3", "text"), text + "\n")
+                    found = self.run_script("return liveTop.state.omega3")
+                    self.assertAlmostEqual(found, value * math.pi / 30, delta=1e-12)
+        self.open(self.page, "#lang=en")
+
     def test_numbers_shown(self) -> None:
         """Every box shows the very number with which the page computes, in every preset."""
         script = """

@@ -1,5 +1,6 @@
 """Tests of the figures of work-precision studies, and of the styles of methods."""
 
+import dataclasses
 import itertools
 import json
 import os
@@ -95,13 +96,11 @@ class StyleTest(unittest.TestCase):
         self.assertGreater(len(LOOKS), len({entry["family"] for entry in methods.values()}))
         self.assertEqual(family_of("heyoka"), OTHER)
 
-    def test_copy(self) -> None:
-        """Tables are drawn alike without the program (scripts/manual_tables renews the copy)."""
-        copied = json.loads(known.COPY.read_text(encoding="utf-8"))["methods"]
-        self.assertEqual({entry["name"]: entry for entry in copied}, listed_methods())
+    def test_no_program(self) -> None:
+        """No program is asked, which may be another one or slow."""
         self.addCleanup(known_methods.cache_clear)
         known_methods.cache_clear()
-        with unittest.mock.patch.dict(os.environ, {"SPINTOP_EXE": "/nowhere/spintop"}):
+        with unittest.mock.patch.object(subprocess, "run", side_effect=AssertionError):
             self.assertEqual(order_of("rkmk_4"), 4)
 
     def test_new_method(self) -> None:
@@ -197,6 +196,23 @@ class CurveTest(TableCase):
             self.assertEqual((set(lines), strong), (labels, named))
             self.assertEqual(figure.legends, [])
         self.assertLessEqual({"order", "1", "2", "4", "8"}, texts)
+
+    def test_every_set(self) -> None:
+        """Two or three methods of one study, whose curves are short: the best have names."""
+        table = read_table(self.put("a.csv", a_precision()))
+        table = dataclasses.replace(table, rows=table.rows[table.rows["steps"].between(1e3, 4e3)])
+        methods = dict.fromkeys(name for name, _ in STAGES)
+        pairs, threes = ([*itertools.combinations(methods, count)] for count in (2, 3))
+        draws = [(chosen, draw_precision_work) for chosen in pairs]
+        draws += [(chosen, draw_precision_time) for chosen in pairs + threes]
+        for chosen, draw in draws:
+            rows = table.rows[table.rows["method"].isin(chosen)]
+            with self.subTest(chosen, figure=draw.__name__):
+                axes = draw(dataclasses.replace(table, rows=rows)).axes[0]
+                cost = "time_s" if draw is draw_precision_time else "evaluations"
+                best = best_of_families(curves_of(rows, (cost, "error_max")), cost)
+                texts = {text.get_text() for text in axes.texts}
+                self.assertLessEqual({curve.label for curve in best}, texts)
 
     def test_slopes(self) -> None:
         """The lines of the fan fall by their orders."""

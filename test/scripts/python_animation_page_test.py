@@ -41,10 +41,10 @@ SHOWN = """
 
 
 def lines_shown(page: str) -> list[str]:
-    """The lines of the table in a page, without the second in which it was written."""
+    """The lines of the table in a page, without its date and the checksum of a file."""
     packed = re.search('data:application/gzip;base64,([^"]*)', page)[1]
     text = gzip.decompress(base64.b64decode(packed)).decode()
-    return [line for line in text.splitlines() if not line.startswith("# date: ")]
+    return [line for line in text.splitlines() if not line.startswith(("# date: ", "# end: "))]
 
 
 class AnimationTest(unittest.TestCase):
@@ -79,7 +79,7 @@ class AnimationTest(unittest.TestCase):
     def test_what_cannot_be_shown(self) -> None:
         """A sweep has no motion; a motion without an attitude has none that can be shown."""
         sweep = {"study": {"kind": "sweep"}, **TOP.input(span={"t_end": 1.0})}
-        with self.assertRaisesRegex(TypeError, "only a trajectory of spintop.run can be shown"):
+        with self.assertRaisesRegex(TypeError, "the table is no trajectory"):
             spintop.sweep(sweep, {"initial.theta": [0.1, 0.2]}).animate()
         axis = {"parameter": ["initial.theta"], "values": [[0.1, 0.2]]}
         with self.assertRaisesRegex(TypeError, "the table is no trajectory"):

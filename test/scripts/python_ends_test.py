@@ -5,7 +5,6 @@ A top that dry friction brings to rest goes through all, and one whose steps do 
 
 import contextlib
 import io
-import json
 import os
 import re
 import subprocess
@@ -119,10 +118,9 @@ def test_fit() -> None:
     assert result["estimate"][0] == pytest.approx(9.0, rel=1e-6)
 
 
-def test_copy_of_the_flag() -> None:
-    """Tables are judged alike without the program (scripts/manual_tables renews the copy)."""
+def test_flag() -> None:
+    """Tables are judged by the flag, whatever follows the name of a status."""
     listed = spintop.registry("statuses")["statuses"]
-    assert json.loads(ends.COPY.read_text(encoding="utf-8"))["statuses"] == listed
     assert ends.good_ends() == {status["name"] for status in listed if status["good"]}
     assert ends.is_good_end("at_rest at t = 1.5")
     for status in ("step_limit at t = 1.5", "not_identifiable: the data", "okay", ""):

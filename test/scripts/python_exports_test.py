@@ -1,5 +1,6 @@
 """Motions as files of other programs, read by those where they are installed."""
 
+import itertools
 import json
 import struct
 import subprocess
@@ -101,6 +102,61 @@ class ExportsTest(unittest.TestCase):
         ):
             with self.assertRaisesRegex(spintop.InputError, words):
                 spintop.export(motion, self.folder / name)
+
+    def test_rows_that_are_refused(self) -> None:
+        """Times that do not increase, numbers that are none, half of a vector: in every format."""
+        known = {"t": TIMES, **self.motion}
+        bad = np.where(np.arange(len(TIMES)) == 3, np.nan, self.motion["q1"])
+        rest = {name: values for name, values in known.items() if name != "com_y"}
+        for name, (change, words) in itertools.product(
+            ("a.tum", "a.msopck", "a.glb"),
+            (
+                ({**known, "t": TIMES[::-1]}, "row 2: its time is not after"),
+                ({**known, "t": np.floor(TIMES * 5)}, "row 2: its time is not after"),
+                ({**known, "t": np.where(TIMES > 1, np.nan, TIMES)}, "finite numbers"),
+                ({**known, "q1": bad}, "finite numbers"),
+                ({**known, **{f"q{i}": 0 * TIMES for i in range(4)}}, "row 1: q0 to q3 are 0"),
+                (rest, "needs the column com_y"),
+                ({key: values[:0] for key, values in known.items()}, "needs rows"),
+            ),
+        ):
+            with self.subTest(name=name, words=words):
+                with self.assertRaisesRegex(spintop.InputError, words):
+                    spintop.export(change, self.folder / name)
+                self.assertFalse((self.folder / name).exists())
+
+    def test_rows_of_a_scene(self) -> None:
+        """They are close enough for the turn of the body, and begin at 0 whatever the clock."""
+        q = {name: self.motion[name] for name in COLUMNS[:4]}
+        path = self.folder / "a.glb"
+        with self.assertRaisesRegex(spintop.InputError, "row 2: too far .* columns omega1"):
+            spintop.export(q, path, TIMES)
+        with self.assertRaisesRegex(spintop.InputError, "row 2: too far .*more rows$"):
+            spintop.export(self.motion, path, 2 * TIMES)
+        plain = spintop.export(self.motion, path, TIMES).read_bytes()
+        self.assertEqual(spintop.export(self.motion, path, TIMES + 2.0**20).read_bytes(), plain)
+        with self.assertRaisesRegex(spintop.InputError, "row 2: .* in single precision"):
+            still = {name: np.full(3, float(name == "q0")) for name in q}
+            spintop.export(still, path, [0.0, 1e-60, 1.0])
+
+    def test_sources(self) -> None:
+        """A table in a file, a result and columns in other units give the same file."""
+        groups = {
+            "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.75**0.5},
+            "initial": {"theta_deg": 50, "omega3": 30},
+            "span": {"t_end": 2.0, "samples": 21},
+            "output": {"columns": ["t", *COLUMNS]},
+        }
+        result = spintop.run(groups, folder=self.folder)
+        other = {"t_ms": 1e3 * result["t"], "com_x_mm": 1e3 * result["com_x"]}
+        other |= {name: result[name] for name in COLUMNS if name != "com_x"}
+        table = spintop.read(self.folder / "input.csv")
+        files = [
+            np.loadtxt(spintop.export(motion, self.folder / "a.tum"))
+            for motion in (result.rows, result, table, other)
+        ]
+        for file in files[1:]:
+            np.testing.assert_allclose(file, files[0], rtol=1e-15, atol=1e-16)
 
 
 if __name__ == "__main__":

@@ -66,8 +66,11 @@ BODY = (
     "# body: mass 2 kg; inertia 8.25, 8.25, 0.5 kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
 )
 ANGLES = ["t", "phi", "theta", "psi"]
-SLOW_TOP = BODY.replace("mass 2", "mass 1").replace("8.25, 8.25, 0.5", "0.875, 0.875, 0.25")
-SLOW_TOP = SLOW_TOP.replace("0, 0, 2", "0, 0, 0.8660254037844387")
+SLOW_TOP = (
+    BODY.replace("mass 2", "mass 1")
+    .replace("8.25, 8.25, 0.5", "0.875, 0.875, 0.25")
+    .replace("0, 0, 2", "0, 0, 0.8660254037844387")
+)
 START = "#     &initial\n#         theta = 0.19634954084936207\n#         psi_rate = 1\n#     /\n"
 WHEEL = (
     "#     &top\n#         shape = 'spinning_wheel'\n#         radius = 0.1\n"

@@ -106,7 +106,9 @@ def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, tuple[float, float]
 def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:
     """Heights in rising order moved as little as needed to be apart, between 0 and 1."""
     count = len(heights)
-    apart = min(apart, 1 / max(count, 1))
+    if not count:
+        return heights
+    apart = min(apart, 1 / count)
     offsets = apart * np.arange(count)
     moved = np.clip(heights, 0.02, 0.98)
     # equal distances taken off, what remains has only to rise: pool those that do not

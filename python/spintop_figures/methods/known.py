@@ -1,13 +1,9 @@
 """The methods and formulations of the program, from its registries."""
 
 import functools
-from pathlib import Path
 from typing import NamedTuple
 
 from spintop_figures.tables.listed import listed
-
-COPY = Path(__file__).with_name("methods.json")
-"""What `spintop list methods --json` gave, for tables that are drawn without the program."""
 
 OTHER = "other programs"
 """The family of what the registry does not have."""
@@ -50,7 +46,7 @@ def known_methods() -> dict[str, Method]:
 
 def read_registry() -> list[dict]:
     """The registry of methods."""
-    return listed("methods", COPY)
+    return listed("methods")["methods"]
 
 
 def family_of(method: str) -> str:

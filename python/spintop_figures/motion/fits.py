@@ -54,14 +54,17 @@ def object_to_fit(table: Table) -> str:
 
 
 def values_beside(table: Table) -> pd.DataFrame | None:
-    """The rows of the table of the parameters, if it is beside that of the residuals."""
+    """The rows of the table of the parameters, if that of the residuals has it beside it."""
     path = table.path.with_name(table.path.name.removesuffix(TABLE) + ".csv")
-    if path == table.path or not path.exists():
+    other = table.others.get("rows")
+    if not table.frame and path != table.path and path.exists():
+        try:
+            other = read_table(path)
+        except TableError:
+            return None
+    if other is None:
         return None
-    try:
-        rows = read_table(path).rows
-    except TableError:
-        return None
+    rows = other.rows
     return rows if {"parameter", "unit", "estimate", "lower", "upper"} <= {*rows} else None
 
 

@@ -31,9 +31,6 @@ DENSE = 150
 MOST_DECIMALS = 8
 """Extremes that differ only in further decimals have no numbers."""
 
-MOST_DECIMALS = 8
-"""Extremes that only more tell apart have no numbers."""
-
 MOST_OFTEN = 0.25
 """Sign changes between more of the rows than this part are those of rounding."""
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from spintop_figures.tables.causes import plain
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.rows import line_of
+from spintop_figures.tables.rows import cells_in, line_of
 from spintop_figures.tables.table import Table
 
 LARGEST_FILE = 64_000_000
@@ -64,16 +64,30 @@ def which_rows(stride: int, total: int) -> str:
 def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
     """The lines of a table before, in and after its rows; written anew where it is no small CSV."""
     path = table.path
+    if table.frame:
+        # The checksum is that of the lines of a file.
+        lines = [line for line in table.frame.split("\n") if not line.startswith("# end: ")]
+        first = next(i for i, line in enumerate(lines) if not line.startswith("#")) + 1
+        names = cells_in(first, lines[first - 1])
+        return lines[:first], written_rows(table, names), lines[first:]
     if path.suffix != ".csv" or path.stat().st_size > LARGEST_FILE or table.stride > 1:
         head = [f"# {key}: {value}" for key, value in table.header.items()]
         head += ["# input:", *(f"#     {line}" for line in table.input.splitlines())]
-        cells = [table.rows[name].astype(object) for name in table.rows]
-        rows = [line_of(row) for row in zip(*cells, strict=True)]
-        return [*head, line_of(table.rows.columns)], rows, []
+        names = [*table.rows.columns]
+        return [*head, line_of(names)], written_rows(table, names), []
     lines = plain(path.read_bytes()).decode("utf-8", errors="replace").split("\n")
     first = next(i for i, line in enumerate(lines) if line and not line.startswith("#"))
     last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)
     return lines[: first + 1], lines[first + 1 : last + 1], lines[last + 1 :]
+
+
+def written_rows(table: Table, names: list[str]) -> list[str]:
+    """The rows of these columns as lines, with numbers as the program writes them."""
+    texts = {name: table.rows[name].astype(str) for name in names}
+    cells = [
+        text.str.removesuffix(".0") if table.numeric(name) else text for name, text in texts.items()
+    ]
+    return [line_of(row) for row in zip(*cells, strict=True)]
 
 
 def rows_kept(total: int, stride: int) -> np.ndarray:

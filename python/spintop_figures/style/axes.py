@@ -188,11 +188,17 @@ def show_flat(axes: Axes, name: str) -> None:
 
 
 def holder_of(axes: Axes, axis: Axis) -> Text | None:
-    """The text with the unit of an axis: its label, the heading of the panel, or that of a map."""
+    """The text with the unit of an axis: its label, or the heading of the panel.
+
+    That of a map is for its colour bar; any other for the y axis, if no panel that shares it has a
+    label.
+    """
     bar = getattr(axes, "_colorbar", None)
     panel = getattr(bar and bar.mappable, "axes", None) or axes
-    headed = [panel._left_title, axes.title] if bar or axis is axes.yaxis else []
-    return next((text for text in (axis.label, *headed) if UNIT.search(text.get_text())), None)
+    sharing = axes.get_shared_y_axes().get_siblings(axes)
+    headed = bar or (axis is axes.yaxis and not any(each.get_ylabel() for each in sharing))
+    texts = [axis.label, *([panel._left_title, axes.title] if headed else [])]
+    return next((text for text in texts if UNIT.search(text.get_text())), None)
 
 
 def rename(label: Text, scale: Scale, unit: str) -> None:

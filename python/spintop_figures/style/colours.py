@@ -112,13 +112,14 @@ def recolour(figure: Figure, change: Recolouring) -> None:
 
 
 def lies_on_map(artist: Artist) -> bool:
-    """Whether an artist is drawn over colours that stand for numbers, which do not change."""
+    """Whether an artist is drawn over colours that stand for numbers, or stands for one that is."""
     axes = artist.axes
     if not isinstance(axes, Axes) or not any(
         isinstance(mesh, QuadMesh) for mesh in axes.collections
     ):
         return False
-    return artist in axes.texts or artist in axes.lines or artist in axes.collections
+    handles = legend.legend_handles if (legend := axes.get_legend()) else []
+    return any(artist in each for each in (axes.texts, axes.lines, axes.collections, handles))
 
 
 def recolour_artist(artist: Artist, change: Recolouring) -> None:

@@ -10,10 +10,15 @@ from matplotlib.figure import Figure
 from spintop_figures.style.look import FAINT, FAULT, LINES, by_width
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
-from spintop_figures.sweeps.statistics import beside, describe, tell_cases
+from spintop_figures.sweeps.statistics import (
+    describe,
+    object_to_beside,
+    rows_beside,
+    tell_cases,
+)
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.netcdf import read_netcdf
-from spintop_figures.tables.table import Table, TableError, read_table
+from spintop_figures.tables.table import Table, TableError
 
 APART = 0.13
 """How far the two indices of a factor stand from its line; the factors are 1 apart."""
@@ -30,16 +35,14 @@ def object_to_indices(table: Table) -> str:
     """Indices were computed, and their table is there where it is looked for."""
     if table.setting("statistics.indices") != "sobol":
         return "has no Sobol' indices"
-    if table.path.suffix != ".nc" and not beside(table.path, "indices").exists():
-        return f"has no {beside(table.path, 'indices').name} beside it"
-    return ""
+    return object_to_beside(table, "indices")
 
 
 def indices_of(table: Table) -> pd.DataFrame:
     """A row for each column and factor: the indices, the ends of their intervals, the groups."""
     if table.path.suffix == ".nc":
         return indices_of_netcdf(table.path)
-    return read_table(beside(table.path, "indices")).rows
+    return rows_beside(table, "indices")
 
 
 def indices_of_netcdf(path: Path) -> pd.DataFrame:

@@ -89,9 +89,20 @@ def object_to_distributions(table: Table) -> str:
     """There are numbers, and their histograms where they are looked for."""
     if not gathered(table):
         return "has no column of numbers"
-    if table.path.suffix != ".nc" and not beside(table.path, "histogram").exists():
-        return f"has no {beside(table.path, 'histogram').name} beside it"
-    return ""
+    return object_to_beside(table, "histogram")
+
+
+def object_to_beside(table: Table, what: str) -> str:
+    """A table of histograms or indices belongs to that of the statistics."""
+    path = beside(table.path, what)
+    there = what in table.others if table.frame else path.exists()
+    return "" if there or table.path.suffix == ".nc" else f"has no {path.name} beside it"
+
+
+def rows_beside(table: Table, what: str) -> pd.DataFrame:
+    """The rows of the histograms or of the indices that belong to a table of statistics."""
+    other = table.others.get(what) or read_table(beside(table.path, what))
+    return other.rows
 
 
 def beside(path: Path, what: str) -> Path:
@@ -111,7 +122,7 @@ def distributions_of(table: Table) -> dict[str, Distribution]:
                 ends = variables[f"{column}_interval_bounds"].values.astype(float)
                 found[column] = Distribution(ends[:, 0], ends[:, 1], variable.values.astype(float))
         return found
-    rows = read_table(beside(table.path, "histogram")).rows
+    rows = rows_beside(table, "histogram")
     return {
         str(name): Distribution(*(part[key].to_numpy(float) for key in ("from", "to", "cases")))
         for name, part in rows.groupby("column", sort=False)

@@ -2,20 +2,16 @@
 
 import functools
 import re
-from pathlib import Path
 
 import pandas as pd
 
 from spintop_figures.tables.listed import listed
 
-COPY = Path(__file__).with_name("statuses.json")
-"""What `spintop list statuses --json` gave, for tables that are drawn without the program."""
-
 
 @functools.cache
 def good_ends() -> frozenset[str]:
     """The statuses of motions that were computed to their end."""
-    return frozenset(status["name"] for status in listed("statuses", COPY) if status["good"])
+    return frozenset(status["name"] for status in listed("statuses")["statuses"] if status["good"])
 
 
 def is_good_end(status: object) -> bool:

@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ from spintop_figures.tables.causes import TableError, spaces_in, wrong_separator
 from spintop_figures.tables.characters import printable
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
+LARGEST_INTEGER = 2.0**53
 LONGEST = 40
 """Characters of a cell that a message quotes at most."""
 
@@ -77,6 +78,16 @@ def read_rows(
             where = f"line {body[bad][0]}: '{cell}' in {printable(name)}"
             raise TableError(f"{where} is no number{cause}")
         rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
+    return rows
+
+
+def rows_of(columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    """The rows of columns in memory, as they are read from a file: whole numbers are integers."""
+    rows = pd.DataFrame(columns)
+    for name, values in columns.items():
+        is_number = values.dtype.kind == "f" and values.size
+        if is_number and (values % 1 == 0).all() and np.abs(values).max() < LARGEST_INTEGER:
+            rows[name] = values.astype(np.int64)
     return rows
 
 

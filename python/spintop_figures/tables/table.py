@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from spintop_figures.tables.characters import printable
 from spintop_figures.tables.ending import problem_of_cells, problem_of_text
 from spintop_figures.tables.names import unit_of_netcdf
 from spintop_figures.tables.netcdf import Attributes, Variable, along, cells_of, read_netcdf
-from spintop_figures.tables.rows import is_word, names_of, read_rows
+from spintop_figures.tables.rows import is_word, names_of, read_rows, rows_of
 from spintop_figures.tables.words import words_of
 
 NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
@@ -48,7 +48,8 @@ class Table:
     trajectory ended, `words` what a work-precision study says below its rows. Of a long sweep over
     one parameter only every `stride`-th row is kept, more than a figure can show. `note` is not
     empty if the table does not end with the number and the checksum of its rows, as this version
-    writes them.
+    writes them. Of a table in memory `frame` is the text of a file without the rows, and `others`
+    has the tables of its run by their names; those of a file are beside it.
     """
 
     path: Path
@@ -62,6 +63,8 @@ class Table:
     input: str = ""
     words: tuple[str, ...] = ()
     note: str = ""
+    frame: str = ""
+    others: Mapping[str, "Table"] = field(default_factory=dict, repr=False)
 
     @property
     def title(self) -> str:
@@ -230,6 +233,21 @@ def read_text_table(path: Path) -> Table:
         data = plain(path.read_bytes())
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
+    return table_of_text(path, data)
+
+
+def table_in_memory(
+    path: Path, frame: str, columns: Mapping[str, np.ndarray], others: Mapping[str, Table]
+) -> Table:
+    """A table in memory as if it were read from this file, the text of which is without rows."""
+    table = table_of_text(path, frame.encode("utf-8"), columns)
+    return replace(table, frame=frame, others=others)
+
+
+def table_of_text(
+    path: Path, data: bytes, columns: Mapping[str, np.ndarray] | None = None
+) -> Table:
+    """The table in a text; its rows are there, or else they are columns in memory."""
     text = data.decode("utf-8", errors="replace")
     lines = text.split("\n")
     first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
@@ -257,12 +275,16 @@ def read_text_table(path: Path) -> Table:
     if not body:
         raise TableError("is cut short: it names no columns")
     names = names_of(*body[0])
-    stride = stride_of(settings, names, len(body) - 1)
-    words = words_of(next(iter(settings.get("study.kind", ())), ""))
-    rows = read_rows(names, body[1::stride], words)
+    if columns is None:
+        stride = stride_of(settings, names, len(body) - 1)
+        words = words_of(next(iter(settings.get("study.kind", ())), ""))
+        rows = read_rows(names, body[1::stride], words)
+    else:
+        stride = stride_of(settings, names, len(columns[names[0]]))
+        rows = rows_of({name: columns[name][::stride] for name in names})
     if rows.empty and names[0] != EVENT:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
-    if problem := problem_of_text(data):
+    if problem := problem_of_text(data) if columns is None else "":
         raise TableError(problem + place_of(names, body[1:]))
     resolved = input_of(lines[:first])
     said = tuple(line[9:].strip() for line in last if line.startswith("in words:"))

@@ -1,11 +1,8 @@
 """What the registry of the program says of columns: their units, meanings, which hold words."""
 
 import functools
-import json
-from pathlib import Path
 
-COPY = Path(__file__).with_name("columns.json")
-"""What `spintop list columns --json` gave."""
+from spintop_figures.tables.listed import listed
 
 OF_PEERS = frozenset({"program"})
 """Columns of words that scripts/compare_peers adds to those of the program."""
@@ -14,7 +11,7 @@ OF_PEERS = frozenset({"program"})
 @functools.cache
 def registry() -> dict:
     """The registry of columns."""
-    return json.loads(COPY.read_text(encoding="utf-8"))
+    return listed("columns")
 
 
 def columns_of(study: str) -> dict[str, dict]:

@@ -56,7 +56,7 @@ contains
         logical :: is_whole
         integer :: row
 
-        call read_file(job%input%path, largest_table, text, error)
+        call read_file(job%input%path, largest_table, text, error, is_text=.true.)
         if (allocated(error)) return
         if (index(text, nl // '# status: ') == 0) call wrong%add('the table is cut short: it has no status')
         is_whole = index(text, nl // '# status: ok' // nl) > 0 .and. job%input%scene%stop_at == ''
@@ -86,7 +86,7 @@ contains
         logical :: is_part
         integer :: row
 
-        call read_file(job%input%path, largest_table, text, error)
+        call read_file(job%input%path, largest_table, text, error, is_text=.true.)
         if (allocated(error)) return
         call read_shard_line(first_line_of(text(:index(text, nl))), part, whole, is_part)
         if (.not. is_part) part = shard_t()

@@ -33,7 +33,7 @@ module spintop_sweep_table
     use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, start_table, describe_columns, cells_of_row, add_rows
+    public :: describe_table, start_table, describe_columns, make_head, cells_of_row, add_rows
 
     !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
@@ -90,10 +90,10 @@ contains
 
     !> The header of a table of a job with these columns.
     subroutine make_head(job, shard, columns, head)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(table_column_t), intent(in) :: columns(:)
-        character(:), allocatable, intent(out) :: head
+        type(job_t), intent(in) :: job !! the job
+        type(shard_t), intent(in) :: shard !! the part of the cases
+        type(table_column_t), intent(in) :: columns(:) !! one for each cell of a row
+        character(:), allocatable, intent(out) :: head !! ready to write
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:), header(:)
 

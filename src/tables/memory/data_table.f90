@@ -2,10 +2,10 @@
 module spintop_data_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
+    use spintop_files, only: read_file
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_table_column, only: column_t
-    use spintop_table_head, only: read_head
     use spintop_text, only: append, split, string_t
     implicit none
     private
@@ -19,12 +19,17 @@ module spintop_data_table
         type(string_t), allocatable :: words(:)
     end type data_column_t
 
+    !> Maximum size of the file of a table, bytes.
+    integer, parameter :: largest_table = 2**30 - 1
+
     !> A table.
     type :: data_table_t
-        !> What it is: `rows`, `events`, `statistics`.
+        !> What it is: `rows`, `events`, `statistics`, `histogram`, `indices`, `residuals`.
         character(16) :: name = ''
         integer(int64) :: rows = 0
         type(data_column_t), allocatable :: column(:)
+        !> The text of its file without the rows: header, names of the columns, and lines at the end such as the status.
+        character(:), allocatable :: frame
     end type data_table_t
 
 contains
@@ -36,15 +41,13 @@ contains
         type(data_table_t), intent(out) :: table !! the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_t) :: loaded
-        character(:), allocatable :: head
         type(string_t), allocatable :: lines(:)
         integer :: i
 
         call read_table(path, loaded, error)
+        if (.not. allocated(error)) call read_frame(path, table%frame, error)
         if (allocated(error)) return
-        call read_head(path, head, error)
-        if (allocated(error)) return
-        call split(head, new_line('a'), lines)
+        call split(table%frame, new_line('a'), lines)
         table%name = name
         allocate (table%column(size(loaded%names)))
         do i = 1, size(loaded%names)
@@ -56,6 +59,29 @@ contains
             end associate
         end do
     end subroutine load_table
+
+    !> Reads the lines of a table that are no rows.
+    subroutine read_frame(path, frame, error)
+        character(*), intent(in) :: path
+        character(:), allocatable, intent(out) :: frame
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: text
+        integer :: first, length
+        logical :: has_names, is_row
+
+        frame = ''
+        call read_file(path, largest_table, text, error, is_text=.true.)
+        first = 1
+        has_names = .false.
+        do while (first <= len(text))
+            length = index(text(first:), new_line('a'))
+            if (length == 0) length = len(text) - first + 1
+            is_row = has_names .and. text(first:first) /= '#'
+            if (.not. is_row) frame = frame // text(first:first + length - 1)
+            has_names = has_names .or. text(first:first) /= '#'
+            first = first + length
+        end do
+    end subroutine read_frame
 
     !> Finds unit and meaning of a column in the header: `#     name [unit]: meaning`, after the line `# columns:`.
     pure subroutine describe_column(lines, column)

@@ -1,8 +1,6 @@
 // Steady motion of a symmetric top: precession at a constant inclination and spin, and the sleeping top:
 // src/exact/steady_motion.f90.
 
-
-
 /**
  * Rates of steady precession at an inclination for a given axial angular velocity, rad/s: the roots of
  * I1 cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first. None below the smallest possible omega3, one
@@ -10,11 +8,6 @@
  */
 export function steadyRates(body, theta, omega3) {
   return precessionRoots(body.inertia1 * Math.cos(theta), body.inertia3 * omega3, body.mgl);
-}
-
-/** The same for a given spin rate psi', where omega3 = psi' + p cos(theta). */
-export function steadyRatesAtSpin(body, theta, spinRate) {
-  return precessionRoots((body.inertia1 - body.inertia3) * Math.cos(theta), body.inertia3 * spinRate, body.mgl);
 }
 
 /**

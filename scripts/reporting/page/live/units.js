@@ -1,6 +1,6 @@
 // Numbers with units, as one types them: "300 rpm", "20 deg", "3 g cm^2", "0,5".
 
-import { say } from "./language.js";
+import { say, spoken } from "./language.js";
 
 const [LENGTH, MASS, TIME, ANGLE] = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
 const DEGREE = Math.PI / 180;
@@ -31,9 +31,16 @@ function readUnit(text) {
   return { size, powers };
 }
 
+/** Thousands in groups, as one writes them in the language that is spoken: "1,500" or "1.500"; "1 500" in all. */
+function grouped() {
+  const mark = spoken() === "en" ? "," : ".";
+  return new RegExp(`^[+-]?[1-9]\\d{0,2}([${mark}\\s]\\d{3})+(?!\\d)`);
+}
+
 /** The number that a text means in a unit: `value`, or the `fault` of the text. */
 export function readQuantity(text, unit) {
-  const clean = text.trim().replace("\u2212", "-").replace(",", ".");
+  const signed = text.trim().replaceAll("\u2212", "-");
+  const clean = signed.replace(grouped(), (digits) => digits.replace(/[,.\s]/g, "")).replace(",", ".");
   const [number] = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?/i.exec(clean) ?? [];
   if (number === undefined) return { fault: say("fault_number") };
   const words = clean.slice(number.length);

@@ -1,0 +1,172 @@
+"""Figures and pages of results in Python: of what a result holds, without another run."""
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from unittest import mock
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "python")]
+
+subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
+
+import spintop  # noqa: E402
+from spintop import animation  # noqa: E402
+from spintop.library import library  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+
+mpl.use("agg")
+INPUTS = ROOT / "input"
+STUDIES = {
+    "slow_top_events": {"samples = 20001": "samples = 201"},
+    "certified_top": {},
+    "fit": {},
+    "random_tops": {},
+    "map_spin_tilt": {"count(1) = 100": "count(1) = 5", "count(2) = 100": "count(2) = 5"},
+    "spin_tilt_statistics": {"cases = 100000": "cases = 500"},
+    "nutation_indices": {"cases = 28672": "cases = 700"},
+}
+"""Inputs of all kinds but those with times, and what makes them quick."""
+WORK = """\
+&study kind = 'work_precision' /
+&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.866 /
+&initial theta_deg = 20 omega3 = 20 /
+&span t_end = 2 /
+&work_precision methods = 'rk2', 'rk4' steps = 1000, 2000, 4000 /
+"""
+
+
+@pytest.fixture
+def calls() -> Iterator[list[str]]:
+    """The calls of the library that compute something."""
+    made: list[str] = []
+    loaded = library()
+
+    def counted(name: str) -> object:
+        function = getattr(loaded, name)
+
+        def call(*arguments: object) -> object:
+            made.append(name)
+            return function(*arguments)
+
+        return mock.patch.object(loaded, name, call)
+
+    with counted("spintop_run"), counted("spintop_sweep"):
+        yield made
+
+
+def texts(figure: Figure) -> list[str]:
+    """All texts of a figure."""
+    return sorted(text.get_text() for text in figure.findobj(Text))
+
+
+def changed(name: str, folder: Path) -> Path:
+    """An input that is quicker."""
+    text = (INPUTS / f"{name}.nml").read_text(encoding="utf-8")
+    for old, new in STUDIES[name].items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / f"{name}.nml"
+    path.write_text(text, encoding="utf-8")
+    if name == "fit":
+        shutil.copy(INPUTS / "fit.csv", folder)
+    return path
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_as_files(name: str, folder: Path) -> None:
+    """The figures of a result are those of the files of the same run."""
+    path = changed(name, folder)
+    spintop.run(path, folder=folder / "files")
+    result = spintop.run(path)
+    for file in folder.glob("*"):  # the result needs none
+        if file.name != "files":
+            file.unlink()
+    drawn = result.plot()
+    files = sorted((folder / "files").glob("*.csv"))
+    wanted = {key: figure for file in files for key, figure in spintop.plot(file).items()}
+    assert drawn.keys() == wanted.keys() and drawn
+    for key, figure in wanted.items():
+        assert texts(drawn[key]) == texts(figure), key
+        (again,) = result.plot(key).values()
+        assert texts(again) == texts(figure), key
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_tables(name: str, folder: Path) -> None:
+    """A result has all tables that the run writes, each with the lines that are no rows."""
+    path = changed(name, folder)
+    kept = spintop.run(path, folder=folder / "files")
+    written = (folder / "files").glob("*.csv")
+    files = {file.stem.partition(".")[2] or "rows": file for file in written}
+    assert set(kept.tables) == set(files)
+    for key, table in kept.tables.items():
+        file = files[key]
+        lines = file.read_text(encoding="utf-8").splitlines()
+        first = next(i for i, line in enumerate(lines) if line[0] != "#")
+        assert table.frame.splitlines() == [
+            line for i, line in enumerate(lines) if i <= first or line[0] == "#"
+        ]
+        rows = read_table(file).rows
+        assert list(rows) == list(table)
+        for column in rows:
+            if rows[column].dtype != object:
+                np.testing.assert_array_equal(rows[column], np.ravel(table[column]), column)
+
+
+def test_one_run(calls: list[str], folder: Path) -> None:
+    """Figures and the page of a motion need no other call."""
+    groups = {
+        "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.8},
+        "initial": {"theta": 0.4, "omega3": 20},
+        "span": {"t_end": 2, "samples": 41},
+    }
+    result = spintop.run(groups)
+    assert "angles" in result.plot() and list(result.plot("trace")) == ["trace"]
+    page = "@TITLE@ @FACTS@ @ANCHOR@ @NAME@ @ROWS@ @DATA@"
+    with mock.patch.object(animation, "viewer", return_value=page):
+        assert "all 41 rows" in result.animate().page
+    assert calls == ["spintop_run"]
+
+
+def test_times(calls: list[str]) -> None:
+    """The times of a work-precision figure are those of the result."""
+    result = spintop.run(WORK)
+    axes = result.plot("precision_time")["precision_time"].axes[0]
+    drawn = {time for line in axes.lines if line.get_label()[0] != "_" for time in line.get_xdata()}
+    assert drawn == set(result["time_s"]) and calls == ["spintop_run"]
+
+
+def test_sweep_over_arrays(calls: list[str]) -> None:
+    """Its figures, too, over the parameters of the call."""
+    given = {
+        "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.8},
+        "initial": {"theta": 0.4},
+        "span": {"t_end": 2},
+        "output": {"columns": ["nutation_period", "force_max"]},
+    }
+    theta, spin = np.linspace(0.2, 1, 6)[:, None], np.linspace(10, 30, 5)
+    result = spintop.sweep(given, {"initial.theta": theta, "initial.omega3": spin})
+    assert "maps" in result.plot() and calls == ["spintop_sweep"]
+    with pytest.raises(TypeError, match="the table is no trajectory"):
+        result.animate()
+
+
+def test_what_has_no_figure() -> None:
+    """It is refused with a reason."""
+    top = spintop.Top(spintop.Body(mass=1, inertia=(0.9, 0.9, 0.3), length=0.5), theta=0.4)
+    with pytest.raises(TypeError, match="events of a top have no figures"):
+        top.events("theta = 0.5", 1.0).plot()
+    result = spintop.run(WORK)
+    for name, reason in (("pie", "there is no figure pie"), ("maps", "kind sweep: no maps figure")):
+        with pytest.raises(TableError, match=re.escape(reason)):
+            result.plot(name)

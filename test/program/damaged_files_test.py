@@ -11,6 +11,8 @@ sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
+from netCDF4 import Dataset  # noqa: E402
+
 from plot_case import (  # noqa: E402
     SCRIPTS,
     TableCase,
@@ -140,6 +142,24 @@ class TableTest(DamagedCase):
             self.check_words(str(caught.exception))
         with self.assertRaisesRegex(TableError, "no table of spintop"):
             read_table(self.put_bytes("a.nc", start + bytes(24)))
+
+    def test_small_netcdf(self) -> None:
+        """A file of any size is read; one that is cut anywhere is refused, or has no rows."""
+        path = self.folder / "a.nc"
+        for size in (1, 1000, 5000):
+            with Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as file:
+                file.program, file.format, file.options = "spintop 0.1.0", "1", "x" * size
+                file.createDimension("row", 2)
+                column = file.createVariable("theta", "f8", ("row",))
+                column.column = "theta"
+                column[:] = [1, 2]
+            with self.subTest(size=size):
+                self.assertEqual(list(read_table(path).rows["theta"]), [1, 2])
+                data = path.read_bytes()
+                for end in range(0, len(data) - 16, 31):
+                    with self.assertRaises(TableError) as caught:
+                        read_table(self.put_bytes("cut.nc", data[:end]))
+                    self.check_words(str(caught.exception))
 
     def test_every_cut(self) -> None:
         """A table that is cut anywhere is refused, or is a table still."""

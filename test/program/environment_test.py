@@ -17,13 +17,23 @@ MEASURED = re.compile(
 """Lines of a summary and of a header that differ from run to run."""
 
 
+DOCUMENTED = (
+    "STDIN_UNIT STDOUT_UNIT STDERR_UNIT UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS"
+    " OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT ERROR_BACKTRACE FORMATTED_BUFFER_SIZE"
+    " UNFORMATTED_BUFFER_SIZE"
+)
+"""The variables of the manual of gfortran, without their prefix."""
+
+
 def variables() -> list[str]:
-    """The variables that the library reads: their names are in it."""
-    name = subprocess.run(
-        ["gfortran", "-print-file-name=libgfortran.so"], check=True, capture_output=True, text=True
-    ).stdout.strip()
-    found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)\0", Path(name).read_bytes())
-    return sorted({each.decode() for each in found})
+    """The documented variables, and what else looks like one in the library of this compiler."""
+    names = {f"GFORTRAN_{name}" for name in DOCUMENTED.split()}
+    asked = ["gfortran", "-print-file-name=libgfortran.so"]
+    library = Path(subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip())
+    if library.is_file():  # there may be a static one alone
+        found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)(?=\0)", library.read_bytes())
+        names |= {name.decode() for name in found}
+    return sorted(names)
 
 
 class EnvironmentTest(ProgramCase):
@@ -60,8 +70,6 @@ class EnvironmentTest(ProgramCase):
         self.assertEqual({text.split("\n")[0] for text in expected.values()} & {"5", "-11"}, set())
         self.assertIn("sweep.csv", expected)
         names = variables()
-        self.assertIn("GFORTRAN_OPTIONAL_PLUS", names)
-        self.assertGreater(len(names), 5)
         settings = [{name: value} for name in names for value in ("y", "6")]
         for setting in [*settings, dict.fromkeys(names, "y"), dict.fromkeys(names, "1")]:
             with self.subTest(setting):

@@ -1,5 +1,6 @@
 """Reading NetCDF tables of spintop, classic or NetCDF-4, by the package netCDF4."""
 
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,17 +29,21 @@ def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:
             "is read by the Python package netCDF4, which is not installed: `pip install netCDF4`, "
             "in a checkout `.venv/bin/pip install --no-deps -r scripts/requirements_netcdf.txt`"
         ) from error
-    data = path.read_bytes()  # the library takes no name that is not in the encoding of the locale
-    if not data:
+    if path.stat().st_size == 0:
         raise TableError("is empty")
     try:
-        with Dataset("table.nc", memory=data) as file:
-            file.set_auto_maskandscale(False)
-            variables = {
-                name: Variable(each.dimensions, attributes_of(each), each[...])
-                for name, each in file.variables.items()
-            }
-            return attributes_of(file), variables
+        # The library takes no name that is not in the encoding of the locale, and cannot open
+        # every classic file in memory.
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder, "table.nc")
+            link.symlink_to(path.absolute())
+            with Dataset(link) as file:
+                file.set_auto_maskandscale(False)
+                variables = {
+                    name: Variable(each.dimensions, attributes_of(each), each[...])
+                    for name, each in file.variables.items()
+                }
+                return attributes_of(file), variables
     except (OSError, RuntimeError) as error:
         raise TableError("is no NetCDF file, or is damaged or cut short") from error
 

@@ -157,6 +157,8 @@ def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Var
     if "all_cases" in variables:
         return table_of_statistics(path, header, settings, variables, resolved)
     columns = {printable(each.attributes["column"]): each for each in variables.values()}
+    if not columns:
+        raise TableError("has no columns")
     grid = columns.get("case", next(iter(columns.values())))
     status = header.pop("status", None)
     if grid.values.size == 0:

@@ -69,7 +69,7 @@ module spintop_certificate
     integer, parameter :: most_proof_bits = 16384
     !> Numbers that describe a motion in balls.h; how many of them may have radii: the first. Those from `first_of_any` on are of
     !> bodies without closed form: the centre of mass and damping.
-    integer, parameter :: data_count = 62, radius_count = 26, first_of_any = 21, length_number = 5
+    integer, parameter :: data_count = 64, radius_count = 26, first_of_any = 21, length_number = 5
     !> How the start and the body are given, as sums of these numbers of balls.h.
     integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0], &
         any_body = 64
@@ -165,7 +165,7 @@ contains
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        real(dp) :: numbers(data_count), rate(3)
+        real(dp) :: numbers(data_count), rate(3), frame(3)
         type(effects_t) :: effects
         type(harmonic_t) :: in_body, in_space
         rate = start%rate
@@ -174,12 +174,14 @@ contains
         if (allocated(body%effects)) effects = body%effects
         if (allocated(effects%harmonic_body)) in_body = effects%harmonic_body
         if (allocated(effects%harmonic_space)) in_space = effects%harmonic_space
+        frame = merge(0.0_dp, effects%frame_rate, abs(effects%earth_rate) > 0) ! which latitude and rate give
         numbers = [body%inertia(mod(axis, 3) + 1), body%inertia(axis), body%mass, body%gravity, body%centre_of_mass(axis), &
                    start%angle, rate, body%inertia(2), start%omega, start%quaternion, &
-                   effects%rotor_momentum(axis), body%centre_of_mass, body%damping, effects%frame_rate, effects%rotor_momentum, &
+                   effects%rotor_momentum(axis), body%centre_of_mass, body%damping, frame, effects%earth_rate, &
+                   effects%latitude, effects%rotor_momentum, &
                    effects%rotor_torque, effects%torque_body, effects%torque_space, effects%vibration_amplitude, &
-                   effects%vibration_phase, effects%vibration_rate, in_body%even, in_body%odd, in_body%rate, in_space%even, &
-                   in_space%odd, in_space%rate]
+                   effects%vibration_phase, effects%vibration_rate, in_body%amplitude, in_body%phase, in_body%rate, &
+                   in_space%amplitude, in_space%phase, in_space%rate]
     end function numbers_of
 
     !> How the motion is given, for balls.h.

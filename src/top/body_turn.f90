@@ -151,7 +151,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(body_t), intent(out) :: turned !! the same in its principal axes
         real(dp), intent(out), optional :: rotation(4) !! unit quaternion p
-        real(dp) :: p(4)
+        real(dp) :: p(4), even(3), odd(3)
         integer :: i, k
         turned = body
         call find_principal_axes(body%inertia, body%products, turned%inertia, p)
@@ -166,8 +166,12 @@ contains
             effects%torque_body = in_principal_axes(p, effects%torque_body)
             effects%friction_axis = in_principal_axes(p, effects%friction_axis)
             if (allocated(effects%harmonic_body)) then
-                effects%harmonic_body%even = in_principal_axes(p, effects%harmonic_body%even)
-                effects%harmonic_body%odd = in_principal_axes(p, effects%harmonic_body%odd)
+                associate (of => effects%harmonic_body)
+                    even = in_principal_axes(p, of%amplitude * cos(of%phase))
+                    odd = in_principal_axes(p, of%amplitude * sin(of%phase))
+                    of%amplitude = hypot(even, odd)
+                    of%phase = atan2(odd, even)
+                end associate
             end if
             if (.not. allocated(effects%table) .or. effects%table_in_space) return
             do i = 1, size(effects%table%coefficient, 3)

@@ -6,12 +6,11 @@ module spintop_effects
     use spintop_torque_table, only: torque_table_t
     implicit none
     private
-    public :: effects_t, harmonic_t, earth_rotation
+    public :: effects_t, harmonic_t
 
-    !> A vector over time, even cos(rate t) - odd sin(rate t): with a_i cos(f_i) and a_i sin(f_i) as components of `even` and
-    !> `odd` its components are a_i cos(rate t + f_i).
+    !> A vector over time with the components amplitude cos(rate t + phase).
     type :: harmonic_t
-        real(dp) :: even(3) = 0, odd(3) = 0
+        real(dp) :: amplitude(3) = 0, phase(3) = 0
         !> Angular frequency, rad/s.
         real(dp) :: rate = 1
     contains
@@ -37,6 +36,8 @@ module spintop_effects
         real(dp) :: vibration_amplitude(3) = 0, vibration_rate = 1, vibration_phase(3) = 0
         !> Angular velocity of the frame in space axes, rad/s: that of the Earth.
         real(dp) :: frame_rate(3) = 0
+        !> The rate, rad/s, and the latitude from which it was rounded (`turn_with_earth`); 0 if it is given itself.
+        real(dp) :: earth_rate = 0, latitude = 0
         !> Angular momentum of the rotor in body axes at the start, J s, and the torque that drives it, N m.
         real(dp) :: rotor_momentum(3) = 0, rotor_torque(3) = 0
         !> Constant torques in body and in space axes, N m.
@@ -59,6 +60,7 @@ module spintop_effects
         procedure :: shifts_angles
         procedure :: friction_by_table
         procedure :: slack_of_spin
+        procedure :: turn_with_earth
     end type effects_t
 
 contains
@@ -164,24 +166,27 @@ contains
         class(harmonic_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: vector(3)
-        vector = self%even * cos(self%rate * t) - self%odd * sin(self%rate * t)
+        vector = self%amplitude * cos(self%rate * t + self%phase)
     end function harmonic_at
 
     !> Whether a vector over time, if there is one, has finite numbers.
     pure logical function is_finite_harmonic(harmonic)
         type(harmonic_t), allocatable, intent(in) :: harmonic
         is_finite_harmonic = .true.
-        if (allocated(harmonic)) is_finite_harmonic = all(is_finite([harmonic%even, harmonic%odd, harmonic%rate]))
+        if (allocated(harmonic)) is_finite_harmonic = all(is_finite([harmonic%amplitude, harmonic%phase, harmonic%rate]))
     end function is_finite_harmonic
 
-    !> Angular velocity of the Earth in axes that point east, north and up, rad/s. At a pole it is vertical.
-    pure function earth_rotation(rate, latitude) result(rotation)
+    !> Turns the frame with the Earth; its axes point east, north and up. At a pole its rotation is vertical.
+    pure subroutine turn_with_earth(self, rate, latitude)
+        class(effects_t), intent(inout) :: self
         real(dp), intent(in) :: rate, latitude !! rad/s; rad
-        real(dp) :: rotation(3)
-        rotation = rate * [0.0_dp, cos(latitude), sin(latitude)]
-        if (abs(latitude) >= pi / 2 * (1 - epsilon(latitude))) then
-            rotation = rate * [0.0_dp, 0.0_dp, sign(1.0_dp, latitude)]
-        end if
-    end function earth_rotation
+        self%frame_rate = rate * [0.0_dp, 0.0_dp, sign(1.0_dp, latitude)]
+        self%earth_rate = 0
+        self%latitude = 0
+        if (abs(latitude) >= pi / 2 * (1 - epsilon(latitude))) return
+        self%frame_rate = rate * [0.0_dp, cos(latitude), sin(latitude)]
+        self%earth_rate = rate
+        self%latitude = latitude
+    end subroutine turn_with_earth
 
 end module spintop_effects

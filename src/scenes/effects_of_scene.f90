@@ -41,7 +41,7 @@ contains
         call read_harmonic_torque('torque_space', scene%torque_space_amplitude, scene%torque_space_rate, &
                                   scene%torque_space_phase, scene%torque_space_phase_deg, effects%harmonic_space, problems)
         call read_torque_table(scene, effects, problems)
-        if (problems%any() .or. .not. effects%is_any()) return
+        if (problems%any() .or. effects%acting() == 0) return
         principal = body
         if (body%has_products()) then
             call turn_to_principal_axes(body, principal)

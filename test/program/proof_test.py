@@ -67,6 +67,16 @@ AXIAL = """\
 &effects torque_body_amplitude = 0, 0, 0.5, torque_body_rate = 3, torque_body_phase = 0, 0, 1 /
 """
 OMEGA3 = "2.88824541765288390984435771987e-07"
+# Friction by a table without a dry part slows the top down.
+FRICTION = """\
+&study kind = 'trajectory' /
+&top mass = 1, inertia = 0.02, 0.02, 0.01, length = 0.1 /
+&initial theta_deg = 20, omega3 = 100 /
+&effects friction_table = 'friction.csv' /
+&span t_end = 2, samples = 3 /
+&integration method = 'dop853', relative_tolerance = 1e-12 /
+&output columns = 't', 'theta', 'theta_bound', 'omega3', 'omega3_bound', 'proof' /
+"""
 MISSING = "this build has no FLINT, which certifies digits"
 
 
@@ -132,6 +142,24 @@ class ProofTest(ProgramCase):
             self.bounds_hold("theta", digits, "integration.method=taylor_quadruple")
         self.write(AXIAL)
         self.bounds_hold("omega3", [OMEGA3], "output.certified=.true.")
+
+    def test_friction_by_a_table_is_not_enclosed(self) -> None:
+        """A motion that it slows down is not certified as one that it does not."""
+        rows = "omega3,friction_torque\n0,0\n50,0.01\n200,0.05\n"
+        (self.folder / "friction.csv").write_text(rows)
+        scene = self.write(FRICTION)
+        table = self.compute(scene, "output.certified=.true.")
+        self.assertEqual(table.texts("proof"), ["unproved"] * 3)
+        self.assertEqual({float(bound) for bound in table.texts("omega3_bound")}, {math.inf})
+        self.assertLess(float(table.texts("omega3")[2]), 96)
+        (self.folder / "output/friction.csv").write_text(rows)
+        self.assertIn("0 numbers proved, 6 unproved, 0 wrong", self.verify())
+        sweep = FRICTION.replace("trajectory", "sweep").replace(", samples = 3", "")
+        sweep = sweep.split("&output")[0] + (
+            "&output columns = 'psi_end', 'psi_end_bound', 'proof' certified = .true. /\n"
+            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 90, 100 /\n"
+        )
+        self.assertEqual(self.compute(self.write(sweep)).texts("proof"), ["unproved"] * 2)
 
     def test_bounds_of_the_exact_solution(self) -> None:
         table = self.compute(self.top, f"output.columns={BOUNDS}")

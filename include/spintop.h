@@ -149,7 +149,7 @@ spintop_result *spintop_sweep(const char *input, int parameter_count, const char
  * stride of 0 is one value for all tops. Strides are not negative.
  * Quantities, n each: theta_min, theta_max, delta_u, nutation_period, precession_per_nutation, precession_rate,
  * phi_rate_max; theta_end, phi_end, psi_end, theta_rate_end, energy_error (motion at t_end). They are those of the
- * columns of a sweep, with the same bits.
+ * columns of a sweep, with the same bits. A name is given once.
  * `status` (may be NULL) is 0 for a top that was computed; the quantities of others are NaN. Returns a code. */
 int spintop_tops(long long n, int given_count, const char *const *given_names, const double *const *given,
                  const long long *strides, int wanted_count, const char *const *wanted_names, double *const *wanted,

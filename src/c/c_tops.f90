@@ -132,7 +132,7 @@ contains
         end do
     end subroutine check
 
-    !> Finds arrays by their names among the known ones.
+    !> Finds arrays by their names among the known ones, each of which may be there once.
     subroutine find_arrays(count, names, known, arrays, problem)
         integer(c_int), intent(in) :: count
         type(c_ptr), intent(in) :: names
@@ -149,8 +149,12 @@ contains
         call read_c_texts(names, size(arrays), texts)
         do i = 1, count
             arrays(i)%place = findloc(known == texts(i)%text, .true., dim=1)
-            if (arrays(i)%place > 0) cycle
             name = texts(i)%text
+            if (any(arrays(:i - 1)%place == arrays(i)%place)) then
+                problem = error_t(exit_input, "'" // trim(name) // "' is given twice")
+                return
+            end if
+            if (arrays(i)%place > 0) cycle
             if (len(texts(i)%text) > name_length) name(name_length - 2:) = '...'
             problem = error_t(exit_input, "'" // trim(name) // "' is none of " // trim(known(1)))
             do k = 2, size(known)

@@ -37,6 +37,28 @@ static void read_vector(arb_ptr v, const top_data *data, int first) {
     for (i = 0; i < 3; i++) ball_datum(v + i, data, first + i);
 }
 
+// The frame; its axes point east, north and up.
+static void read_frame(arb_ptr frame, const top_data *data, slong bits) {
+    arb_ptr w = _arb_vec_init(4), rate = w, latitude = w + 1, sine = w + 2, cosine = w + 3;
+    read_vector(frame, data, FRAME), ball_datum(rate, data, EARTH_RATE), ball_datum(latitude, data, LATITUDE);
+    arb_sin_cos(sine, cosine, latitude, bits);
+    arb_addmul(frame + 1, rate, cosine, bits), arb_addmul(frame + 2, rate, sine, bits);
+    _arb_vec_clear(w, 4);
+}
+
+// A swing a cos(W t + f) as a cos f, which is the factor of cos W t, and -a sin f.
+static void read_swing(arb_ptr z, arb_t rate, const top_data *data, int first, slong bits) {
+    arb_t number;
+    int i;
+    arb_init(number), ball_datum(rate, data, first + 6);
+    for (i = 0; i < 3; i++) {
+        ball_datum(number, data, first + 3 + i), arb_sin_cos(z + 3 + i, z + i, number, bits);
+        ball_datum(number, data, first + i), arb_mul(z + i, z + i, number, bits);
+        arb_neg(number, number), arb_mul(z + 3 + i, z + 3 + i, number, bits);
+    }
+    arb_clear(number);
+}
+
 // The body, and what acts on it: in space axes the force m (g z + z'') on the centre of mass, and a torque; a torque in body
 // axes.
 typedef struct {
@@ -95,12 +117,12 @@ static void find_shake(const load *l, arb_srcptr z, arb_srcptr other, int side, 
 // The coefficients, in seconds.
 static void find_coefficients(ball_field *f, const top_data *data) {
     const slong bits = f->bits;
-    arb_ptr w = _arb_vec_init(35), rotor = w + 22, drive = w + 25, z = w + 28, angle = w + 34;
+    arb_ptr w = _arb_vec_init(34), rotor = w + 22, drive = w + 25, z = w + 28;
     const load l = {w, w + 3, w + 4, w + 7, w + 10, w + 13, w + 16, w + 19};
     int i, n;
     ball_datum(l.inertia, data, INERTIA1), ball_datum(l.inertia + 1, data, INERTIA2), ball_datum(l.inertia + 2, data, INERTIA3);
     ball_datum(l.mass, data, MASS), read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
-    read_vector(l.frame, data, FRAME), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
+    read_frame(l.frame, data, bits), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
     for (i = 0; i < 3; i++) {
         arb_sub(f->coupling + i, l.inertia + (i + 1) % 3, l.inertia + (i + 2) % 3, bits);
         arb_div(f->coupling + i, f->coupling + i, l.inertia + i, bits);
@@ -111,24 +133,15 @@ static void find_coefficients(ball_field *f, const top_data *data) {
     read_vector(l.couple, data, TORQUE_SPACE), read_vector(l.torque, data, TORQUE_BODY);
     for (i = 0; i < 3; i++) arb_sub(l.torque + i, l.torque + i, drive + i, bits);
     add_forms(f, 0, &l), add_gyro(f, 0, rotor, &l), add_gyro(f, 1, drive, &l);
-    // The pivot, a cos(W t + phase).
-    _arb_vec_zero(l.couple, 3), _arb_vec_zero(l.torque, 3), ball_datum(f->rate, data, SWING_RATE);
-    for (i = 0; i < 3; i++) {
-        ball_datum(angle, data, SWING_PHASE + i), arb_sin_cos(z + 3 + i, z + i, angle, bits);
-        ball_datum(angle, data, SWING + i), arb_mul(z + i, z + i, angle, bits);
-        arb_neg(angle, angle), arb_mul(z + 3 + i, z + 3 + i, angle, bits);
-    }
+    // The pivot.
+    _arb_vec_zero(l.couple, 3), _arb_vec_zero(l.torque, 3), read_swing(z, f->rate, data, SWING, bits);
     for (n = 0; n < 2; n++) find_shake(&l, z + 3 * n, z + 3 - 3 * n, n ? -1 : 1, f->rate, bits), add_forms(f, 2 + n, &l);
-    // Harmonic torques, even cos - odd sin.
-    _arb_vec_zero(l.force, 3), ball_datum(f->rate + 1, data, HARMONIC_BODY + 6),
-        ball_datum(f->rate + 2, data, HARMONIC_SPACE + 6);
-    for (n = 0; n < 4; n++) {
-        arb_ptr torque = n < 2 ? l.torque : l.couple;
-        _arb_vec_zero(l.torque, 3), read_vector(torque, data, (n < 2 ? HARMONIC_BODY : HARMONIC_SPACE) + 3 * (n % 2));
-        if (n % 2) _arb_vec_neg(torque, torque, 3);
-        add_forms(f, 4 + n, &l);
-    }
-    _arb_vec_clear(w, 35);
+    // Harmonic torques.
+    _arb_vec_zero(l.force, 3), read_swing(z, f->rate + 1, data, HARMONIC_BODY, bits);
+    for (n = 0; n < 2; n++) _arb_vec_set(l.torque, z + 3 * n, 3), add_forms(f, 4 + n, &l);
+    _arb_vec_zero(l.torque, 3), read_swing(z, f->rate + 2, data, HARMONIC_SPACE, bits);
+    for (n = 0; n < 2; n++) _arb_vec_set(l.couple, z + 3 * n, 3), add_forms(f, 6 + n, &l);
+    _arb_vec_clear(w, 34);
 }
 
 // Everything in units of time, 2^-unit s.

@@ -9,12 +9,14 @@
 
 // clang-format off: a line for each name would not help.
 
-// The numbers of a motion, in the order in which certificate.f90 gives them.
+// The numbers of a motion, in the order in which certificate.f90 gives them. The frame turns with FRAME and as the Earth does
+// at a latitude. A swing has three amplitudes, three phases and a rate.
 enum { INERTIA1, INERTIA3, MASS, GRAVITY, LENGTH, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, INERTIA2,
        OMEGA1, OMEGA2, OMEGA3, QUATERNION, ROTOR = QUATERNION + 4,
-       CENTRE, DAMPING = CENTRE + 3, FRAME = DAMPING + 3, ROTORS = FRAME + 3, ROTOR_DRIVE = ROTORS + 3,
-       TORQUE_BODY = ROTOR_DRIVE + 3, TORQUE_SPACE = TORQUE_BODY + 3, SWING = TORQUE_SPACE + 3, SWING_PHASE = SWING + 3,
-       SWING_RATE = SWING_PHASE + 3, HARMONIC_BODY, HARMONIC_SPACE = HARMONIC_BODY + 7, DATA = HARMONIC_SPACE + 7 };
+       CENTRE, DAMPING = CENTRE + 3, FRAME = DAMPING + 3, EARTH_RATE = FRAME + 3, LATITUDE,
+       ROTORS, ROTOR_DRIVE = ROTORS + 3,
+       TORQUE_BODY = ROTOR_DRIVE + 3, TORQUE_SPACE = TORQUE_BODY + 3,
+       SWING = TORQUE_SPACE + 3, HARMONIC_BODY = SWING + 7, HARMONIC_SPACE = HARMONIC_BODY + 7, DATA = HARMONIC_SPACE + 7 };
 // Which of them say how it starts, that it is free, that it is a top about body x or y, and that it is any body.
 enum { BY_OMEGA3 = 1, BY_OMEGA = 2, BY_QUATERNION = 4, FREE_BODY = 8, AXIS_X = 16, AXIS_Y = 32, ANY_BODY = 64,
        GIVEN_OTHERWISE = BY_OMEGA | BY_QUATERNION | AXIS_X | AXIS_Y };
@@ -31,13 +33,9 @@ enum { PROVED, TOO_WIDE, NO_ANGLES, NO_PERIOD, NOT_PERIODIC, UNDECIDED_SIGN, UND
 #if SPINTOP_FLINT >= 3
 #include <flint/acb.h>
 #include <flint/acb_elliptic.h>
-#include <flint/acb_modular.h>
-#include <flint/acb_poly.h>
 #else
 #include <acb.h>
 #include <acb_elliptic.h>
-#include <acb_modular.h>
-#include <acb_poly.h>
 #endif
 
 // Data of a motion: value and radius of each number, and how the start and the body are given. SPIN is psi', or

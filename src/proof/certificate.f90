@@ -14,7 +14,8 @@ module spintop_certificate
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite, is_zero
-    use spintop_effects, only: effects_t, harmonic_t
+    use spintop_effects, only: effect_drive, effect_frame, effect_harmonic, effect_lift, effect_rotor, &
+        effect_shake, effect_torque, effects_t, harmonic_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     implicit none
@@ -23,7 +24,7 @@ module spintop_certificate
     public :: proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_of_phi, proof_of_psi
     public :: proof_of_period, proof_of_precession, proof_of_orientation, proof_of_momentum_period, proof_of_momentum_turn
     public :: proof_of_omega1, proof_of_omega3, proof_count, proof_names
-    public :: proved, proof_words, proof_reasons, last_reason, most_proof_bits, radius_count
+    public :: proved, proof_words, proof_reasons, last_reason, radius_count, ball_effects
 
     !> The quantities that have bounds, in the order of balls.h.
     integer, parameter :: proof_of_q0 = 1, proof_of_q1 = 2, proof_of_q2 = 3, proof_of_q3 = 4, proof_of_theta = 5, &
@@ -52,7 +53,7 @@ module spintop_certificate
         'the motion takes too many steps', &
         'periods are proved of symmetric tops without damping and of free bodies only', &
         'this build has no FLINT', &
-        'dry friction, drag of the air and tables of torques are not enclosed', &
+        'dry friction, drag of the air and tables of friction or torques are not enclosed', &
         'the body axes are not principal axes', &
         'the radii are not those of the numbers that give the start', &
         'a moment of inertia is zero, or a number is not finite', &
@@ -69,7 +70,10 @@ module spintop_certificate
     integer, parameter :: most_proof_bits = 16384
     !> Numbers that describe a motion in balls.h; how many of them may have radii: the first. Those from `first_of_any` on are of
     !> bodies without closed form: the centre of mass and damping.
-    integer, parameter :: data_count = 62, radius_count = 26, first_of_any = 21, length_number = 5
+    integer, parameter :: data_count = 64, radius_count = 26, first_of_any = 21, length_number = 5
+    !> The effects that the equations in balls have: those whose equations are polynomials.
+    integer, parameter :: ball_effects = effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque &
+        + effect_harmonic
     !> How the start and the body are given, as sums of these numbers of balls.h.
     integer, parameter :: by_omega3 = 1, by_omega = 2, by_quaternion = 4, free_body = 8, about_axis(3) = [16, 32, 0], &
         any_body = 64
@@ -165,7 +169,7 @@ contains
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         integer, intent(in) :: axis
-        real(dp) :: numbers(data_count), rate(3)
+        real(dp) :: numbers(data_count), rate(3), frame(3)
         type(effects_t) :: effects
         type(harmonic_t) :: in_body, in_space
         rate = start%rate
@@ -174,12 +178,14 @@ contains
         if (allocated(body%effects)) effects = body%effects
         if (allocated(effects%harmonic_body)) in_body = effects%harmonic_body
         if (allocated(effects%harmonic_space)) in_space = effects%harmonic_space
+        frame = merge(0.0_dp, effects%frame_rate, abs(effects%earth_rate) > 0) ! which latitude and rate give
         numbers = [body%inertia(mod(axis, 3) + 1), body%inertia(axis), body%mass, body%gravity, body%centre_of_mass(axis), &
                    start%angle, rate, body%inertia(2), start%omega, start%quaternion, &
-                   effects%rotor_momentum(axis), body%centre_of_mass, body%damping, effects%frame_rate, effects%rotor_momentum, &
+                   effects%rotor_momentum(axis), body%centre_of_mass, body%damping, frame, effects%earth_rate, &
+                   effects%latitude, effects%rotor_momentum, &
                    effects%rotor_torque, effects%torque_body, effects%torque_space, effects%vibration_amplitude, &
-                   effects%vibration_phase, effects%vibration_rate, in_body%even, in_body%odd, in_body%rate, in_space%even, &
-                   in_space%odd, in_space%rate]
+                   effects%vibration_phase, effects%vibration_rate, in_body%amplitude, in_body%phase, in_body%rate, &
+                   in_space%amplitude, in_space%phase, in_space%rate]
     end function numbers_of
 
     !> How the motion is given, for balls.h.
@@ -232,15 +238,12 @@ contains
     pure logical function is_top_about(body, axis)
         type(body_t), intent(in) :: body
         integer, intent(in) :: axis
-        type(effects_t) :: others
         integer :: next, last
         next = mod(axis, 3) + 1
         last = mod(next, 3) + 1
         is_top_about = is_equal(body%inertia(next), body%inertia(last)) .and. all(is_zero(body%centre_of_mass([next, last])))
-        if (.not. allocated(body%effects)) return
-        others = body%effects
-        others%rotor_momentum(axis) = 0
-        is_top_about = is_top_about .and. .not. others%is_any()
+        if (is_top_about .and. allocated(body%effects)) is_top_about = body%effects%only(effect_rotor) &
+            .and. all(is_zero(body%effects%rotor_momentum([next, last])))
     end function is_top_about
 
     !> Why the motion cannot be enclosed; `proved` if it can.
@@ -254,10 +257,7 @@ contains
             .or. (.not. start%gives_omega .and. any(radius(13:15) > 0))) reason = other_radii
         if (body%has_products()) reason = no_principal_axes
         if (allocated(body%effects)) then
-            associate (effects => body%effects)
-                if (effects%has_friction() .or. effects%drag_force > 0 .or. any(effects%drag_moment > 0) &
-                    .or. allocated(effects%table)) reason = not_polynomial
-            end associate
+            if (.not. body%effects%only(ball_effects)) reason = not_polynomial
         end if
         if (.not. all(is_finite(numbers_of(body, start, axis_of(body))))) reason = no_numbers
         if (.not. (all(body%inertia > 0) .or. (has_form .and. body%is_symmetric()))) reason = no_numbers

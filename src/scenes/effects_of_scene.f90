@@ -4,7 +4,7 @@ module spintop_effects_of_scene
     use spintop_body_of_scene, only: check_axes
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_compare, only: is_zero
-    use spintop_effects, only: earth_rotation, effects_t, harmonic_t
+    use spintop_effects, only: effects_t, harmonic_t
     use spintop_kinds, only: degree, dp
     use spintop_loads, only: friction_jams
     use spintop_parameters, only: given, is_set
@@ -41,7 +41,7 @@ contains
         call read_harmonic_torque('torque_space', scene%torque_space_amplitude, scene%torque_space_rate, &
                                   scene%torque_space_phase, scene%torque_space_phase_deg, effects%harmonic_space, problems)
         call read_torque_table(scene, effects, problems)
-        if (problems%any() .or. .not. effects%is_any()) return
+        if (problems%any() .or. effects%acting() == 0) return
         principal = body
         if (body%has_products()) then
             call turn_to_principal_axes(body, principal)
@@ -170,7 +170,7 @@ contains
         real(dp) :: angle(3)
         call read_swing(name, 'the harmonic torque', amplitude, rate, phase, phase_deg, angle, problems)
         if (all(is_zero(given(amplitude))) .or. .not. is_set(rate)) return
-        harmonic = harmonic_t(given(amplitude) * cos(angle), given(amplitude) * sin(angle), rate)
+        harmonic = harmonic_t(given(amplitude), angle, rate)
     end subroutine read_harmonic_torque
 
     !> The phases of what has amplitudes, a rate and phases, which must be given together.
@@ -216,7 +216,7 @@ contains
                                   'give it either in radians or in degrees')
             end if
         end if
-        effects%frame_rate = earth_rotation(given(scene%earth_rate), latitude)
+        call effects%turn_with_earth(given(scene%earth_rate), latitude)
         if (is_set(scene%earth_rate) .neqv. (is_set(scene%latitude) .or. is_set(scene%latitude_deg))) then
             if (is_set(scene%earth_rate)) then
                 call problems%add('effects.earth_rate', 'the rotation of the Earth needs a latitude', &

@@ -6,8 +6,8 @@
 !> P contains the constant momentum h of a rotor. The method is that of `spintop_tangent_flow`.
 module spintop_driven_flow
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite, is_zero
-    use spintop_effects, only: effects_t
+    use spintop_compare, only: is_finite
+    use spintop_effects, only: effect_lift, effect_rotor, effects_t
     use spintop_euler_poisson, only: state_units
     use spintop_kinds, only: dp, pi
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_limit, status_step_too_small
@@ -23,14 +23,8 @@ contains
     pure logical function is_driven(body)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         is_driven = .false.
-        if (.not. allocated(body%effects)) return
-        associate (acts => body%effects)
-            is_driven = .not. (acts%has_friction() .or. acts%drag_force > 0) &
-                .and. .not. (allocated(acts%table) .or. allocated(acts%friction_table) .or. acts%is_harmonic()) &
-                .and. .not. is_zero(acts%vibration_amplitude(3)) .and. acts%vibration_rate > 0 &
-                .and. all(is_zero([acts%vibration_amplitude(1:2), acts%drag_moment, acts%frame_rate, acts%rotor_torque, &
-                                   acts%torque_body, acts%torque_space]))
-        end associate
+        if (allocated(body%effects)) is_driven = body%effects%only(effect_lift + effect_rotor) &
+            .and. .not. body%effects%only(effect_rotor) .and. body%effects%vibration_rate > 0
     end function is_driven
 
     !> The period of such a vibration, s; 0 for other bodies.

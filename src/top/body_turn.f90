@@ -14,12 +14,16 @@ module spintop_body_turn
         angles_from_quaternion, rates_from_omega, to_space
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
+    use spintop_effects, only: effect_axial_rotor, effect_upright_frame
     use spintop_given_axes, only: given_axes_t, unshifted
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_principal_axes, only: clear_rounding, find_principal_axes
     implicit none
     private
-    public :: body_turn_t, find_body_turn, turn_to_principal_axes
+    public :: body_turn_t, find_body_turn, turn_to_principal_axes, shift_effects
+
+    !> The effects on a symmetric top about body z that only add constants to the rates of phi and psi.
+    integer, parameter :: shift_effects = effect_upright_frame + effect_axial_rotor
 
     !> A rotation of the body axes by a quaternion p: the vector v becomes p v conj(p).
     type :: body_turn_t
@@ -99,7 +103,7 @@ contains
         type(body_t) :: turned
         turn = rotation
         turned = rotation%turned_body(body)
-        if (.not. turned%effects%shifts_angles()) return
+        if (.not. turned%effects%only(shift_effects)) return
         turn%phi_shift = turned%effects%frame_rate(3)
         turn%psi_shift = turned%effects%rotor_momentum(3) / turned%inertia(3)
     end function with_shifts
@@ -137,12 +141,7 @@ contains
         turned%damping = cshift(turned%damping, self%axis)
         turned%centre_of_mass = reordered(self, turned%centre_of_mass)
         if (.not. allocated(turned%effects)) return
-        associate (effects => turned%effects)
-            effects%drag_moment = cshift(effects%drag_moment, self%axis)
-            effects%rotor_momentum = reordered(self, effects%rotor_momentum)
-            effects%rotor_torque = reordered(self, effects%rotor_torque)
-            effects%torque_body = reordered(self, effects%torque_body)
-        end associate
+        turned%effects%rotor_momentum = reordered(self, turned%effects%rotor_momentum)
     end function turned_body
 
     !> A body in its principal axes, and the rotation to them: the vector v becomes p v conj(p). Its damping, and the moment
@@ -151,7 +150,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(body_t), intent(out) :: turned !! the same in its principal axes
         real(dp), intent(out), optional :: rotation(4) !! unit quaternion p
-        real(dp) :: p(4)
+        real(dp) :: p(4), even(3), odd(3)
         integer :: i, k
         turned = body
         call find_principal_axes(body%inertia, body%products, turned%inertia, p)
@@ -166,8 +165,12 @@ contains
             effects%torque_body = in_principal_axes(p, effects%torque_body)
             effects%friction_axis = in_principal_axes(p, effects%friction_axis)
             if (allocated(effects%harmonic_body)) then
-                effects%harmonic_body%even = in_principal_axes(p, effects%harmonic_body%even)
-                effects%harmonic_body%odd = in_principal_axes(p, effects%harmonic_body%odd)
+                associate (of => effects%harmonic_body)
+                    even = in_principal_axes(p, of%amplitude * cos(of%phase))
+                    odd = in_principal_axes(p, of%amplitude * sin(of%phase))
+                    of%amplitude = hypot(even, odd)
+                    of%phase = atan2(odd, even)
+                end associate
             end if
             if (.not. allocated(effects%table) .or. effects%table_in_space) return
             do i = 1, size(effects%table%coefficient, 3)

@@ -1,17 +1,31 @@
 !> Effects on a body beside gravity and viscous damping: dry friction of the pivot, drag of the air, a moving pivot,
 !> the rotation of the Earth, a rotor, given torques. Their values only; `spintop_loads` has their moments.
 module spintop_effects
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_kinds, only: dp, pi
     use spintop_torque_table, only: torque_table_t
     implicit none
     private
-    public :: effects_t, harmonic_t, earth_rotation
+    public :: effects_t, harmonic_t
+    public :: effect_friction, effect_friction_table, effect_drag, effect_lift, effect_shake, effect_frame, effect_upright_frame
+    public :: effect_rotor, effect_axial_rotor, effect_drive, effect_torque, effect_harmonic, effect_table, effect_bits
+    public :: kernel_effects, timeless_effects
 
-    !> A vector over time, even cos(rate t) - odd sin(rate t): with a_i cos(f_i) and a_i sin(f_i) as components of `even` and
-    !> `odd` its components are a_i cos(rate t + f_i).
+    !> What may act, as bits of `acting`. Who does not have every effect names those that he admits, so that another one is
+    !> refused until it is admitted. A pivot is lifted along the vertical and shaken across it. A frame and a rotor that are
+    !> not about the vertical and body z have both of their bits.
+    integer, parameter :: effect_friction = 1, effect_friction_table = 2, effect_drag = 4, effect_lift = 8, effect_shake = 16, &
+        effect_upright_frame = 32, effect_frame = 64 + effect_upright_frame, effect_axial_rotor = 128, &
+        effect_rotor = 256 + effect_axial_rotor, effect_drive = 512, effect_torque = 1024, effect_harmonic = 2048, &
+        effect_table = 4096, effect_bits(13) = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096]
+    !> Those that the vector kernels have, and those that do not depend on the time.
+    integer, parameter :: &
+        kernel_effects = effect_drag + effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque, &
+        timeless_effects = effect_friction + effect_friction_table + effect_drag + effect_frame + effect_rotor + effect_torque
+
+    !> A vector over time with the components amplitude cos(rate t + phase).
     type :: harmonic_t
-        real(dp) :: even(3) = 0, odd(3) = 0
+        real(dp) :: amplitude(3) = 0, phase(3) = 0
         !> Angular frequency, rad/s.
         real(dp) :: rate = 1
     contains
@@ -37,6 +51,8 @@ module spintop_effects
         real(dp) :: vibration_amplitude(3) = 0, vibration_rate = 1, vibration_phase(3) = 0
         !> Angular velocity of the frame in space axes, rad/s: that of the Earth.
         real(dp) :: frame_rate(3) = 0
+        !> The rate, rad/s, and the latitude from which it was rounded (`turn_with_earth`); 0 if it is given itself.
+        real(dp) :: earth_rate = 0, latitude = 0
         !> Angular momentum of the rotor in body axes at the start, J s, and the torque that drives it, N m.
         real(dp) :: rotor_momentum(3) = 0, rotor_torque(3) = 0
         !> Constant torques in body and in space axes, N m.
@@ -47,39 +63,66 @@ module spintop_effects
         type(torque_table_t), allocatable :: table
         logical :: table_in_space = .false.
     contains
-        procedure :: is_any
+        procedure :: acting
+        procedure :: only
         procedure :: is_valid
         procedure :: is_dry
-        procedure :: is_harmonic
         procedure :: has_cusps
         procedure :: has_friction
-        procedure :: have_kernels
-        procedure :: do_work
-        procedure :: depends_on_time
-        procedure :: shifts_angles
         procedure :: friction_by_table
         procedure :: slack_of_spin
+        procedure :: turn_with_earth
     end type effects_t
+
+    !> The length of an axis differs from 1 by no more.
+    real(dp), parameter :: unit_slack = 1.0e-6_dp
 
 contains
 
-    !> Whether there is any effect.
-    pure logical function is_any(self)
+    !> The effects that act, as a sum of bits: this is the only list of them.
+    pure integer function acting(self)
         class(effects_t), intent(in) :: self
-        is_any = self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() .or. self%drag_force > 0 &
-            .or. .not. all(is_zero([self%drag_moment, self%frame_rate, self%rotor_momentum, self%torque_body, &
-                                    self%torque_space]))
-    end function is_any
+        acting = sum(effect_bits, mask=[ &
+            self%has_friction(), allocated(self%friction_table), acts([self%drag_moment, self%drag_force]), &
+            acts(self%vibration_amplitude(3:)), acts(self%vibration_amplitude(:2)), acts(self%frame_rate(3:)), &
+            acts(self%frame_rate(:2)), acts(self%rotor_momentum(3:)), acts(self%rotor_momentum(:2)), acts(self%rotor_torque), &
+            acts([self%torque_body, self%torque_space]), allocated(self%harmonic_body) .or. allocated(self%harmonic_space), &
+            allocated(self%table)])
 
-    !> Whether the numbers are finite, and those that must not be negative are not.
+    contains
+
+        !> Whether one of some numbers is not zero.
+        pure logical function acts(numbers)
+            real(dp), intent(in) :: numbers(:)
+            acts = .not. all(is_zero(numbers))
+        end function acts
+
+    end function acting
+
+    !> Whether nothing acts but what is admitted.
+    pure logical function only(self, admitted)
+        class(effects_t), intent(in) :: self
+        integer, intent(in) :: admitted !! a sum of effects
+        only = iand(self%acting(), not(admitted)) == 0
+    end function only
+
+    !> Whether the numbers are finite, and those that must not be negative are not; and whether the rate of the frame is the one
+    !> of the latitude, if that is given.
     pure logical function is_valid(self)
         class(effects_t), intent(in) :: self
+        type(effects_t) :: earth
         real(dp) :: amounts(7)
         amounts = [self%friction_torque, self%friction_arm, self%friction_smoothing, self%drag_moment, self%drag_force]
         is_valid = is_finite_harmonic(self%harmonic_body) .and. is_finite_harmonic(self%harmonic_space) &
             .and. all(amounts >= 0 .and. is_finite(amounts)) .and. self%drag_exponent >= 1 .and. self%drag_exponent <= 3 &
             .and. all(is_finite([self%vibration_amplitude, self%vibration_rate, self%vibration_phase, self%frame_rate, &
                                  self%rotor_momentum, self%rotor_torque, self%torque_body, self%torque_space]))
+        if (allocated(self%table)) is_valid = is_valid .and. self%table%is_valid()
+        if (allocated(self%friction_table)) is_valid = is_valid .and. self%friction_table%is_valid() &
+            .and. abs(norm2(self%friction_axis) - 1) <= unit_slack
+        if (is_zero(self%earth_rate) .and. is_zero(self%latitude)) return
+        call earth%turn_with_earth(self%earth_rate, self%latitude)
+        is_valid = is_valid .and. all(is_equal(earth%frame_rate, self%frame_rate))
     end function is_valid
 
     !> Whether there is dry friction.
@@ -88,31 +131,11 @@ contains
         has_friction = self%friction_torque > 0 .or. self%friction_arm > 0
     end function has_friction
 
-    !> Whether the vector kernels have all effects: all but dry friction, harmonic torques and tables.
-    pure logical function have_kernels(self)
-        class(effects_t), intent(in) :: self
-        have_kernels = .not. (self%has_friction() .or. allocated(self%friction_table) .or. allocated(self%table) &
-                              .or. self%is_harmonic())
-    end function have_kernels
-
-    !> Whether there is a harmonic torque.
-    pure logical function is_harmonic(self)
-        class(effects_t), intent(in) :: self
-        is_harmonic = allocated(self%harmonic_body) .or. allocated(self%harmonic_space)
-    end function is_harmonic
-
     !> Whether there is dry friction by the exact law, under which the body may stick.
     pure logical function is_dry(self)
         class(effects_t), intent(in) :: self
         is_dry = self%has_friction() .and. is_zero(self%friction_smoothing)
     end function is_dry
-
-    !> Whether any effect does work: all but a rotor with constant momentum, and the rotation of the frame.
-    pure logical function do_work(self)
-        class(effects_t), intent(in) :: self
-        do_work = self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() .or. self%drag_force > 0 &
-            .or. .not. all(is_zero([self%drag_moment, self%torque_body, self%torque_space]))
-    end function do_work
 
     !> Whether the air acts with a power of a speed that is not smooth where the speed is zero; or dry friction, which is
     !> smoothed, but changes there as fast as one likes.
@@ -122,23 +145,6 @@ contains
         if (any(self%drag_moment > 0)) has_cusps = has_cusps .or. &
             .not. (is_zero(self%drag_exponent - 1) .or. is_zero(self%drag_exponent - 3))
     end function has_cusps
-
-    !> Whether an effect depends on the time.
-    pure logical function depends_on_time(self)
-        class(effects_t), intent(in) :: self
-        depends_on_time = allocated(self%table) .or. self%is_harmonic() &
-            .or. .not. all(is_zero([self%vibration_amplitude, self%rotor_torque]))
-    end function depends_on_time
-
-    !> Whether the effects on a symmetric top about body z only add constants to the rates of phi and psi: a rotor
-    !> that is not driven on the axis, and a frame that turns about the vertical.
-    pure logical function shifts_angles(self)
-        class(effects_t), intent(in) :: self
-        shifts_angles = .not. (self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() &
-                               .or. self%drag_force > 0) &
-            .and. all(is_zero([self%drag_moment, self%torque_body, self%torque_space, self%frame_rate(1:2), &
-                               self%rotor_momentum(1:2)]))
-    end function shifts_angles
 
     !> The moment of a table of friction, N m; zero without one.
     pure function friction_by_table(self, omega) result(moment)
@@ -164,24 +170,27 @@ contains
         class(harmonic_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: vector(3)
-        vector = self%even * cos(self%rate * t) - self%odd * sin(self%rate * t)
+        vector = self%amplitude * cos(self%rate * t + self%phase)
     end function harmonic_at
 
     !> Whether a vector over time, if there is one, has finite numbers.
     pure logical function is_finite_harmonic(harmonic)
         type(harmonic_t), allocatable, intent(in) :: harmonic
         is_finite_harmonic = .true.
-        if (allocated(harmonic)) is_finite_harmonic = all(is_finite([harmonic%even, harmonic%odd, harmonic%rate]))
+        if (allocated(harmonic)) is_finite_harmonic = all(is_finite([harmonic%amplitude, harmonic%phase, harmonic%rate]))
     end function is_finite_harmonic
 
-    !> Angular velocity of the Earth in axes that point east, north and up, rad/s. At a pole it is vertical.
-    pure function earth_rotation(rate, latitude) result(rotation)
+    !> Turns the frame with the Earth; its axes point east, north and up. At a pole its rotation is vertical.
+    pure subroutine turn_with_earth(self, rate, latitude)
+        class(effects_t), intent(inout) :: self
         real(dp), intent(in) :: rate, latitude !! rad/s; rad
-        real(dp) :: rotation(3)
-        rotation = rate * [0.0_dp, cos(latitude), sin(latitude)]
-        if (abs(latitude) >= pi / 2 * (1 - epsilon(latitude))) then
-            rotation = rate * [0.0_dp, 0.0_dp, sign(1.0_dp, latitude)]
-        end if
-    end function earth_rotation
+        self%frame_rate = rate * [0.0_dp, 0.0_dp, sign(1.0_dp, latitude)]
+        self%earth_rate = 0
+        self%latitude = 0
+        if (abs(latitude) >= pi / 2 * (1 - epsilon(latitude))) return
+        self%frame_rate = rate * [0.0_dp, cos(latitude), sin(latitude)]
+        self%earth_rate = rate
+        self%latitude = latitude
+    end subroutine turn_with_earth
 
 end module spintop_effects

@@ -14,13 +14,11 @@ module spintop_loads
     private
     public :: loads_t, acceleration, find_loads, find_kinematics, total_momentum, rotor_momentum_at
     public :: momentum_rate, frame_energy, friction_jams, works
-    public :: work_names, work_damping, work_friction, work_drag, work_vibration, work_torque, work_rotor
+    public :: work_damping, work_friction, work_drag, work_vibration, work_torque, work_rotor
 
     !> The parts of the work on a body.
     integer, parameter :: work_damping = 1, work_friction = 2, work_drag = 3, work_vibration = 4, work_torque = 5, &
         work_rotor = 6, works = 6
-    character(*), parameter :: work_names(works) = [character(9) :: 'damping', 'friction', 'drag', 'vibration', 'torque', &
-                                                    'rotor']
 
     !> What acts on a body at an instant, in body axes.
     type :: loads_t

@@ -3,7 +3,7 @@
 module spintop_powers
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, kernel_effects
     use spintop_kinds, only: dp
     use spintop_loads, only: find_loads, loads_t, work_damping, work_drag, work_rotor, work_torque, work_vibration, works
     use spintop_motions, only: instants
@@ -23,7 +23,7 @@ contains
         type(loads_t) :: loads
         integer :: i, m
 
-        if (.not. effects%have_kernels()) then
+        if (.not. effects%only(kernel_effects)) then
             do i = 1, instants
                 call find_loads(body, effects, t(i), q(i, :), momentum(i, :), loads)
                 power(i, :) = loads%power()

@@ -7,7 +7,7 @@
 !> Friction is a torque over the angular velocity about an axis in the place of the time, along that axis, which is the third
 !> component. It is odd, and constant beyond the last row.
 module spintop_torque_table
-    use spintop_compare, only: is_equal
+    use spintop_compare, only: is_equal, is_finite
     use spintop_kinds, only: dp
     implicit none
     private
@@ -33,6 +33,7 @@ module spintop_torque_table
         !> One of the interpolations.
         integer :: interpolation = by_lines
     contains
+        procedure :: is_valid
         procedure :: at
         procedure :: expansion
         procedure :: interval_towards
@@ -98,6 +99,17 @@ contains
         end do
         table%coefficient(0, 3, 2 * n) = friction(1) - friction(n)
     end subroutine make_friction_table
+
+    !> Whether this is a table of finite numbers, with rows in increasing order.
+    pure logical function is_valid(self)
+        class(torque_table_t), intent(in) :: self
+        integer :: n
+        is_valid = allocated(self%knots) .and. allocated(self%is_jump) .and. allocated(self%coefficient)
+        if (.not. is_valid) return
+        n = size(self%knots)
+        is_valid = n > 1 .and. size(self%is_jump) == n .and. all(shape(self%coefficient) == [max_degree + 1, 3, n - 1]) &
+            .and. all(is_finite(self%knots)) .and. all(is_finite(self%coefficient)) .and. all(self%knots(2:) > self%knots(:n - 1))
+    end function is_valid
 
     !> Numbers as vectors along the third axis.
     pure function along_axis(values) result(vectors)

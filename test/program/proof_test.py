@@ -2,6 +2,7 @@
 
 import math
 import sys
+from decimal import Decimal
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parent.parent
@@ -28,6 +29,54 @@ SWEEP = """\
 &sweep parameter(1) = 'initial.psi_rate', values(1,:) = 0, 0.5, 3, 40 /
 """
 BOUNDS = "t,theta,theta_bound,phi_bound,psi_bound,q0,q0_bound,orientation_bound,proof"
+# Data that are rounded at once, if their cosines are: a body, what acts on it, and theta at 10 to 40 s by Taylor series of the
+# doubles below in 50 digits, with rows of the rotation and the momentum as the state.
+DRIVEN = """\
+&top mass = 1, inertia = 0.9, 0.7, 0.3, centre_of_mass = 0.05, -0.02, 0.4 /
+&initial theta = 0.6, omega = 0.5, -1, 2 /
+&span t_end = 40, samples = 5 /
+&output columns = 't', 'theta', 'theta_bound', 'proof' /
+&effects {} /
+"""
+THETA = {
+    "torque_body_amplitude = 0.5, 0, 0, torque_body_rate = 3, torque_body_phase = 0.2, 0, 0": [
+        "1.4207695665561021879170685783786",
+        "0.66880968277684820094092037723848",
+        "1.7237574518898200442376389811842",
+        "1.2102770445698153012416777933024",
+    ],
+    "torque_space_amplitude = 0.5, 0, 0, torque_space_rate = 3, torque_space_phase = 0.2, 0, 0": [
+        "0.84955648621729324336698038313323",
+        "1.332995943491202432464682744639",
+        "2.4122868350365031587388875350818",
+        "0.97940123911193994816379146162044",
+    ],
+    "earth_rate = 0.5, latitude = 0.7": [
+        "1.5903865329024774509526303542972",
+        "0.77334516002839887602228234456574",
+        "2.6203621110271417789874276585952",
+        "1.8453306295930141701847082144132",
+    ],
+}
+# A free body about its axis under the torque 0.5 cos(3 t + 1): omega3 + 0.5 (sin(4) - sin(1))/(3 I3) at 1 s.
+AXIAL = """\
+&top mass = 1, inertia = 0.9, 0.7, 0.3, length = 0 /
+&initial theta = 0.6, omega3 = 0.88793 /
+&span t_end = 1, samples = 2 /
+&output columns = 't', 'omega3', 'omega3_bound' /
+&effects torque_body_amplitude = 0, 0, 0.5, torque_body_rate = 3, torque_body_phase = 0, 0, 1 /
+"""
+OMEGA3 = "2.88824541765288390984435771987e-07"
+# Friction by a table without a dry part slows the top down.
+FRICTION = """\
+&study kind = 'trajectory' /
+&top mass = 1, inertia = 0.02, 0.02, 0.01, length = 0.1 /
+&initial theta_deg = 20, omega3 = 100 /
+&effects friction_table = 'friction.csv' /
+&span t_end = 2, samples = 3 /
+&integration method = 'dop853', relative_tolerance = 1e-12 /
+&output columns = 't', 'theta', 'theta_bound', 'omega3', 'omega3_bound', 'proof' /
+"""
 MISSING = "this build has no FLINT, which certifies digits"
 
 
@@ -76,6 +125,41 @@ class ProofTest(ProgramCase):
         cells[lines[first].rstrip("\n").split(",").index(name)] = text
         lines[first + row] = ",".join(cells) + "\n"
         path.write_text("".join(lines))
+
+    def bounds_hold(self, name: str, true: list[str], *settings: str) -> None:
+        """The numbers of a column, but for the first, are within their bounds of the true ones."""
+        table = self.compute(self.folder / "scene.nml", *settings)
+        cells = zip(table.texts(name)[1:], table.texts(f"{name}_bound")[1:], true, strict=True)
+        for number, bound, digits in cells:
+            error = abs(Decimal(float(number)) - Decimal(digits))
+            self.assertLessEqual(error, Decimal(float(bound)))
+
+    def test_phases_and_latitudes_are_data(self) -> None:
+        """Their sines and cosines are not rounded before the proof."""
+        for effects, digits in THETA.items():
+            self.write(DRIVEN.format(effects))
+            self.bounds_hold("theta", digits, "output.certified=.true.")
+            self.bounds_hold("theta", digits, "integration.method=taylor_quadruple")
+        self.write(AXIAL)
+        self.bounds_hold("omega3", [OMEGA3], "output.certified=.true.")
+
+    def test_friction_by_a_table_is_not_enclosed(self) -> None:
+        """A motion that it slows down is not certified as one that it does not."""
+        rows = "omega3,friction_torque\n0,0\n50,0.01\n200,0.05\n"
+        (self.folder / "friction.csv").write_text(rows)
+        scene = self.write(FRICTION)
+        table = self.compute(scene, "output.certified=.true.")
+        self.assertEqual(table.texts("proof"), ["unproved"] * 3)
+        self.assertEqual({float(bound) for bound in table.texts("omega3_bound")}, {math.inf})
+        self.assertLess(float(table.texts("omega3")[2]), 96)
+        (self.folder / "output/friction.csv").write_text(rows)
+        self.assertIn("0 numbers proved, 6 unproved, 0 wrong", self.verify())
+        sweep = FRICTION.replace("trajectory", "sweep").replace(", samples = 3", "")
+        sweep = sweep.split("&output")[0] + (
+            "&output columns = 'psi_end', 'psi_end_bound', 'proof' certified = .true. /\n"
+            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 90, 100 /\n"
+        )
+        self.assertEqual(self.compute(self.write(sweep)).texts("proof"), ["unproved"] * 2)
 
     def test_bounds_of_the_exact_solution(self) -> None:
         table = self.compute(self.top, f"output.columns={BOUNDS}")

@@ -39,7 +39,7 @@ contains
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(outcome_t) :: outcome
-        call create_formulation('rigid_body', formulation)
+        call create_formulation('rigid_body', formulation, body=body)
         call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance

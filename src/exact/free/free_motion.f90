@@ -65,7 +65,6 @@ module spintop_free_motion
     contains
         procedure :: at
         procedure :: quaternion_at
-        procedure :: omega_at
     end type free_motion_t
 
 contains
@@ -224,14 +223,6 @@ contains
         half = rate * elapsed / 2
         q = [real(cos(half), dp), real(sin(half) * (omega / rate), dp)]
     end function steady_turn
-
-    !> The angular velocity in body axes at time t (s), rad/s.
-    pure function omega_at(self, t) result(omega)
-        class(free_motion_t), intent(in) :: self
-        real(dp), intent(in) :: t !! time, s
-        real(dp) :: omega(3), q(4)
-        call find_state(self, t, q, omega)
-    end function omega_at
 
     !> The motion at time t, s. phi and psi are those nearest to the start: how often they turned in between
     !> is not counted.

@@ -8,7 +8,7 @@ module spintop_body_with_effects
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_states
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, timeless_effects
     use spintop_effects_action, only: effects_action_t
     use spintop_effects_series, only: effects_series_t
     use spintop_effects_series_quadruple, only: body_quadruple_t
@@ -72,7 +72,7 @@ contains
         self%body = body
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
-        self%depends_on_time = self%effects%depends_on_time()
+        self%depends_on_time = .not. self%effects%only(timeless_effects)
         call self%set_capabilities(body, start)
         y = 0
         y(1:4) = start%quaternion

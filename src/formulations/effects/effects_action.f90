@@ -5,7 +5,7 @@ module spintop_effects_action
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_states
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effect_frame, effect_rotor, effects_t, timeless_effects
     use spintop_kinds, only: dp, pi
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motions, only: instants
@@ -79,11 +79,11 @@ contains
         self%effects = effects_t()
         if (allocated(body%effects)) self%effects = body%effects
         self%may_stick = self%effects%is_dry()
-        self%may_slip = self%may_stick .and. self%effects%depends_on_time()
+        self%may_slip = self%may_stick .and. .not. self%effects%only(timeless_effects)
         self%may_turn = self%effects%has_cusps()
         self%has_rows = allocated(self%effects%friction_table)
         self%has_load = self%effects%friction_arm > 0
-        self%does_work = self%effects%do_work() .or. any(body%damping > 0)
+        self%does_work = .not. self%effects%only(effect_frame + effect_rotor) .or. any(body%damping > 0)
     end subroutine set
 
     !> Power of each part of the work (`spintop_loads`) at several instants.

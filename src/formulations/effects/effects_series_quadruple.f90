@@ -44,13 +44,12 @@ contains
     !> The state at the start.
     pure function y_start(self)
         class(body_quadruple_t), intent(in) :: self
-        real(wp) :: y_start(max_states), q(4), omega(3)
+        real(wp) :: y_start(max_states), q(4), omega(3), o(3)
+        o = frame_of(self%effects)
         q = quadruple_attitude(self%start)
         omega = quadruple_omega(self%start)
-        associate (o => self%effects%frame_rate, x => q(2), y => q(3), z => q(4))
-            if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), real(o, wp)) &
-                + q(2:4) * (x * o(1) + y * o(2) + z * o(3))) / sum(q**2) - o
-        end associate
+        if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), o) + q(2:4) * dot_product(q(2:4), o)) &
+            / sum(q**2) - o
         y_start = [q, self%body%inertia * omega + self%effects%rotor_momentum, 0.0_wp]
     end function y_start
 

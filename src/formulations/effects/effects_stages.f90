@@ -11,7 +11,7 @@ module spintop_effects_stages
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_aside, max_states, stages_t
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, kernel_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_kernel_types, only: stage_effects_t
     use spintop_kinds, only: dp
@@ -51,7 +51,7 @@ contains
         real(dp), dimension(3) :: even, odd
 
         if (allocated(body%effects)) effects = body%effects
-        self%holds = effects%have_kernels()
+        self%holds = effects%only(kernel_effects)
         self%of = stage_effects_t()
         associate (of => self%of, o => effects%frame_rate, rate => effects%vibration_rate)
             of%mobility(:3) = 1 / body%inertia

@@ -14,7 +14,7 @@ module spintop_smooth_effects_series
     use spintop_body_products, only: products_of
     use spintop_capabilities, only: max_series_order, max_states
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, kernel_effects
     use spintop_kernel_types, only: body_products_t, half, series_effects_t
     use spintop_kinds, only: dp
     use spintop_series_shares, only: share_rest, short_share
@@ -60,7 +60,7 @@ contains
         real(dp) :: v(3)
         integer :: k
 
-        self%holds = effects%have_kernels()
+        self%holds = effects%only(kernel_effects)
         if (.not. self%holds) return
         products = products_of(body)
         v = 1 / body%inertia

@@ -12,6 +12,7 @@ module spintop_constancy
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
+    use spintop_effects, only: timeless_effects
     use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
     use spintop_event, only: event_t, occasion_none
     use spintop_event_quantities, only: event_quantities_t
@@ -98,7 +99,7 @@ contains
         type(body_t), intent(in) :: body
         changes_later = allocated(body%effects)
         if (changes_later) changes_later = allocated(body%effects%table) &
-            .or. (body%effects%is_dry() .and. body%effects%depends_on_time())
+            .or. (body%effects%is_dry() .and. .not. body%effects%only(timeless_effects))
     end function changes_later
 
     !> A rate that exceeds those of the motion, rad/s.

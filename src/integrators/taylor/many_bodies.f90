@@ -7,6 +7,7 @@ module spintop_many_bodies
     use spintop_body, only: body_t
     use spintop_caller, only: stop_is_wanted
     use spintop_compare, only: is_finite
+    use spintop_effects, only: kernel_effects
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_kinds_t
@@ -80,7 +81,7 @@ contains
         real(dp), intent(in) :: t_end
         status = body_status(body)
         if (is_ok(status) .and. allocated(body%effects)) then
-            if (.not. body%effects%have_kernels()) status = status_unsuitable
+            if (.not. body%effects%only(kernel_effects)) status = status_unsuitable
         end if
         if (is_ok(status)) status = motion_status(start, body)
         if (is_ok(status) .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span

@@ -2,7 +2,7 @@
 module spintop_poles
     use spintop_attitude, only: conjugate_quaternion, to_space, vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_effects, only: effect_drag, effect_friction, effect_lift
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
@@ -94,12 +94,7 @@ contains
         logical :: swings
         reach = through_pole
         if (allocated(body%effects)) then
-            associate (effects => body%effects)
-                if (allocated(effects%table) .or. allocated(effects%friction_table) .or. effects%is_harmonic()) return
-                if (.not. all(is_zero([effects%frame_rate, effects%rotor_momentum, &
-                    effects%rotor_torque, effects%torque_body, effects%torque_space, &
-                    effects%vibration_amplitude(:2)]))) return
-            end associate
+            if (.not. body%effects%only(effect_friction + effect_drag + effect_lift)) return
         end if
         call find_swing_axis(body, start, exactly_plane, axis, swings)
         if (.not. swings) return

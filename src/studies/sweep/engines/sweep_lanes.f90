@@ -4,6 +4,7 @@ module spintop_sweep_lanes
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_compare, only: is_equal, is_zero
+    use spintop_effects, only: kernel_effects
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
     use spintop_many_bodies, only: integrate_many
@@ -51,7 +52,7 @@ contains
             if (.not. (plan%stepper%info%runs_in_lanes .and. form%runs_in_lanes)) return
             if (plan%stepper%controls%project /= project_nothing) return
             if (allocated(case%body%effects)) then
-                if (needs_plain_body(wanted) .or. .not. case%body%effects%have_kernels()) return
+                if (needs_plain_body(wanted) .or. .not. case%body%effects%only(kernel_effects)) return
             end if
             ! Lanes count no turns in other axes, and measure nothing there.
             if (case%body%given%differ .and. (wanted(of_turns) .or. wanted(of_measured) .or. wanted(of_range))) return

@@ -44,6 +44,7 @@ ASSERTS = {
 ASSERT_NAMES = {name.lower(): name for name in ASSERTS}
 # The names that a suite cannot have for entities of its module, declared or imported.
 TAKEN = set((ROOT / "test/funit/taken_names.txt").read_text(encoding="utf-8").split())
+HIDDEN = re.compile(r"\bnot *\(", re.IGNORECASE)  # an intrinsic that is one of them
 SUBROUTINE = re.compile(r"\s*subroutine\s+(\w+)\s*(?:\(\s*\))?\s*(?:!.*)?$", re.IGNORECASE)
 MODULE = re.compile(r"\s*module\s+(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 DIRECTIVE = re.compile(r"\s*@(\w+)\s*(.*?)\s*$")
@@ -148,6 +149,8 @@ class Reader:
 
     def read_line(self, line: str) -> None:
         """Pass Fortran on, act on directives."""
+        if HIDDEN.search(outside_text(line)):
+            raise RefusedError("under pFUnit not() is no intrinsic, but a matcher")
         directive = DIRECTIVE.match(line)
         if directive:
             self.output += self.act(directive[1], directive[2])

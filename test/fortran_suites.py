@@ -16,7 +16,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 TEST = re.compile(r"^ *@test *\n *subroutine +(\w+)", re.MULTILINE | re.IGNORECASE)
-EVENT = re.compile(r"^ *(Start:|Failure in|end:) +<(?:\w+\.)?(\w+)>")
+EVENT = re.compile(r"^[.FEI]* *(Start:|Failure in|end:) +<(?:\w+\.)?(\w+)>")
 
 
 class Suite(pytest.File):
@@ -89,7 +89,7 @@ class FortranTest(pytest.Item):
         try:
             reason = self.parent.reason(self.name)
         except BaseException:
-            self.parent.process.kill()
+            self.parent.teardown()
             raise
         if reason:
             pytest.fail(reason, pytrace=False)

@@ -46,6 +46,7 @@ class StandInTest(unittest.TestCase):
             "@assertEqual(1.0, 2.0, 0.5)": "not '0.5'",
             "@assertTrue(.true., tolerance=1.0)": "message=...",
             "@assertRelativelyEqual(1.0, 2.0)": "tolerance",
+            "@assertEqual(-1, not(0))": "a matcher",
             "@assertIsInfinite(1.0)": "@assertIsInfinite",
             "@disable": "@disable",
             "@test": "subroutine NAME()",

@@ -117,7 +117,7 @@ PYTHON = """case "$*" in
 *) exec {python} "$@" ;;
 esac"""
 
-OWN_OPTIONS = ("-o", "--output", "--set", "--threads", "--shard")
+OWN_OPTIONS = ("-o", "--output", "--set", "--threads", "--shard", "--written")
 """Options of the program, each of which takes the next argument whatever it is."""
 WRONG = re.compile(
     r"Traceback|(invalid|unrecognized|illegal|unknown) (option|predicate)|missing operand"

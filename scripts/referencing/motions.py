@@ -15,7 +15,7 @@ from referencing.equations import ARRAYS, DECIMALS, Equations, decimal_turn, pro
 from referencing.extrapolation import Accuracy, integrate
 from referencing.program import Answer, answer_of
 
-VERSION = "1.1"
+VERSION = "1.2"
 LICENCE = "CC0-1.0"
 DIGITS = 38
 """Decimal digits of the second computation."""
@@ -28,6 +28,8 @@ MARGIN = Decimal("1.5")
 LARGEST_DISAGREEMENT = 1e-9
 """Of the program's energies, momenta and forces with those of the second computation, relative."""
 
+ANGLES = "phi", "theta", "psi"
+"""Of a start, in the order of their rotations, about body z, x, z."""
 TORQUE = re.compile(r"torque_(body|space)(_amplitude)?")
 
 QUANTITIES = {
@@ -60,6 +62,7 @@ CONVENTIONS = {
     "quaternion": "q0 to q3, scalar first, body to space, continuous; q1 to q4 scalar last",
     "matrix": "v_space = R v_body; the columns are the body axes in space axes",
     "omega": "omega1 to omega3 in body axes, omega_x to omega_z in space axes; q' = q (0, omega)/2",
+    "start": "of the angles where there are any, which are exact: the quaternion is then rounded",
     "inertia": "about the fixed point, body axes; off the diagonal -sum m x y and the like",
     "units": "SI and rad",
 }
@@ -91,7 +94,7 @@ def start_of(initial: Mapping[str, Any]) -> Sequence[Decimal]:
         length = sum(x * x for x in q).sqrt()
         return tuple(x / length for x in q)
     q = (Decimal(1), Decimal(0), Decimal(0), Decimal(0))
-    for key, axis in (("phi", 3), ("theta", 1), ("psi", 3)):
+    for key, axis in zip(ANGLES, (3, 1, 3), strict=True):
         cosine, sine = decimal_turn(Decimal(initial.get(key, 0)) / 2)
         q = product(q, (cosine, *(sine if i == axis else Decimal(0) for i in (1, 2, 3))))
     return q
@@ -306,6 +309,7 @@ class Motion:
             "licence": LICENCE,
             "body": body,
             "start": {
+                **{key: self.answer.initial[key] for key in ANGLES if key in self.answer.initial},
                 "quaternion": [float(x) for x in self.states[0][:4]],
                 "omega": self.answer.initial["omega"],
             },

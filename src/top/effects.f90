@@ -170,7 +170,8 @@ contains
         class(harmonic_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: vector(3)
-        vector = self%amplitude * cos(self%rate * t + self%phase)
+        vector = self%amplitude
+        where (abs(vector) > 0) vector = vector * cos(self%rate * t + self%phase)
     end function harmonic_at
 
     !> Whether a vector over time, if there is one, has finite numbers.

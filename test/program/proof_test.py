@@ -29,9 +29,8 @@ SWEEP = """\
 &sweep parameter(1) = 'initial.psi_rate', values(1,:) = 0, 0.5, 3, 40 /
 """
 BOUNDS = "t,theta,theta_bound,phi_bound,psi_bound,q0,q0_bound,orientation_bound,proof"
-# Data that are rounded at once, if their cosines are: a body, what acts on it, and theta at 10 to
-# 40 s by Taylor series of the doubles below in 50 digits, with rows of the rotation and the
-# momentum as the state.
+# A body, what acts on it, and theta at 10 to 40 s by Taylor series of these doubles in 50 digits,
+# with rows of the rotation and the momentum as the state.
 DRIVEN = """\
 &top mass = 1, inertia = 0.9, 0.7, 0.3, centre_of_mass = 0.05, -0.02, 0.4 /
 &initial theta = 0.6, omega = 0.5, -1, 2 /
@@ -59,8 +58,7 @@ THETA = {
         "1.8453306295930141701847082144132",
     ],
 }
-# A free body about its axis under the torque 0.5 cos(3 t + 1):
-# omega3 + 0.5 (sin(4) - sin(1))/(3 I3) at 1 s.
+# A body that turns about its axis under 0.5 cos(3 t + 1): omega3 + 0.5 (sin(4) - sin(1))/(3 I3).
 AXIAL = """\
 &top mass = 1, inertia = 0.9, 0.7, 0.3, length = 0 /
 &initial theta = 0.6, omega3 = 0.88793 /

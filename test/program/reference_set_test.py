@@ -24,6 +24,7 @@ INDEX = json.loads((REFERENCE / "index.json").read_text(encoding="utf-8"))
 NAMES = sorted(INDEX["motions"])
 QUICK = [
     *("bobylev_steklov", "constant_torque", "euler_equations", "free_asymmetric", "free_symmetric"),
+    *("free_principal", "free_intermediate", "free_sphere", "free_small"),
     *("free_tensor", "hess", "motor", "separatrix", "slow_top", "staude", "tumbling_brick"),
 ]
 """Motions that are computed again in a second."""
@@ -65,6 +66,8 @@ class ReferenceSetTest(ProgramCase):
                 by_matrix = np.einsum("nij,nj->ni", matrix.reshape(-1, 3, 3), omega)
                 self.assertLess(np.abs(by_matrix - space).max(), 1e-13 * scale)
                 self.assertEqual(q[0].tolist(), data["start"]["quaternion"])
+                given = (REFERENCE / "inputs" / f"{name}.nml").read_text(encoding="utf-8")
+                self.assertEqual("theta" in data["start"], "theta =" in given)
                 self.assertGreater(slack_of(data["body"]), -1e-14)
                 self.assertTrue(np.array_equal(columns["q0"], columns["q4"]))
                 self.assertLess(data["errors"]["attitude"]["value"], 1e-13)

@@ -95,10 +95,9 @@ contains
             !$omp simd private(longest)
             do i = 1, lanes
                 longest = max(part(i), 1 - part(i)) * duration(i)
-                ! Where the whole step will do, both ways give the same.
-                change(i) = first(i) + second(i)
+                change(i) = merge(change(i), first(i) + second(i), doubt(i) < turns_far)
                 doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
-                                 longest**2 * rate(i) > largest_turn**2 &
+                                 doubt(i) < turns_far .or. longest**2 * rate(i) > largest_turn**2 &
                                  .or. max(abs(first(i)), abs(second(i))) > sharp &
                                  .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
             end do

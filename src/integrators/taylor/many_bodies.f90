@@ -94,7 +94,7 @@ contains
         kind = plain
         if (.not. allocated(body%effects)) return
         kinds = kinds_of(body)
-        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * kinds%drags))
+        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * (kinds%uniform + 2 * kinds%drags)))
     end function kind_of
 
     !> Integrates the cases with the same effects.

@@ -79,6 +79,7 @@ contains
             own%max_steps = given%max_steps
         end associate
         self%crossing%t_begin = method%t_begin
+        self%crossing%projection = method%projection
     end subroutine begin
 
     !> What steps through the segment.

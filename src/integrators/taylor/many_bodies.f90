@@ -166,6 +166,7 @@ contains
         outcome%t = run%now%t(lane)
         outcome%counts%steps = run%steps(lane)
         outcome%counts%evaluations = run%order * run%steps(lane)
+        outcome%doubtful_passages = run%passed(lane)%doubtful
         motion = run%motion(lane)
         if (allocated(body%effects)) then
             motion%omega_rate = angular_acceleration(body, motion)

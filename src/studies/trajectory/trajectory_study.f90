@@ -346,6 +346,8 @@ contains
         associate (status => outcome%status)
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
                              // status_meaning(status))
+            if (outcome%doubtful_passages > 0) call summary%add('note', to_text(outcome%doubtful_passages) // ' passages of a &
+                &pole within the error of the motion: phi and psi may be off by whole turns')
             if (job%input%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
         end associate
     end subroutine describe_run

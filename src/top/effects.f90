@@ -55,6 +55,7 @@ module spintop_effects
         procedure :: has_friction
         procedure :: have_kernels
         procedure :: do_work
+        procedure :: only_brake
         procedure :: depends_on_time
         procedure :: shifts_angles
         procedure :: friction_by_table
@@ -113,6 +114,13 @@ contains
         do_work = self%has_friction() .or. allocated(self%friction_table) .or. self%depends_on_time() .or. self%drag_force > 0 &
             .or. .not. all(is_zero([self%drag_moment, self%torque_body, self%torque_space]))
     end function do_work
+
+    !> Whether all effects act against the motion: friction and drag.
+    pure logical function only_brake(self)
+        class(effects_t), intent(in) :: self
+        only_brake = .not. self%depends_on_time() &
+            .and. all(is_zero([self%frame_rate, self%rotor_momentum, self%torque_body, self%torque_space]))
+    end function only_brake
 
     !> Whether the air acts with a power of a speed that is not smooth where the speed is zero; or dry friction, which is
     !> smoothed, but changes there as fast as one likes.

@@ -5,12 +5,13 @@ module spintop_steady_motion
     use spintop_compare, only: is_finite, is_zero
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_effects, only: braking_effects
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_non_finite, status_unsuitable
     use spintop_validity, only: plain_body_status
     implicit none
     private
-    public :: steady_rates, steady_rates_at_spin, critical_omega3, starts_upright
+    public :: steady_rates, steady_rates_at_spin, critical_omega3, sleeps_slowly
 
 contains
 
@@ -67,16 +68,19 @@ contains
         critical_omega3 = 2 * sqrt(abs(body%mgl()) * body%inertia(1)) / body%inertia(3)
     end function critical_omega3
 
-    !> Whether a top starts exactly upright, its centre of mass above the pivot, and spins about the vertical: by the
-    !> equations it stays so at any spin.
-    pure logical function starts_upright(body, start)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! the motion at the start
+    !> Whether a top is exactly upright, its centre of mass above the pivot, and spins about the vertical with less than the
+    !> threshold: by the equations it stays so at any spin, also where effects only brake it.
+    pure logical function sleeps_slowly(body, motion)
+        type(body_t), intent(in) :: body !! mass properties and effects of the body
+        type(motion_t), intent(in) :: motion !! the motion at an instant
         real(dp) :: gamma(3)
-        gamma = vertical_from_quaternion(start%quaternion)
-        starts_upright = body%is_symmetric() .and. body%mgl() * gamma(3) > 0 &
-            .and. all(is_zero([gamma(1:2), start%omega(1:2)]))
-    end function starts_upright
+        gamma = vertical_from_quaternion(motion%quaternion)
+        sleeps_slowly = body%is_symmetric() .and. body%mgl() * gamma(3) > 0 &
+            .and. all(is_zero([gamma(1:2), motion%omega(1:2)]))
+        if (.not. sleeps_slowly) return
+        if (allocated(body%effects)) sleeps_slowly = body%effects%only(braking_effects)
+        sleeps_slowly = sleeps_slowly .and. abs(motion%omega(3)) < critical_omega3(body)
+    end function sleeps_slowly
 
     !> Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation. The root that stays finite for a = 0
     !> comes first.

@@ -3,6 +3,7 @@
 !> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages of
 !> their own,
 !>
+!>     I omega' = (I omega) x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,
 !>
 !> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a state
 !> on all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a method is

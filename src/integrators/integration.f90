@@ -25,6 +25,9 @@ module spintop_integration
         real(dp) :: t = 0
         !> Time at which dry friction stopped the body, if it is at rest in the end, s; NaN of a body that moves.
         real(dp) :: t_stuck = no_number
+        !> How often body z passed a pole at a distance within the error of the motion: phi and psi may be off by whole turns,
+        !> in the axes in which the body was given.
+        integer :: doubtful_passages = 0
         !> Cost of the run.
         type(counts_t) :: counts
     contains
@@ -48,6 +51,7 @@ contains
         call archive%store_or_restore(self%status)
         call archive%store_or_restore(self%t)
         call archive%store_or_restore(self%t_stuck)
+        call archive%store_or_restore(self%doubtful_passages)
         call self%counts%store_or_restore(archive)
     end subroutine store_or_restore
 
@@ -126,6 +130,9 @@ contains
         outcome%status = status
         outcome%t = run%stepper%t
         outcome%counts = run%stepper%counts
+        associate (follower => run%follower)
+            outcome%doubtful_passages = merge(follower%given_passed%doubtful, follower%passed%doubtful, body%given%differ)
+        end associate
         if (allocated(run%segments)) then
             if (run%segments%rest%is_resting) then
                 outcome%t_stuck = run%segments%rest%t_stuck

@@ -3,7 +3,7 @@ module spintop_run
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_archive, only: archive_t
     use spintop_body, only: body_t
-    use spintop_constancy, only: noise_of_tolerance, noise_within_step
+    use spintop_constancy, only: margin, noise_of_step, noise_of_tolerance, noise_within_step
     use spintop_event, only: occasion_knot, occasion_none
     use spintop_events, only: event_search_t
     use spintop_formulation, only: formulation_t, max_states
@@ -41,6 +41,8 @@ module spintop_run
         real(dp), private :: slack = 0
         logical, private :: looks_at_steps = .true.
         type(follower_t) :: follower
+        !> What a step adds to the error of the motion, rad, at the most.
+        real(dp), private :: error_of_step = 0
         !> The smooth segments of the motion of a body with effects, and the work of these.
         type(segments_t), allocatable :: segments
         type(work_account_t) :: account
@@ -93,6 +95,11 @@ contains
             if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
             if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            if (stepper%controls%steps > 0) then
+                self%error_of_step = margin * noise_of_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
+            else
+                self%error_of_step = margin * noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            end if
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
@@ -231,6 +238,7 @@ contains
     subroutine observe_until(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
+        self%follower%error = self%error_of_step * real(self%stepper%counts%steps, dp)
         associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit

@@ -1,13 +1,14 @@
 !> The motion within the last step of a run, by dense output, with angles that are followed through every turn.
 module spintop_step_path
     use spintop_archive, only: archive_t
+    use spintop_attitude, only: square_to_pole
     use spintop_events, only: path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t, passages_t
     use spintop_motions, only: instants, motions_t
-    use spintop_pole_passages, only: is_at_pole, settle_angles
+    use spintop_pole_passages, only: is_at_pole, settle_angles, through_pole
     use spintop_stepper, only: stepper_t
     use spintop_work_account, only: work_account_t
     implicit none
@@ -22,6 +23,8 @@ module spintop_step_path
         logical :: is_idle = .false.
         !> How far off a pole is passed through, rad, and the passages so far, in both kinds of axes.
         real(dp) :: reach(2) = 0
+        !> How far off the motion may be, rad.
+        real(dp) :: error = 0
         type(passages_t) :: passed = passages_t(), given_passed = passages_t()
     contains
         procedure :: go_to
@@ -211,6 +214,10 @@ contains
                                formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
                                there%angle, sure)
         end if
+        ! Coordinates that are singular there keep their side of a pole. A plane motion passes through it.
+        if (formulation%attitude > 0 .and. self%reach(1) <= through_pole) then
+            call there%passed%watch(square_to_pole(y(formulation%attitude:formulation%attitude + 3)), self%error)
+        end if
         if (formulation%body%given%differ) call try_given(self, formulation, there, sure)
     end subroutine try
 
@@ -226,7 +233,8 @@ contains
         last%given_angle = self%given_angle
         last%given_passed = self%given_passed
         next = formulation%motion_without_angles(there%t, there%y)
-        call formulation%body%given%follow(last, next, self%reach(2), also_sure)
+        call formulation%body%given%follow(last, next, self%reach(2), also_sure, &
+                                           merge(self%error, 0.0_dp, self%reach(2) <= through_pole))
         there%given_angle = next%given_angle
         there%given_passed = next%given_passed
         sure = sure .and. also_sure

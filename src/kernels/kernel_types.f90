@@ -69,7 +69,7 @@ module spintop_kernel_types
 
     !> Which effects the bodies of all lanes have.
     type, bind(C) :: lane_kinds_t
-        integer(c_int) :: turns = 0, twists = 0, vibrates = 0, drags = 0
+        integer(c_int) :: turns = 0, twists = 0, vibrates = 0, drags = 0, uniform = 0
     end type lane_kinds_t
 
     !> Drags in lanes: Q as 11, 22, 33, 23, 31, 12; D, the coefficients over I; and b.

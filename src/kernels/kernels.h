@@ -57,9 +57,9 @@ struct lane_body {
     double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes];
 };
 
-// Which effects there are, the same in all lanes.
+// Which effects there are, the same in all lanes; and whether each drag has one coefficient for all axes, and none is linear.
 struct lane_kinds {
-    int turns, twists, vibrates, drags;
+    int turns, twists, vibrates, drags, uniform;
 };
 
 // Drag of the air in lanes: the moment -moment v.

@@ -15,7 +15,7 @@ submodule(spintop_ranks) ranks_mpi
     integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4, tag_statistics_cells = 5
     !> Numbers that are sent before the rows: number of the block, bytes of text, columns and rows of cells, numbers
     !> for each row and rows of what is gathered; then the number of rows with each status.
-    integer, parameter :: numbers_before = 6
+    integer, parameter :: numbers_before = 7
 
 contains
 
@@ -76,7 +76,7 @@ contains
         numbers = 0
         numbers(1) = number
         if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows, length, &
-                                                  rows%statistics_rows], int64), rows%counts]
+                                                  rows%statistics_rows], int64), rows%doubtful, rows%counts]
         !$omp critical (ranks)
         call MPI_Send(numbers, size(numbers), MPI_INTEGER8, writer, tag_block, MPI_COMM_WORLD)
         if (number > 0) then
@@ -134,6 +134,7 @@ contains
             call MPI_Recv(rows%statistics_cells, int(product(numbers(5:6))), MPI_DOUBLE_PRECISION, rank, tag_statistics_cells, &
                           MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         end if
+        rows%doubtful = numbers(numbers_before)
         rows%counts = numbers(numbers_before + 1:)
     end procedure receive
 

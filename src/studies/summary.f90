@@ -3,9 +3,11 @@ module spintop_summary
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, degree
     use spintop_compare, only: is_finite
+    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
+    use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
     use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
@@ -18,7 +20,7 @@ module spintop_summary
     use spintop_text, only: append, to_text, string_t
     implicit none
     private
-    public :: summary_t, decimal, rounded, text_column
+    public :: summary_t, decimal, rounded, slow_sleeper, text_column
 
     !> Indentation of a line, minimum width of its keyword, and the separator.
     character(*), parameter :: indent = '  '
@@ -147,8 +149,7 @@ contains
                 call self%add('nutation', 'none: ' // class_meaning(nutation%class))
             end if
             if (.not. body%mgl() > 0) return
-            call self%add('upright', 'a sleeping top is stable from omega3 = ' &
-                // decimal(critical_omega3(body)) // ' rad/s; here omega3 = ' // decimal(start%omega(3)))
+            call self%add('upright', spin_of_sleeper(case))
             if (.not. is_finite(nutation%period)) return
             fast = fast_top(body, start%angle(2), start%omega(3))
             call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // decimal(fast%ratio) &
@@ -156,6 +157,33 @@ contains
                 // decimal(fast%ratio_of_paper) // ')')
         end associate
     end subroutine describe_motion
+
+    !> The threshold of a sleeping top, and the spin about its axis, in the axes of the input.
+    function spin_of_sleeper(case) result(text)
+        type(case_t), intent(in) :: case
+        character(:), allocatable :: text, name
+        real(dp) :: spin
+        integer :: axis
+        axis = 3
+        spin = case%start%omega(3)
+        if (.not. case%turn%to_principal_axes) then
+            if (case%turn%axis > 0) axis = case%turn%axis
+            spin = case%given_start%omega(axis)
+        end if
+        name = 'omega' // to_text(axis) // ' = '
+        text = 'a sleeping top is stable from ' // name // decimal(critical_omega3(case%body)) // ' rad/s; here ' // name &
+            // decimal(spin)
+        if (case%turn%is_shifted()) text = text // ', with the effects as one of ' // decimal(case%start%omega(3))
+    end function spin_of_sleeper
+
+    !> A sentence on a top that sleeps with less spin than that of a sleeping top.
+    function slow_sleeper(body, motion) result(text)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! the motion at an instant
+        character(:), allocatable :: text
+        text = 'the top stays upright only because nothing disturbs it: it spins with ' // rounded(abs(motion%omega(3))) &
+            // ' rad/s, and a sleeping top is stable from ' // rounded(critical_omega3(body)) // ' rad/s'
+    end function slow_sleeper
 
     !> Class, period and turn of a free body.
     subroutine describe_free_motion(self, case)

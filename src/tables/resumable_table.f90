@@ -209,6 +209,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (self%keeps_rows) call self%append_to_part(block, error)
         self%counts = self%counts + block%counts
+        self%doubtful = self%doubtful + block%doubtful
     end subroutine append
 
     !> Whether an entry of the current size is due.

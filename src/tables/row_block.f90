@@ -27,6 +27,8 @@ module spintop_row_block
         integer :: statistics_rows = 0
         !> Number of rows with each status.
         integer(int64) :: counts(0:last_status) = 0
+        !> Number of rows that a note makes doubtful.
+        integer(int64) :: doubtful = 0
     contains
         procedure :: reserve
         procedure :: reserve_statistics_cells
@@ -69,6 +71,7 @@ contains
         self%statistics_rows = 0
         call self%text%clear()
         self%counts = 0
+        self%doubtful = 0
     end subroutine clear
 
     !> Sets the notes of the last row; none if `text` is not allocated. Few rows have notes, and those without
@@ -137,6 +140,7 @@ contains
         class(row_block_t), intent(inout) :: from, to
         to%rows = from%rows
         to%counts = from%counts
+        to%doubtful = from%doubtful
         to%statistics_rows = from%statistics_rows
         call move_alloc(from%cells, to%cells)
         call move_alloc(from%statistics_cells, to%statistics_cells)

@@ -22,6 +22,8 @@ module spintop_row_table
         type(table_column_t), allocatable :: columns(:)
         !> Number of rows with each status: written so far, and those of them from an earlier run.
         integer(int64) :: counts(0:last_status) = 0, taken_over(0:last_status) = 0
+        !> Number of rows of this run that a note makes doubtful.
+        integer(int64) :: doubtful = 0
         !> Whether the rows of an interrupted run are kept.
         logical :: is_resumable = .false.
         !> Whether the table already exists and is complete.

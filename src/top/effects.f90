@@ -9,7 +9,7 @@ module spintop_effects
     public :: effects_t, harmonic_t
     public :: effect_friction, effect_friction_table, effect_drag, effect_lift, effect_shake, effect_frame, effect_upright_frame
     public :: effect_rotor, effect_axial_rotor, effect_drive, effect_torque, effect_harmonic, effect_table, effect_bits
-    public :: kernel_effects, timeless_effects
+    public :: kernel_effects, timeless_effects, braking_effects
 
     !> What may act, as bits of `acting`. Who does not have every effect names those that he admits, so that another one is
     !> refused until it is admitted. A pivot is lifted along the vertical and shaken across it. A frame and a rotor that are
@@ -18,10 +18,11 @@ module spintop_effects
         effect_upright_frame = 32, effect_frame = 64 + effect_upright_frame, effect_axial_rotor = 128, &
         effect_rotor = 256 + effect_axial_rotor, effect_drive = 512, effect_torque = 1024, effect_harmonic = 2048, &
         effect_table = 4096, effect_bits(13) = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096]
-    !> Those that the vector kernels have, and those that do not depend on the time.
+    !> Those that the vector kernels have, those that do not depend on the time, and those that act against the motion.
     integer, parameter :: &
         kernel_effects = effect_drag + effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque, &
-        timeless_effects = effect_friction + effect_friction_table + effect_drag + effect_frame + effect_rotor + effect_torque
+        timeless_effects = effect_friction + effect_friction_table + effect_drag + effect_frame + effect_rotor + effect_torque, &
+        braking_effects = effect_friction + effect_friction_table + effect_drag
 
     !> A vector over time with the components amplitude cos(rate t + phase).
     type :: harmonic_t

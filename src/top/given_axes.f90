@@ -3,7 +3,8 @@
 !> The angles of two sets of body axes turn differently: where the axis of one set circles about the vertical that of
 !> the other may not. So the turns in the given axes are counted along the motion, beside those of the computation.
 module spintop_given_axes
-    use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
+    use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, quaternion_product, square_to_pole, to_space, &
+        vertical_from_quaternion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: follow_motion
@@ -38,12 +39,13 @@ contains
 
     !> Gives the given angles of `next` the turns of those of `last`, and those in between. They are not sure if the body may
     !> rotate so far in between that its attitudes do not tell, or if its axis may meet a pole.
-    pure subroutine follow(self, last, next, reach, sure)
+    pure subroutine follow(self, last, next, reach, sure, error)
         class(given_axes_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
         type(motion_t), intent(inout) :: next !! another one; `given_angle` and `given_passed` are set
         real(dp), intent(in) :: reach !! the distance up to which a pole is passed through, rad
         logical, intent(out) :: sure !! whether the turns are certain
+        real(dp), intent(in), optional :: error !! how far off the motion may be at `next`, rad
         !> Rotation that attitudes tell, rad; one that is followed in no case.
         real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
         type(motion_t) :: here, there
@@ -59,6 +61,7 @@ contains
         call follow_motion(here, there, reach, next%given_passed, angle, sure)
         sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
         next%given_angle = angle
+        if (present(error)) call next%given_passed%watch(square_to_pole(there%quaternion), error)
         if (.not. next%given_passed%arrived) next%given_angle = angles_from_quaternion(there%quaternion, angle)
     end subroutine follow
 

@@ -9,10 +9,13 @@ module spintop_motion
     public :: motion_t, passages_t, motion_from_angles, motion_from_quaternion
 
     !> The passages of body z through the upper and the lower pole so far (spintop_pole_passages): whether their number is
-    !> odd; and whether body z has arrived in a pole, and not yet left it.
+    !> odd; and whether body z has arrived in a pole, and not yet left it. How often it passed a pole at a distance within the
+    !> error of the motion, so that nobody knows on which side, and whether it is so close.
     type :: passages_t
-        logical :: odd(2) = .false., arrived = .false.
+        logical :: odd(2) = .false., arrived = .false., is_close = .false.
+        integer :: doubtful = 0
     contains
+        procedure :: watch
         procedure :: store_or_restore => carry_passages
     end type passages_t
 
@@ -75,7 +78,19 @@ contains
         call archive%store_or_restore(self%odd(1))
         call archive%store_or_restore(self%odd(2))
         call archive%store_or_restore(self%arrived)
+        call archive%store_or_restore(self%is_close)
+        call archive%store_or_restore(self%doubtful)
     end subroutine carry_passages
+
+    !> Counts the times that body z comes as close to a pole as the error of the motion.
+    pure subroutine watch(self, square, error)
+        class(passages_t), intent(inout) :: self
+        real(dp), intent(in) :: square, error !! square of the distance of body z from a pole, rad^2; the error, rad
+        logical :: was_close
+        was_close = self%is_close
+        self%is_close = square < error**2
+        if (self%is_close .and. .not. was_close) self%doubtful = self%doubtful + 1
+    end subroutine watch
 
     !> Motion from the angles and their rates; the acceleration is left zero.
     pure type(motion_t) function motion_from_angles(t, angle, rate) result(motion)

@@ -231,6 +231,8 @@ class RefusalTest(FitCase):
             ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
             ("'initial.psi_rate'", "'top.density'", "has no value"),
             ("'data.csv',", "'data.csv', columns = 'tip_error',", "errors, bounds"),
+            ("'data.csv',", "'data.csv', averaged = 1e-3,", "first average begins before"),
+            ("'data.csv',", "'data.csv', averaged = 9,", "intervals of averages overlap"),
             ("'data.csv',", "'data.csv', columns = 'omega1',", "omega1"),
             ("'data.csv',", "'data.csv', sigma = 1, 2,", "standard deviations"),
             ("&fit ", "&span nutations = 2 /\n&fit ", "span of a fit"),

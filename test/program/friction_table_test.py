@@ -14,8 +14,8 @@ BROKEN = [(0, 0), (4, 0.2), (10, 0.35), (20, 1.2), (40, 1.2), (60, 4.0)]
 METHODS = {
     "taylor": (TIGHT, 1e-11),
     "taylor_quadruple": ("method = 'taylor_quadruple'  relative_tolerance = 1e-20", 1e-12),
-    "dop853": ("method = 'dop853'  relative_tolerance = 1e-13", 1e-9),
-    "arkode": ("method = 'arkode_erk'  relative_tolerance = 1e-11", 1e-7),
+    "dop853": ("method = 'dop853'  relative_tolerance = 1e-13", 1e-13),
+    "arkode": ("method = 'arkode_erk'  relative_tolerance = 1e-11", 1e-11),
     "gauss": ("method = 'gauss_8'  steps = 5000", 1e-5),
 }
 

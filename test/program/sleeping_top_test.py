@@ -53,6 +53,43 @@ def test_damped(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("top", "effects", "start", "end", "name", "with_effects"),
+    [
+        ("length = 0.866", "rotor_momentum = 0, 0, 3", "omega3 = 15", 15, "omega3", 27),
+        ("length = -0.866", "", "omega3 = 15", 15, "omega3", None),
+        ("length = 0.866", "earth_rate = 12  latitude_deg = 90", "omega3 = 15", 15, "omega3", 27),
+        ("centre_of_mass = 0.866, 0, 0", "", "omega = 15, 0, 0", 15, "omega1", None),
+    ],
+)
+def test_spin_of_the_summary(
+    tmp_path: Path, top: str, effects: str, start: str, end: float, name: str, with_effects: float
+) -> None:
+    """The summary has the spin of the input, about the axis that has the centre of mass."""
+    inertia = "0.25, 0.875, 0.875" if name == "omega1" else "0.875, 0.875, 0.25"
+    text = f"&top mass = 1  inertia = {inertia}  {top} /\n&span t_end = 1 /\n"
+    done = run(tmp_path, f"{text}&initial theta = 1e-6  {start} /\n&effects {effects} /\n")
+    (line,) = (line for line in done.stdout.splitlines() if line.startswith("  upright"))
+    assert f" rad/s; here {name} = {end:.10f}" in line
+    assert f"from {name} = {CRITICAL:.10f}" in line
+    if with_effects is None:
+        assert line.endswith(f"{end:.10f}")
+    else:
+        assert float(line.split(" as one of ")[1]) == pytest.approx(with_effects, rel=1e-9)
+
+
+@pytest.mark.parametrize("keys", ["drag_moment = 0, 0, 0.001", "friction_torque = 0.1", "damping"])
+@pytest.mark.parametrize(("spin", "t_end"), [(22, 1), (22, 0.01), (21, 1)])
+def test_slowing_down(tmp_path: Path, keys: str, spin: float, t_end: float) -> None:
+    """A top that is exactly upright in the end with less spin than the threshold is told of."""
+    text = TOP.replace(" /", "  damping = 0, 0, 0.05 /") if keys == "damping" else TOP
+    text += "" if keys == "damping" else f"&effects {keys} /\n"
+    done = run(tmp_path, f"{text}&initial theta = 0  omega3 = {spin} /\n&span t_end = {t_end} /\n")
+    said = "the top stays upright only because nothing disturbs it"
+    assert (f"warning: {said}" in done.stderr) is (spin < CRITICAL)
+    assert (f"note      in the end {said}" in done.stdout) is (spin > CRITICAL and t_end == 1)
+
+
+@pytest.mark.parametrize(
     ("old", "new", "critical", "ratio", "note"),
     [
         ("", "", CRITICAL, 30 / CRITICAL, ""),

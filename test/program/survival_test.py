@@ -9,6 +9,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -43,16 +44,13 @@ class SurvivalCase(ProgramCase):
 
     text = SLOW
     reference: bytes = b""  # the table of the text, from a run that nothing stopped
-    duration = 0.0  # of that run on one thread, in seconds
 
     def setUp(self) -> None:
         """The slow sweep and its table."""
         super().setUp()
         self.slow = self.write(self.text, "slow.nml")
         if not SurvivalCase.reference:
-            began = time.monotonic()
             self.run_sweep("-o", "reference", "--threads", "1")
-            SurvivalCase.duration = time.monotonic() - began
             SurvivalCase.reference = self.read("reference/slow.csv")
             shutil.rmtree(self.folder / "reference")
 
@@ -97,6 +95,13 @@ class SurvivalCase(ProgramCase):
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.01)
 
+    def wait_until(self, run: subprocess.Popen, seen: Callable[[], bool]) -> None:
+        """Wait until something is seen of a run, or it has ended."""
+        deadline = time.monotonic() + 300
+        while run.poll() is None and not seen():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.001)
+
     def interrupt(self, *arguments: str | Path, table: str = "output/slow.csv") -> None:
         """Start the slow sweep and kill it when some of it is done."""
         run = self.start(*arguments)
@@ -110,6 +115,14 @@ class SurvivalCase(ProgramCase):
         path = self.folder / name
         left = sorted(p.name for p in path.parent.glob(f"{path.stem}*"))
         self.assertEqual(left, [path.name, f"{path.stem}.log"])
+
+
+def is_larger(path: Path, size: int) -> bool:
+    """Whether a file, which may come and go, is larger."""
+    try:
+        return path.stat().st_size > size
+    except FileNotFoundError:
+        return False
 
 
 def begin_patiently(number: signal.Signals) -> None:
@@ -133,16 +146,18 @@ class InterruptionTest(SurvivalCase):
             self.assertRegex(log, r"\n  ended     20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ on \S+\n")
             self.assertIn("\n  status    1000 ok", log)
 
-    def test_killed_at_random_moments(self) -> None:
-        """SIGKILL and SIGTERM at moments of the start and of the whole run, until it is through."""
-        seed = random.randrange(10**9)
-        print(f"seed {seed}, {self.duration:.2f} s a run")
-        moments = random.Random(seed)
+    def test_killed_at_many_moments(self) -> None:
+        """SIGKILL and SIGTERM, as soon as a stage of the start or a size of the part is seen."""
+        sizes = random.Random(1)
+        part, journal = (self.folder / f"output/slow.csv.{name}" for name in ("part", "journal"))
+        stages = (lambda: True, part.exists, journal.exists)
         taken_over = 0
         for trial in range(14):
             before = max(self.journalled_rows(), 0)
+            size = sizes.randrange(len(self.reference))
             run = self.start("--resume")
-            time.sleep(moments.uniform(0, 0.05 if trial % 2 else self.duration / 2))
+            seen = stages[trial // 2 % 3] if trial % 2 else partial(is_larger, part, size)
+            self.wait_until(run, seen)
             number = (signal.SIGKILL, signal.SIGTERM)[trial // 2 % 2]
             run.send_signal(number)
             code = run.wait()

@@ -59,6 +59,8 @@ contains
             kinds%twists = merge(0, 1, all(is_zero(effects%torque_space)))
             kinds%vibrates = merge(0, 1, all(is_zero(effects%vibration_amplitude)))
             kinds%drags = merge(1, 0, has_drag_moment(effects)) + merge(1, 0, has_drag_force(body))
+            if (kinds%drags == 0 .or. .not. is_zero(maxval(effects%drag_moment) - minval(effects%drag_moment))) return
+            kinds%uniform = merge(1, 0, has_drag_moment(effects) .or. all(is_zero(effects%drag_moment)))
         end associate
     end function kinds_of
 

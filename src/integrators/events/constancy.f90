@@ -22,7 +22,7 @@ module spintop_constancy
     use spintop_quantities, only: angular_acceleration
     implicit none
     private
-    public :: find_constant, find_noise, driven_rate, noise_of_tolerance, noise_within_step
+    public :: find_constant, find_noise, driven_rate, noise_of_step, noise_of_tolerance, noise_within_step
     public :: early, margin, rounding_distance
 
     !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
@@ -204,5 +204,17 @@ contains
         turn = min((norm2(start%omega) + greatest_fall_rate(body)) * h, 1.0_dp)
         distance = max(rounding_distance, share * turn**min(max(order, 4), 8))
     end function noise_within_step
+
+    !> How far a step of a fixed size may lead from the motion without errors of the method, relatively: as the first term of
+    !> its series that the method leaves out, but for the derivative.
+    pure real(dp) function noise_of_step(body, start, h, order) result(distance)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp), intent(in) :: h !! size of the step, s
+        integer, intent(in) :: order !! order of the method
+        real(dp) :: turn
+        turn = (norm2(start%omega) + greatest_fall_rate(body)) * h
+        distance = max(rounding_distance, min(turn**(order + 1) / gamma(order + 2.0_dp), 1.0_dp))
+    end function noise_of_step
 
 end module spintop_constancy

@@ -32,9 +32,11 @@ contains
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        logical :: changed
         stepper%t = t
         stepper%y = y
         stepper%rest = 0
+        call stepper%projection%apply(formulation, stepper%y, changed)
         call stepper%begin(formulation, status)
     end subroutine end_step_at
 

@@ -79,6 +79,7 @@ contains
             own%max_steps = given%max_steps
         end associate
         self%crossing%t_begin = method%t_begin
+        self%crossing%projection = method%projection
     end subroutine begin
 
     !> What steps through the segment.
@@ -183,9 +184,7 @@ contains
         if (is_ok(status) .and. self%rest%has_series .and. .not. self%keeps_direction) then
             if (may_reverse(formulation, method)) call end_before_reversal(formulation, method, self%must_cross, status)
         end if
-        if (is_ok(status) .and. self%rest%has_series .and. formulation%action%has_rows) then
-            call end_at_row(formulation, method, status)
-        end if
+        if (is_ok(status) .and. formulation%action%has_rows) call end_at_row(formulation, method, self%rest%has_series, status)
         method%t_end = t_end
     end subroutine limit_step
 

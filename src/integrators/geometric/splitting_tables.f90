@@ -18,7 +18,6 @@ module spintop_splitting_tables
     type :: splitting_table_t
         !> Number of drifts, and of kicks with a nonzero coefficient.
         integer :: stages = 0, kicks = 0
-        integer :: order = 0
         real(dp) :: kick(0:max_stages) = 0
         real(dp) :: drift(max_stages) = 0
     end type splitting_table_t
@@ -27,13 +26,13 @@ contains
 
     !> Kick, drift, kick (Stoermer, Verlet, Strang).
     pure type(splitting_table_t) function strang_table() result(table)
-        table = composition(2, [real(dp) ::])
+        table = composition([real(dp) ::])
     end function strang_table
 
     !> Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002), order 4, for Nystrom splits.
     !> Here and below their 15 decimals are extended by Newton's method for the order conditions.
     pure type(splitting_table_t) function nystrom_4_table() result(table)
-        table = mirrored(4, &
+        table = mirrored( &
             [0.08298440641740501883834748_dp, 0.3963098014983680770949115_dp, &
              -0.03905630492234843517086529_dp], &
             [0.2452989571842711626039324_dp, 0.6048726657110799749608927_dp])
@@ -41,7 +40,7 @@ contains
 
     !> Method SRKN_14^a of the same authors, order 6, for Nystrom splits; it begins with a drift.
     pure type(splitting_table_t) function nystrom_6_table() result(table)
-        table = mirrored(6, &
+        table = mirrored( &
             [0.0_dp, 0.09171915262446201798118323_dp, 0.1839831700050048984914766_dp, &
              -0.05653436583288910439527704_dp, 0.004914688774711885640205616_dp, &
              0.1437611271683616823873745_dp, 0.3285676937468041402004813_dp], &
@@ -54,19 +53,19 @@ contains
     !> Five steps of order 2, order 4 (Suzuki, Phys. Lett. A 146, 1990).
     pure type(splitting_table_t) function composition_4_table() result(table)
         real(dp), parameter :: outer = 1 / (4 - 4**(1.0_dp / 3))
-        table = composition(4, [outer, outer])
+        table = composition([outer, outer])
     end function composition_4_table
 
     !> Nine steps of order 2, order 6 (Kahan and Li, Math. Comp. 66, 1997).
     pure type(splitting_table_t) function composition_6_table() result(table)
-        table = composition(6, &
+        table = composition( &
             [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
              -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp])
     end function composition_6_table
 
     !> Seventeen steps of order 2, order 8 (Kahan and Li).
     pure type(splitting_table_t) function composition_8_table() result(table)
-        table = composition(8, &
+        table = composition( &
             [0.13020248308889008087881763_dp, 0.56116298177510838456196441_dp, &
              -0.38947496264484728640807860_dp, 0.15884190655515560089621075_dp, &
              -0.39590389413323757733623154_dp, 0.18453964097831570709183254_dp, &
@@ -74,21 +73,18 @@ contains
     end function composition_8_table
 
     !> The composition of steps kick, drift, kick of the sizes `step` h, for any drift that is symmetric.
-    pure type(splitting_table_t) function composition(order, step) result(table)
-        integer, intent(in) :: order
+    pure type(splitting_table_t) function composition(step) result(table)
         real(dp), intent(in) :: step(:)
-        table = mirrored(order, (eoshift(step, -1) + step) / 2, step)
+        table = mirrored((eoshift(step, -1) + step) / 2, step)
     end function composition
 
     !> The table of which this is the first half, without the last kick and the last drift; one of these is in
     !> the middle, the other next to it.
-    pure type(splitting_table_t) function mirrored(order, kick, drift) result(table)
-        integer, intent(in) :: order
+    pure type(splitting_table_t) function mirrored(kick, drift) result(table)
         real(dp), intent(in) :: kick(:), drift(:)
         logical :: kick_in_middle
         associate (kicks => size(kick), drifts => size(drift), stages => size(kick) + size(drift) + 1)
             kick_in_middle = mod(stages, 2) == 0
-            table%order = order
             table%stages = stages
             table%kick(:kicks - 1) = kick
             table%kick(kicks) = 0.5_dp - sum(kick)

@@ -11,7 +11,7 @@ module spintop_lane_azimuth
     use spintop_pole_passages, only: settle_passage, way_t
     implicit none
     private
-    public :: lane_step_t, follow, changes_to, turns_far, border, largest_turn, sharp
+    public :: lane_step_t, follow, watch_poles, changes_to, turns_far, border, largest_turn, sharp
 
     !> A step of one lane. Its procedures take the Taylor coefficients of the lane.
     type :: lane_step_t
@@ -22,6 +22,8 @@ module spintop_lane_azimuth
         !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; and `bend` of
         !> `find_circling`, rad/s^2.
         real(dp) :: reach = 0, in_pole2 = 0, bend = 0
+        !> How far off the motion may be, rad.
+        real(dp) :: error = 0
     contains
         procedure :: follow => follow_step
     end type lane_step_t
@@ -95,10 +97,9 @@ contains
             !$omp simd private(longest)
             do i = 1, lanes
                 longest = max(part(i), 1 - part(i)) * duration(i)
-                ! Where the whole step will do, both ways give the same.
-                change(i) = first(i) + second(i)
+                change(i) = merge(change(i), first(i) + second(i), doubt(i) < turns_far)
                 doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
-                                 longest**2 * rate(i) > largest_turn**2 &
+                                 doubt(i) < turns_far .or. longest**2 * rate(i) > largest_turn**2 &
                                  .or. max(abs(first(i)), abs(second(i))) > sharp &
                                  .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
             end do
@@ -111,6 +112,24 @@ contains
             other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
         end do
     end subroutine follow
+
+    !> Counts the passages of poles within the errors of the motions, at the ends of steps.
+    pure subroutine watch_poles(error, state, passed)
+        real(dp), intent(in) :: error(lanes), state(lanes, parts) !! how far off the motions may be, rad; states
+        type(passages_t), intent(inout) :: passed(lanes) !! the passages
+        real(dp) :: square(lanes), least
+        integer :: i
+        least = 1
+        !$omp simd reduction(min: least)
+        do i = 1, lanes
+            square(i) = state(i, 4)**2 + state(i, 5)**2
+            least = min(least, square(i) - error(i)**2)
+        end do
+        if (.not. (least < 0 .or. any(passed%is_close))) return
+        do i = 1, lanes
+            call passed(i)%watch(square(i), error(i))
+        end do
+    end subroutine watch_poles
 
     !> Next to a pole the axis may circle about it while the body hardly turns. With the derivatives z1, z2, z3 of
     !> z = (Gamma2 + i Gamma1) exp(-i xi/2), which turns as the other angle does, its way over the step h is about
@@ -228,6 +247,7 @@ contains
                 t = goal
                 gamma = now(1:2)
                 other = new
+                call passed%watch(sum(gamma**2), self%error)
             else
                 part = 0.5_dp
                 if (pace * rate <= largest_turn .and. .not. passed%arrived) part = closest_to_pole(gamma, now(1:2))

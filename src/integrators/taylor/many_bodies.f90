@@ -95,7 +95,7 @@ contains
         kind = plain
         if (.not. allocated(body%effects)) return
         kinds = kinds_of(body)
-        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * kinds%drags))
+        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * (kinds%uniform + 2 * kinds%drags)))
     end function kind_of
 
     !> Integrates the cases with the same effects.
@@ -167,6 +167,7 @@ contains
         outcome%t = run%now%t(lane)
         outcome%counts%steps = run%steps(lane)
         outcome%counts%evaluations = run%order * run%steps(lane)
+        outcome%doubtful_passages = run%passed(lane)%doubtful
         motion = run%motion(lane)
         if (allocated(body%effects)) then
             motion%omega_rate = angular_acceleration(body, motion)

@@ -23,8 +23,7 @@ module spintop_root_monitor
         !> What the weight adds to omega in a radian (`driven_rate`), rad/s: set by `begin` where the noise depends on it.
         real(dp) :: driven(lanes) = 0
         !> For `record_roots`: whether a root is one of noise: since the one before, or before that one, the polynomial was
-        !> within
-        !> it.
+        !> within it.
         logical :: is_noise(lanes) = .false.
         !> Whether the polynomial is zero to rounding; how large it was since the last root, where it was seen.
         logical, private :: is_constant(lanes) = .false., was_noise(lanes) = .false.

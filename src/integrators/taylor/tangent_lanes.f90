@@ -102,7 +102,7 @@ contains
             call divide(self, run, duration, excess)
         end if
         call settle(self, run)
-        call scale_down(self, run)
+        call scale_down(self, run, duration)
     end subroutine propagate
 
     !> Finds the perturbations that are not zero in all lanes for ever.
@@ -123,13 +123,13 @@ contains
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: c(lanes, rows, 0:run%order), duration(lanes)
         real(dp), intent(out) :: excess(lanes)
-        real(dp) :: last(lanes)
+        real(dp) :: whole(lanes), last(lanes)
         associate (now => run%now)
             call propagate_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%moving), &
                                     self%moving, size(self%z, 3) - size(self%change), self%change, self%z, self%next, &
-                                    self%whole, last)
+                                    whole, last)
         end associate
-        self%whole = self%whole + self%beside
+        self%whole = merge(whole + self%beside, self%whole, duration > 0)
         excess = merge(last / (self%tolerance * self%whole), 0.0_dp, last > self%tolerance * self%whole)
         ! What is not finite exceeds as well.
         excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
@@ -182,7 +182,7 @@ contains
                 if (.not. left(lane) > 0) part(lane) = 0
             end do
             if (.not. any(left > 0)) exit
-            call scale_down(self, run)
+            call scale_down(self, run, left)
             call try(self, run, c, part, excess)
         end do
     end subroutine divide
@@ -239,10 +239,12 @@ contains
         end do
     end subroutine settle_lane
 
-    !> Divides perturbations that have become very large or small by a power of two.
-    pure subroutine scale_down(self, run)
+    !> Divides perturbations that have become very large or small by a power of two, in lanes that have time left: the others
+    !> do not know how long a step is in parts.
+    pure subroutine scale_down(self, run, left)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: left(lanes)
         real(dp), dimension(lanes) :: peak, fast, turned
         integer :: i, v, m
         fast = 0
@@ -257,6 +259,7 @@ contains
         peak = max(turned, fast / run%now%scale)
         if (all(peak < far .and. peak * far > 1)) return
         do i = 1, lanes
+            if (.not. left(i) > 0) cycle
             if ((peak(i) < far .and. peak(i) * far > 1) .or. .not. (peak(i) > 0 .and. peak(i) <= huge(1.0_dp))) cycle
             m = exponent(peak(i))
             self%z(i, :, :) = scale(self%z(i, :, :), -m)

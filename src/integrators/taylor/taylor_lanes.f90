@@ -10,17 +10,17 @@ module spintop_taylor_lanes
     use spintop_kinds, only: dp, pi, qp
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_constancy, only: noise_of_tolerance, rounding_distance
+    use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t, lane_kinds_t, more_rows
-    use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far
+    use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
     use spintop_lane_effects, only: lane_effects_t
     use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, choose_durations, non_finite
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_pole_passages, only: in_pole
+    use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t
@@ -76,8 +76,9 @@ module spintop_taylor_lanes
         real(dp) :: method_noise = rounding_distance
         !> The passages through poles so far, and before the last step.
         type(passages_t) :: passed(lanes) = passages_t(), passed_last(lanes) = passages_t()
-        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole.
-        real(dp), private :: reach(lanes) = 0, in_pole2(lanes) = 0
+        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; what a step adds to
+        !> the error of a motion, rad, at the most, 0 of one that passes through poles.
+        real(dp), private :: reach(lanes) = 0, in_pole2(lanes) = 0, error_of_step(lanes) = 0
         !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
         logical, private :: has_cusps(lanes) = .false.
         !> The centre of mass of a body on which a drag force acts, m; otherwise 0.
@@ -192,6 +193,7 @@ contains
         reach = reach_of(body, start)
         self%reach(lane) = reach(1)
         self%in_pole2(lane) = (in_pole * reach(1))**2
+        self%error_of_step(lane) = merge(margin * self%method_noise, 0.0_dp, reach(1) <= through_pole)
         self%steps(lane) = 0
         self%status(lane) = status_ok
     end subroutine load
@@ -230,8 +232,7 @@ contains
             call follow(self%order, c, now%duration, now%side, self%in_pole2, now%state, now%other, now%rate, now%bend, &
                         doubt, worst)
             now%other_then = now%other
-            if (worst == 0) return
-            do lane = 1, lanes
+            do lane = 1, merge(0, lanes, worst == 0)
                 if (doubt(lane) >= turns_far) then
                     step = step_of(self, lane)
                     call step%follow(c(lane, :, :), now%t(lane), now%other(lane), self%passed(lane))
@@ -239,6 +240,7 @@ contains
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
             end do
+            call watch_poles(self%error_of_step * self%steps, now%state, self%passed)
         end associate
     end subroutine advance
 
@@ -303,7 +305,7 @@ contains
         integer, intent(in) :: lane !! index of the lane
         associate (now => self%now)
             step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
-                               self%reach(lane), self%in_pole2(lane), now%bend(lane))
+                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane))
         end associate
     end function step_of
 

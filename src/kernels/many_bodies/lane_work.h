@@ -17,20 +17,6 @@ static const double inverse[room] = {
     1.0 / 25, 1.0 / 26, 1.0 / 27, 1.0 / 28, 1.0 / 29, 1.0 / 30, 1.0 / 31, 1.0 / 32, 1.0 / 33, 1.0 / 34, 1.0 / 35,
 };
 
-// Whether the coefficients of each drag are the same for all axes, and none is linear.
-static int has_uniform_drags(const struct lane_kinds *has, const struct lane_work *of) {
-    for (int lane = 0; lane < lanes; ++lane) {
-        for (int m = 0; m < 3; ++m) {
-            if (of->linear_drag[m][lane] > 0) return 0;
-        }
-    }
-    for (int d = 0; d < has->drags; ++d) {
-        const double(*k)[lanes] = of->drag[d];
-        if (memcmp(k[0], k[1], sizeof *k) != 0 || memcmp(k[0], k[2], sizeof *k) != 0) return 0;
-    }
-    return 1;
-}
-
 // The terms of a vector, each times the power of the step's length of its order.
 typedef vector vector_series[room][3];
 
@@ -115,7 +101,7 @@ inlined vector uniform_work(int terms, const vector *power, const double *coeffi
 inlined vector drag_work(const struct lane_kinds *has, int terms, const vector *power, vector w[][3], int lane,
                          const struct lane_work *of, const double *c, const double *x) {
     vector sum = {0};
-    if (has->drags == 0 || !has_uniform_drags(has, of)) return work_of(by_drag, has, terms, power, w, lane, of, c, x);
+    if (!has->uniform) return work_of(by_drag, has, terms, power, w, lane, of, c, x);
     for (int d = 0; d < has->drags; ++d) {
         sum += uniform_work(terms, power, of->drag[d][0] + lane, x + lane + lanes * (drags + of_drag * d));
     }

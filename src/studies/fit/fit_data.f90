@@ -154,7 +154,7 @@ contains
             call problems%add(key, path // ': a time is not a number', 'omit the row')
             return
         end if
-        if (t(1) + scene%time_offset - scene%averaged / 2 < 0) then
+        if (t(1) + scene%time_offset < 0) then
             call problems%add(key, path // ': a time is before the start of the motion at 0', 'shift the times, or give &
                 &fit.time_offset')
             return
@@ -165,6 +165,11 @@ contains
                                   'average over the time between rows at most')
                 return
             end if
+        end if
+        if (t(1) + scene%time_offset - scene%averaged / 2 < 0) then
+            call problems%add('fit.averaged', 'the first average begins before the start of the motion at 0', &
+                              'average over less, shift the times, or give fit.time_offset')
+            return
         end if
         do i = 2, size(t)
             if (t(i) > t(i - 1)) cycle

@@ -8,7 +8,7 @@ module spintop_sweep_notes
         note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov, note_no_singular, &
         note_no_exact_motion, note_no_precession_period, note_no_inherent, note_not_free, &
         note_no_momentum_period, note_no_derivative, note_no_multiplier, note_not_stuck, &
-        note_nothing_to_bound, note_no_threshold
+        note_nothing_to_bound, note_no_threshold, note_no_turns_known
 
     !> Why a case lacks what is measured by equations without effects.
     character(*), parameter :: only_without_effects = &
@@ -21,18 +21,19 @@ module spintop_sweep_notes
         enumerator :: note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov
         enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period, note_no_inherent
         enumerator :: note_not_free, note_no_momentum_period, note_no_derivative, note_no_multiplier
-        enumerator :: note_not_stuck, note_nothing_to_bound, note_no_threshold
+        enumerator :: note_not_stuck, note_nothing_to_bound, note_no_threshold, note_no_turns_known
     end enum
 
     !> The notes, without the reason in a case.
-    character(*), parameter :: note_names(note_no_threshold) = [character(40) :: &
+    character(*), parameter :: note_names(note_no_turns_known) = [character(40) :: &
         'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
         'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
         'stop_at did not occur in the span', 'no growth rate', &
         'no Lyapunov exponent', 'no largest singular value', 'no exact solution for comparison', &
         'no precession period T_p', 'no inherent error', 'not a free body', 'no period of the momentum', &
         'a derivative does not converge', 'no multipliers of a vibration', 'not stopped by dry friction', &
-        'a bound of a number that does not exist', 'no threshold of a sleeping top']
+        'a bound of a number that does not exist', 'no threshold of a sleeping top', &
+        'phi and psi may be off by whole turns']
 
     !> The notes on a case.
     type :: note_t

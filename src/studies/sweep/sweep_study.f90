@@ -246,6 +246,8 @@ contains
             call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &
                              // status_meaning(status))
         end do
+        if (table%doubtful > 0) call summary%add('note', to_text(table%doubtful) // ' of the computed cases pass a pole within &
+            &their error: phi and psi may be off by whole turns')
         call summary%add_failures('cases', table%counts)
     end subroutine describe_sweep
 

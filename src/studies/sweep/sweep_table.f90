@@ -26,7 +26,7 @@ module spintop_sweep_table
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: columns_at
     use spintop_sweep_engine, only: slot_t
-    use spintop_sweep_notes, only: note_names, note_t
+    use spintop_sweep_notes, only: note_names, note_no_turns_known, note_t
     use spintop_sweep_result, only: proof_cells, value_count
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_table_head, only: table_head
@@ -250,6 +250,7 @@ contains
                     cells(2:axes + 1, k) = parameters(:, k)
                     cells(axes + 2, k) = final_status
                     cells(size(cells, 1), k) = slot%note%flags
+                    if (slot%note%has(note_no_turns_known)) rows%doubtful = rows%doubtful + 1
                     rows%rows = rows%rows + 1
                     call rows%set_note(slot%note%text)
                     rows%counts(final_status) = rows%counts(final_status) + 1

@@ -39,6 +39,8 @@ module spintop_motion_rows
         !> Number of rows of the whole table.
         integer(int64) :: total = 0
         integer :: rows = 0
+        !> The motion of the last row, in the axes of the computation.
+        type(motion_t) :: last
         !> Whether a value of a motion overflowed or is NaN, and the time, s.
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
@@ -276,6 +278,7 @@ contains
         class(writer_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
+        self%last = motion
         associate (values => self%columns%row(motion, work=self%work))
             self%is_undefined = .not. self%columns%is_defined(values)
             self%t_undefined = motion%t

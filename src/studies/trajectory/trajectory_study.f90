@@ -20,12 +20,12 @@ module spintop_trajectory_study
     use spintop_process, only: stop_watching_signals
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
-    use spintop_steady_motion, only: critical_omega3, starts_upright
+    use spintop_steady_motion, only: sleeps_slowly
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
-    use spintop_summary, only: decimal, rounded, summary_t
+    use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
@@ -92,14 +92,8 @@ contains
     subroutine warn_of_slow_sleeper(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
-        associate (body => case%body, omega3 => case%start%omega(3))
-            if (allocated(body%effects) .or. .not. starts_upright(body, case%start)) return
-            if (abs(omega3) >= critical_omega3(body)) return
-            call problems%warn('initial', 'the top stays upright only because nothing disturbs it: it spins with ' // &
-                               rounded(abs(omega3)) // ' rad/s, and a sleeping top is stable from ' // &
-                               rounded(critical_omega3(body)) // ' rad/s', &
-                               'start with a tilt, such as 1e-6 rad, or spin faster')
-        end associate
+        if (.not. sleeps_slowly(case%body, case%start)) return
+        call problems%warn('initial', slow_sleeper(case%body, case%start), 'start with a tilt, such as 1e-6 rad, or spin faster')
     end subroutine warn_of_slow_sleeper
 
     !> Number of rows, and time span.
@@ -163,6 +157,11 @@ contains
         if (allocated(error)) return
         call describe_run(job, writer%rows, outcome, elapsed, recorder, summary)
         if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
+        if (.not. (job%plan%exact .or. sleeps_slowly(job%case%body, job%case%start))) then
+            associate (last => writer%last)
+                if (sleeps_slowly(job%case%body, last)) call summary%add('note', 'in the end ' // slow_sleeper(job%case%body, last))
+            end associate
+        end if
         if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
         if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
         call writer%columns%close()
@@ -346,6 +345,8 @@ contains
         associate (status => outcome%status)
             call summary%add('status', status_name(status) // ' at t = ' // to_text(outcome%end_time()) // ': ' &
                              // status_meaning(status))
+            if (outcome%doubtful_passages > 0) call summary%add('note', to_text(outcome%doubtful_passages) // ' passages of a &
+                &pole within the error of the motion: phi and psi may be off by whole turns')
             if (job%input%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
         end associate
     end subroutine describe_run

@@ -77,6 +77,7 @@ contains
         end do
         self%data%rows = first + block%rows
         self%counts = self%counts + block%counts
+        self%doubtful = self%doubtful + block%doubtful
     end subroutine append
 
     !> Number of a note, from 0. The latest notes are compared with it: most rows have none, or that of a row before.

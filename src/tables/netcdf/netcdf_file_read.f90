@@ -115,7 +115,7 @@ contains
     subroutine read_grid(id, names, axes, status)
         integer, intent(in) :: id
         character(*), intent(in) :: names
-        type(netcdf_axis_t), allocatable, intent(inout) :: axes(:)
+        type(netcdf_axis_t), allocatable, intent(out) :: axes(:)
         integer, intent(inout) :: status
         type(string_t), allocatable :: words(:)
         integer, allocatable :: lengths(:)
@@ -126,7 +126,10 @@ contains
         if (status == nf90_noerr) status = nf90_inquire_attribute(id, nf90_global, 'grid_lengths', len=n)
         allocate (lengths(n))
         if (status == nf90_noerr) status = nf90_get_att(id, nf90_global, 'grid_lengths', lengths)
-        axes = [(netcdf_axis_t(words(i)%text, lengths(i)), i=1, min(n, size(words)))]
+        allocate (axes(min(n, size(words))))
+        do i = 1, size(axes)
+            axes(i) = netcdf_axis_t(words(i)%text, lengths(i))
+        end do
     end subroutine read_grid
 
     !> What a column is, except for its axis.

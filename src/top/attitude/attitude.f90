@@ -12,7 +12,7 @@ module spintop_attitude
     public :: omega_from_rates, rates_from_omega, omega_rate_from_accelerations
     public :: attitude_circular_t, circular_of_attitude, omega_from_circular
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
-    public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one, beside_pole
+    public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one, beside_pole, square_to_pole
 
     !> Body z is beside a pole at smaller distances from it, rad: it may be passing through it (spintop_pole_passages).
     real(dp), parameter :: beside_pole = 1.0e-9_dp
@@ -298,6 +298,12 @@ contains
         w(2) = -r1 * q(3) + r2 * q(4) + r3 * q(1) - r4 * q(2)
         w(3) = -r1 * q(4) - r2 * q(3) + r3 * q(2) + r4 * q(1)
     end function to_space
+
+    !> Square of the distance of body z from the nearer pole, rad^2, where that is small.
+    pure real(dp) function square_to_pole(q) result(square)
+        real(dp), intent(in) :: q(4) !! quaternion of any norm, scalar part first
+        square = 4 * min(sum(q(1:4:3)**2), sum(q(2:3)**2)) / sum(q**2)
+    end function square_to_pole
 
     !> Upward vertical in body axes, "Gamma".
     pure function vertical_from_quaternion(q) result(gamma)

@@ -9,8 +9,8 @@ module spintop_sweep_engine
     use spintop_kinds, only: dp
     use spintop_plan, only: plan_t
     use spintop_status, only: is_good_end, status_meanings, status_ok
-    use spintop_sweep_notes, only: note_t
-    use spintop_sweep_result, only: kinds_of_work, sweep_result_t
+    use spintop_sweep_notes, only: note_no_turns_known, note_t
+    use spintop_sweep_result, only: kinds_of_work, of_turns, of_whole, sweep_result_t
     implicit none
     private
     public :: task_t, slot_t, engine_t, engine_entry_t, run_engines
@@ -45,6 +45,7 @@ module spintop_sweep_engine
         real(dp) :: growth_until = 0, inherent_until = 0
     contains
         procedure :: fail
+        procedure :: explain_turns
     end type slot_t
 
     !> A way to compute cases.
@@ -117,6 +118,15 @@ contains
         type(slot_t), intent(in) :: a, b !! the cases
         shares_lanes = .true.
     end function shares_lanes
+
+    !> Notes that the motion passed poles within its error, where turns are wanted.
+    subroutine explain_turns(self, passages, wanted)
+        class(slot_t), intent(inout) :: self
+        integer, intent(in) :: passages !! number of such passages
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (passages == 0 .or. .not. (wanted(of_turns) .or. wanted(of_whole))) return
+        call self%note%add(note_no_turns_known, 'the motion passes a pole within its error')
+    end subroutine explain_turns
 
     !> Ends a case without success.
     subroutine fail(self, status)

@@ -151,6 +151,7 @@ contains
         if (is_good_end(slot%status)) then
             ! Without an energy error, which a monitor measures if it is wanted.
             call set_end(slot, last, (slot%result%energy_error_max))
+            call slot%explain_turns(outcome%doubtful_passages, wanted)
             call self%monitors%store_quantities(slot%case, wanted, i, last, slot%result, slot%status, slot%note)
             call find_free_constants(slot, wanted)
         else

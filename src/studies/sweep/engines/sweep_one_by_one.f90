@@ -19,8 +19,8 @@ module spintop_sweep_one_by_one
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
-    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, &
-        set_details, precession_period, lowest_height
+    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, &
+        set_azimuth, set_end, set_details, precession_period, lowest_height
     use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
         of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
         of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
@@ -191,6 +191,7 @@ contains
             end if
             values%t_stuck = outcome%t_stuck
             call set_end(slot, witness%last, witness%energy_error)
+            call slot%explain_turns(outcome%doubtful_passages, wanted)
             if (case%body%has_closed_form()) then
                 call compare_with_exact(case, wanted, witness%last, values)
             else if (wanted(of_inherent)) then

@@ -121,6 +121,7 @@ contains
         integer, allocatable :: lengths(:)
         integer :: i, n
 
+        allocate (words(0)) ! or gfortran warns of bounds without values
         call split(names, ' ', words)
         n = 0
         if (status == nf90_noerr) status = nf90_inquire_attribute(id, nf90_global, 'grid_lengths', len=n)

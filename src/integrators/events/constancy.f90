@@ -23,15 +23,13 @@ module spintop_constancy
     implicit none
     private
     public :: find_constant, find_noise, driven_rate, noise_of_step, noise_of_tolerance, noise_within_step
-    public :: early, margin, rounding_distance
+    public :: margin, rounding_distance
 
     !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
     real(dp), parameter :: rounding_distance = 8 * epsilon(1.0_dp)
     integer, parameter :: neighbours = 6
     !> A quantity within so many times its noise of a level may be there.
     real(dp), parameter :: margin = 4
-    !> A motion is near its start for so many times of that within which an event is the start itself.
-    real(dp), parameter :: early = 1.0e6_dp
 
     !> The first part of a motion, in which the body turns by two radians at most: number of steps, and the turn in one, rad.
     integer, parameter :: steps = 40
@@ -80,7 +78,7 @@ contains
                 is_constant = .false.
                 return
             end if
-            call find_noise(search, fall, here, values, noise)
+            call find_noise(search, fall, here, noise)
             is_constant = is_constant .and. is_finite(distance) .and. distance <= margin * noise
         end subroutine keep_those_at_level
 
@@ -142,13 +140,14 @@ contains
     end subroutine step
 
     !> What quantities change by between a motion and its neighbours: their rounding errors.
-    subroutine find_noise(search, fall, motion, values, noise)
+    subroutine find_noise(search, fall, motion, noise)
         class(event_quantities_t), intent(inout) :: search !! the quantities
         real(dp), intent(in) :: fall !! `greatest_fall_rate` of the body, rad/s
         type(motion_t), intent(in) :: motion !! the motion
-        real(dp), intent(in) :: values(:) !! the quantities there
         real(dp), intent(out) :: noise(:) !! one for each quantity
+        real(dp) :: values(size(noise))
         integer :: i
+        call search%quantities(motion, values)
         noise = 0
         do i = 1, neighbours
             call search%quantities(neighbour(fall, motion, i), search%one)

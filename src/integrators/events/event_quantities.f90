@@ -1,15 +1,15 @@
 !> The quantities of events, whose passages through levels are searched for: their values along a path.
 module spintop_event_quantities
     use spintop_bracket, only: bracket_t
-    use spintop_compare, only: is_equal
+    use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
+    use spintop_instants, only: is_short
     use spintop_kinds, only: dp
-    use spintop_level_side, only: side_t, sign_of
+    use spintop_level_side, only: side_t, sign_of, turns_far
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_five_values, only: root_between
+    use spintop_five_values, only: root_between, rounding_of
     use spintop_path, only: path_t
-    use spintop_recent_values, only: recent_values_t
     use spintop_status, only: is_ok
     implicit none
     private
@@ -23,8 +23,7 @@ module spintop_event_quantities
         logical :: needs_angles = .true.
         !> Whether `quantities_of_several` gives all quantities; then none needs the angles.
         logical :: takes_several = .false.
-        !> The quantities at the latest instants; workspace.
-        type(recent_values_t) :: recent
+        !> Workspace.
         real(dp), allocatable :: one(:)
         !> The motion at the instants that were computed last at once, and the quantities.
         type(motions_t), private :: ahead
@@ -36,9 +35,12 @@ module spintop_event_quantities
         procedure :: value_at
         procedure :: find_passage
         procedure :: find_quarters
+        procedure :: measure_rounding
     end type event_quantities_t
 
     integer, parameter :: half = instants / 2
+    !> The rounding error is measured over this fraction of an interval.
+    real(dp), parameter :: rounding_share = 2.0_dp**(-12)
 
     !> A correction of a time by more than this fraction of what it is known to does not converge.
     real(dp), parameter :: convergent = 0.05_dp
@@ -78,7 +80,6 @@ contains
         if (allocated(self%one)) deallocate (self%one, self%several)
         allocate (self%one(size(self%events)), self%several(instants, size(self%events)))
         self%ahead%t = -huge(1.0_dp)
-        call self%recent%begin(size(self%events))
     end subroutine begin_quantities
 
     !> The quantity of event `k` at a time.
@@ -88,12 +89,8 @@ contains
         integer, intent(in) :: k !! number of the event
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: motion
-        logical :: known
-        call self%recent%find(t, k, value, known)
-        if (known) return
         call path%motion_at(t, self%needs_angles, motion)
         call self%quantities(motion, self%one)
-        call self%recent%keep(t, self%one)
         value = self%one(k)
     end function value_at
 
@@ -161,16 +158,47 @@ contains
         t = a + width * place
     end subroutine find_near
 
-    !> The quantities at each quarter of the time from `a` to `b`, and the motion at `b`, without angles. Those of as long a
-    !> time after that, if it ends before `limit`, are computed by the same instructions, and kept for the next call. It moves
-    !> `b` to the end of that time if this is not much earlier.
-    subroutine find_quarters(self, path, a, b, limit, values, last)
+    !> The quantities at the quarters of the time from `a` to `b`, where those at `a` are known, and the motion at `b`, which is
+    !> moved to an earlier time up to which no angle turns too far.
+    subroutine find_quarters(self, path, a, b, limit, values, last, motion_last)
         class(event_quantities_t), intent(inout) :: self
         class(path_t), intent(inout) :: path !! the motion
         real(dp), intent(in) :: a, limit !! beginning of the interval, and the latest time to look at, s
         real(dp), intent(inout) :: b !! end of the interval, which may be moved, s
-        real(dp), intent(out) :: values(:, :) !! a row for each event
+        real(dp), intent(inout) :: values(:, :) !! a row for each event
         type(motion_t), intent(out) :: last !! the motion at `b`
+        type(motion_t), intent(in), optional :: motion_last !! the motion at `b`, if known
+        type(motion_t) :: motion
+        integer :: i
+
+        if (self%takes_several) then
+            call find_ahead(self, path, a, b, limit, values(:, 2:), last)
+            return
+        end if
+        if (present(motion_last)) last = motion_last
+        if (.not. present(motion_last)) call path%motion_at(b, self%needs_angles, last)
+        do
+            call self%quantities(last, values(:, 5))
+            if (is_short(a, b) .or. .not. any(turns_far(self%events, values(:, 1), values(:, 5)))) exit
+            if (path%is_spent()) return
+            b = a + (b - a) / 2
+            call path%motion_at(b, self%needs_angles, last)
+        end do
+        do i = 2, 4
+            call path%motion_at(a + (b - a) * (i - 1) / 4, self%needs_angles, motion)
+            call self%quantities(motion, values(:, i))
+        end do
+    end subroutine find_quarters
+
+    !> The same without angles, by the same instructions for all, as for as long a time after `b`, if it ends before `limit`: these
+    !> are kept for the next call. It moves `b` to the end of that time if this is not much earlier.
+    subroutine find_ahead(self, path, a, b, limit, values, last)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path
+        real(dp), intent(in) :: a, limit
+        real(dp), intent(inout) :: b
+        real(dp), intent(out) :: values(:, :)
+        type(motion_t), intent(out) :: last
         real(dp) :: t(instants), slack
         integer :: first, i
 
@@ -196,6 +224,25 @@ contains
             values(:, i) = self%several(first - 1 + i, :)
         end do
         last = self%ahead%motion(first - 1 + half)
-    end subroutine find_quarters
+    end subroutine find_ahead
+
+    !> Measures the rounding error of the quantity of event `k` at the beginning of the interval from `a` to `b`. It may be
+    !> larger there than where it was measured before: near a pole it varies by orders of magnitude.
+    subroutine measure_rounding(self, path, k, a, b, rounding)
+        class(event_quantities_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path !! the motion
+        integer, intent(in) :: k !! number of the event
+        real(dp), intent(in) :: a, b !! ends of the interval, s
+        real(dp), intent(inout) :: rounding !! the largest that was measured
+        real(dp) :: values(9), gap
+        integer :: i
+
+        gap = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
+        if (8 * gap > b - a) return
+        do i = 1, 9
+            values(i) = self%value_at(path, k, a + gap * (i - 1))
+        end do
+        if (all(is_finite(values))) rounding = max(rounding, rounding_of(values))
+    end subroutine measure_rounding
 
 end module spintop_event_quantities

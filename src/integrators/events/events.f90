@@ -6,19 +6,18 @@
 !> the quantity is monotone, or does not reach its level (`spintop_five_values`). Any number of passages between two instants
 !> is therefore found. The following are not events: a level that is touched and not passed, to the rounding error of the
 !> quantity, which is measured where it matters; passages of one that equals its level within rounding errors; the start.
-!>
-!> Each evaluation counts as work. The search ends when the path allows no more.
+!> Each evaluation counts as work; the search ends when the path allows no more.
 module spintop_events
     use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite
-    use spintop_constancy, only: early, find_constant, find_noise, rounding_distance
+    use spintop_constancy, only: find_constant, find_noise, margin, rounding_distance
     use spintop_event, only: event_t, occasion_none
     use spintop_event_quantities, only: event_quantities_t
-    use spintop_five_values, only: passes_at_most_once, rounding_of
+    use spintop_five_values, only: passes_at_most_once
     use spintop_instants, only: greatest_fall_rate, is_short, next_instant, time_of_start
-    use spintop_level_side, only: side_t, sign_of, turns_far
+    use spintop_level_side, only: side_t, sign_of
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_status, only: status_ok, status_bad_events
@@ -52,9 +51,13 @@ module spintop_events
         type(motion_t) :: here
         !> The quantities at that time, and their sides.
         real(dp), allocatable, private :: values(:)
+        !> The motion at the end of the interval that is searched, and the noise of the quantities there, once it is known.
+        type(motion_t), private :: there
+        real(dp), allocatable, private :: noise(:)
+        logical, private :: knows_noise = .false.
         !> Workspace: the quantities at five instants.
         real(dp), allocatable, private :: five(:, :)
-        type(side_t), allocatable, private :: sides(:)
+        type(side_t), allocatable, private :: sides(:), sides_before(:)
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
     contains
         procedure(handle_event), deferred :: handle_event
@@ -78,10 +81,8 @@ module spintop_events
         end subroutine handle_event
     end interface
 
-    !> Each time after so many halvings of an interval the rounding error is measured, over this fraction of what is
-    !> left of it.
+    !> Each time after so many halvings of an interval the rounding error is measured.
     integer, parameter :: rounding_depth = 8
-    real(dp), parameter :: rounding_share = 2.0_dp**(-12)
 
 contains
 
@@ -116,14 +117,11 @@ contains
         self%is_paused = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
-        if (allocated(self%values)) deallocate (self%values, self%sides, self%five)
+        if (allocated(self%values)) deallocate (self%values, self%noise, self%sides, self%sides_before, self%five)
         i = size(self%events)
-        allocate (self%values(i), self%sides(i), self%five(i, 5))
+        allocate (self%values(i), self%noise(i), self%sides(i), self%sides_before(i), self%five(i, 5))
         call self%begin_quantities()
         call self%quantities(motion, self%values)
-        self%sides%early = motion%t + early * self%soon
-        call find_noise(self, self%fall_rate, motion, self%values, self%sides%noise)
-        self%sides%is_clear = .not. self%method_noise > 0
     end subroutine begin
 
     !> Judges which quantities are constant at their levels, and then have no events: after `begin`, of a motion of that body.
@@ -224,37 +222,21 @@ contains
         real(dp), intent(in) :: last, limit
         type(motion_t), intent(in), optional :: motion_last
         type(passages_t) :: found
-        type(motion_t) :: motion, there
-        real(dp) :: b, values(5), noise(size(self%events))
-        logical :: is_near, stays
-        integer :: k, i, before
+        type(motion_t) :: motion
+        real(dp) :: b
+        integer :: k, i
 
         self%five(:, 1) = self%values
         b = last
-        if (self%takes_several) then
-            call self%find_quarters(path, self%t, b, limit, self%five(:, 2:), there)
-        else
-            call advance(self, path, b, there, motion_last)
-            if (path%is_spent()) return
+        self%sides_before(:) = self%sides
+        call find_passages(self, path, b, limit, found, motion_last)
+        if (any(self%sides%has_passed .and. .not. self%sides%is_clear) .and. .not. is_short(self%t, b)) then
+            ! One that may only touch its level: an interval that ends elsewhere shows both passages, or neither.
+            self%sides(:) = self%sides_before
+            found%n = 0
+            b = self%t + (b - self%t) / 2
+            call find_passages(self, path, b, limit, found)
         end if
-        noise = 0
-        if (.not. all(self%sides%is_clear)) call find_noise(self, self%fall_rate, there, self%five(:, 5), noise)
-        noise = noise * (self%method_noise / rounding_distance)
-        do k = 1, size(self%events)
-            if (self%sides(k)%is_constant) cycle
-            before = found%n
-            values = self%five(k, :)
-            call self%sides(k)%update_is_clear(values, noise(k))
-            call self%sides(k)%advance_if_staying(self%events(k), b, values, stays)
-            if (stays) cycle
-            call self%sides(k)%aim(self%events(k), self%t, values)
-            call self%sides(k)%update_is_clear(values, noise(k))
-            is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
-            call self%sides(k)%forget_rounding(self%t)
-            if (is_near) call measure_rounding(self, path, k, self%t, b)
-            call refine(self, path, k, self%t, b, values - self%sides(k)%level, 0, found)
-            call found%merge_from(before + 1)
-        end do
         self%is_full = found%is_full
         if (path%is_spent() .or. self%is_full) return
         do i = 1, found%n
@@ -274,36 +256,42 @@ contains
             return
         end do
         self%t = b
-        self%here = there
+        self%here = self%there
         self%values = self%five(:, 5)
     end subroutine search
 
-    !> Finds the quantities at five instants from the last one to `b`, or to an earlier time up to which no angle turns too far.
-    subroutine advance(self, path, b, there, motion_last)
+    !> Finds the passages from the last instant to `b`, which may be moved to an earlier time, in order.
+    subroutine find_passages(self, path, b, limit, found, motion_last)
         class(event_search_t), intent(inout) :: self
         class(path_t), intent(inout) :: path
         real(dp), intent(inout) :: b
-        type(motion_t), intent(out) :: there
+        real(dp), intent(in) :: limit
+        type(passages_t), intent(inout) :: found
         type(motion_t), intent(in), optional :: motion_last
-        type(motion_t) :: motion
-        integer :: i
+        real(dp) :: values(5)
+        logical :: is_near, stays
+        integer :: k, before
 
-        if (present(motion_last)) there = motion_last
-        if (.not. present(motion_last)) call path%motion_at(b, self%needs_angles, there)
-        do
-            call self%quantities(there, self%one)
-            self%five(:, 5) = self%one
-            if (is_short(self%t, b) .or. .not. any(turns_far(self%events, self%five(:, 1), self%five(:, 5)))) exit
-            if (path%is_spent()) return
-            b = self%t + (b - self%t) / 2
-            call path%motion_at(b, self%needs_angles, there)
+        call self%find_quarters(path, self%t, b, limit, self%five, self%there, motion_last)
+        if (path%is_spent()) return
+        self%sides%has_passed = .false.
+        self%knows_noise = .false.
+        do k = 1, size(self%events)
+            if (self%sides(k)%is_constant) cycle
+            before = found%n
+            values = self%five(k, :)
+            call self%sides(k)%advance_if_staying(self%events(k), b, values, stays)
+            if (stays .and. self%sides(k)%is_clear) cycle
+            if (stays) call update_is_clear(self, path, k, self%t, b, values - self%sides(k)%level)
+            if (stays) cycle
+            call self%sides(k)%aim(self%events(k), self%t, values)
+            is_near = any(abs(values - self%sides(k)%level) <= self%sides(k)%rounding)
+            self%sides(k)%rounding = 0
+            if (is_near) call self%measure_rounding(path, k, self%t, b, self%sides(k)%rounding)
+            call refine(self, path, k, self%t, b, values - self%sides(k)%level, 0, found)
+            call found%merge_from(before + 1)
         end do
-        do i = 2, 4
-            call path%motion_at(self%t + (b - self%t) * (i - 1) / 4, self%needs_angles, motion)
-            call self%quantities(motion, self%one)
-            self%five(:, i) = self%one
-        end do
-    end subroutine advance
+    end subroutine find_passages
 
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in
     !> each part, and takes the parts in order. `g` contains the distances from the level at five instants.
@@ -316,7 +304,7 @@ contains
         real(dp) :: quarter
 
         if (path%is_spent()) return
-        if (depth > 0 .and. mod(depth, rounding_depth) == 0) call measure_rounding(self, path, k, a, b)
+        if (depth > 0 .and. mod(depth, rounding_depth) == 0) call self%measure_rounding(path, k, a, b, self%sides(k)%rounding)
         if (passes_at_most_once(g) .or. is_short(a, b) .or. .not. any(is_finite(g)) &
             .or. all(abs(g) <= self%sides(k)%rounding)) then
             call update_side(self, path, k, a, b, g, found)
@@ -337,26 +325,6 @@ contains
 
     end subroutine refine
 
-    !> Measures the rounding error of the quantity of event `k` at the beginning of the interval from `a` to `b`. It may be
-    !> larger there than where it was measured before: near a pole it varies by orders of magnitude.
-    subroutine measure_rounding(self, path, k, a, b)
-        class(event_search_t), intent(inout) :: self
-        class(path_t), intent(inout) :: path
-        integer, intent(in) :: k
-        real(dp), intent(in) :: a, b
-        real(dp) :: values(9), gap
-        integer :: i
-
-        associate (side => self%sides(k))
-            gap = max(rounding_share * (b - a), 2 * spacing(max(abs(a), abs(b))))
-            if (8 * gap > b - a) return
-            do i = 1, 9
-                values(i) = self%value_at(path, k, a + gap * (i - 1))
-            end do
-            if (all(is_finite(values))) side%rounding = max(side%rounding, rounding_of(values))
-        end associate
-    end subroutine measure_rounding
-
     !> Sets the side of the level on which the quantity of event `k` is at the end of the interval from `a` to `b`. If it
     !> differs from the last one, there is a passage in between.
     subroutine update_side(self, path, k, a, b, g, found)
@@ -375,18 +343,58 @@ contains
                 return
             end if
             if (.not. abs(distance) > side%rounding) return
+            call update_is_clear(self, path, k, a, b, g)
             new_sign = sign_of(distance)
-            if (side%sign == -new_sign) then
+            if (side%sign == -new_sign .and. side%has_passed .and. .not. side%is_clear) then
+                found%n = side%found_before ! the level is touched
+                side%is_clear = .true.
+                side%has_passed = .false.
+            else if (side%sign == -new_sign) then
+                side%has_passed = side%is_clear .and. side%was_clear
+                side%found_before = found%n
                 is_found = self%events(k)%direction /= -new_sign
                 if (is_found) call self%find_passage(path, k, side, a, b, g, t, is_found)
-                if (is_found) call found%add(merge(k, -k, side%is_clear .and. side%was_clear), max(t, self%t))
-                side%was_clear = side%is_clear
-                side%is_clear = .not. self%method_noise > 0
+                if (is_found) call found%add(merge(k, -k, side%has_passed), max(t, self%t))
+                side%was_clear = side%is_clear .or. .not. side%was_ever_clear
+                side%is_clear = .false.
             end if
             side%sign = new_sign
             side%t = b
             side%distance = distance
+            call update_is_clear(self, path, k, a, b, g)
         end associate
     end subroutine update_side
+
+    !> Notes whether the quantity of event `k` is beyond its noise, on its side, at one of five instants of the interval from `a`
+    !> to `b`. As long as it never was, its noise may vary as fast as the quantity, and is taken where that is farthest from the
+    !> level; later it is taken at the end of the interval of the search.
+    subroutine update_is_clear(self, path, k, a, b, g)
+        class(event_search_t), intent(inout) :: self
+        class(path_t), intent(inout) :: path
+        integer, intent(in) :: k
+        real(dp), intent(in) :: a, b, g(5)
+        type(motion_t) :: motion
+        real(dp) :: factor
+        integer :: i
+
+        factor = max(self%method_noise / rounding_distance, 1.0_dp)
+        associate (side => self%sides(k))
+            if (side%is_clear .or. side%sign == 0) return
+            side%is_clear = side%was_ever_clear .and. .not. self%method_noise > 0
+            if (side%is_clear) return
+            i = maxloc(side%sign * g, dim=1, mask=is_finite(g))
+            if (i == 0) return
+            if (.not. side%sign * g(i) > 0) return
+            if (.not. self%knows_noise) call find_noise(self, self%fall_rate, self%there, self%noise)
+            self%knows_noise = .true.
+            side%is_clear = side%sign * g(i) > factor * self%noise(k)
+            if (side%was_ever_clear .or. .not. side%is_clear) return
+            call path%motion_at(a + (b - a) * (i - 1) / 4, self%needs_angles, motion)
+            call find_noise(self, self%fall_rate, motion, self%noise)
+            self%knows_noise = .false.
+            side%is_clear = side%sign * g(i) > margin * factor * self%noise(k)
+            side%was_ever_clear = side%is_clear
+        end associate
+    end subroutine update_is_clear
 
 end module spintop_events

@@ -20,18 +20,17 @@ module spintop_level_side
         real(dp) :: rounding = 0
         !> Largest distance at the instants of the interval.
         real(dp) :: farthest = 0
-        !> Rounding error at the start, and the time, s, before which a side that is not known yet is within it.
-        real(dp) :: noise = 0, early = 0
         !> Whether the quantity is at the level, and constant to rounding.
         logical :: is_constant = .false.
         !> Whether the quantity was beyond its noise since the last passage, and between that and the one before. If so, the
-        !> next passage counts.
-        logical :: is_clear = .true., was_clear = .true.
+        !> next passage counts. Before it ever was, nothing passes: it is at its level, on no side.
+        logical :: is_clear = .false., was_clear = .true., was_ever_clear = .false.
+        !> Whether there was a passage that counts in the interval; how many passages were found before it.
+        logical :: has_passed = .false.
+        integer :: found_before = 0
     contains
-        procedure :: update_is_clear
         procedure :: aim
         procedure :: advance_if_staying
-        procedure :: forget_rounding
         procedure :: store_or_restore
     end type side_t
 
@@ -41,13 +40,6 @@ module spintop_level_side
     real(dp), parameter :: farthest_turn = 1.5_dp * pi
 
 contains
-
-    !> Notes whether the quantity is beyond its noise somewhere in an interval, on its side.
-    pure subroutine update_is_clear(self, values, noise)
-        class(side_t), intent(inout) :: self
-        real(dp), intent(in) :: values(5), noise !! the quantity at equal distances, and its noise
-        if (.not. self%is_clear) self%is_clear = any(self%sign * (values - self%level) > noise)
-    end subroutine update_is_clear
 
     !> Selects the level of the event for an interval: of several levels the one nearest to the quantity.
     pure subroutine aim(self, event, t, values)
@@ -67,9 +59,7 @@ contains
             self%t = t
             self%distance = values(1) - level
             self%rounding = 0
-            if (abs(self%distance) > max(start_rounding * (abs(values(1)) + abs(level)), self%noise)) then
-                self%sign = sign_of(self%distance)
-            end if
+            if (abs(self%distance) > start_rounding * (abs(values(1)) + abs(level))) self%sign = sign_of(self%distance)
         end if
         self%farthest = -huge(1.0_dp)
         do i = 1, 5
@@ -96,14 +86,6 @@ contains
         self%distance = values(5) - self%level
     end subroutine advance_if_staying
 
-    !> Forgets the rounding error that was measured: it may be another one in the next interval, which begins at time t.
-    pure subroutine forget_rounding(self, t)
-        class(side_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! beginning of the next interval, s
-        self%rounding = 0
-        if (self%sign == 0 .and. t < self%early) self%rounding = self%noise
-    end subroutine forget_rounding
-
     !> Carries the side.
     subroutine store_or_restore(self, archive)
         class(side_t), intent(inout) :: self
@@ -116,6 +98,7 @@ contains
         call archive%store_or_restore(self%farthest)
         call archive%store_or_restore(self%is_clear)
         call archive%store_or_restore(self%was_clear)
+        call archive%store_or_restore(self%was_ever_clear)
     end subroutine store_or_restore
 
     !> Whether an angle with turns changes too much between two instants to be followed.

@@ -199,7 +199,7 @@ contains
             divisors = merge(norms, 1.0_dp, norms > 0)
             call decompose(jacobian / spread(divisors, 1, m), estimate%singular_values, vectors)
             do k = 1, n
-                bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + n * epsilon(part)
+                bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + max(m, n) * epsilon(part)
             end do
             estimate%is_undetermined = .not. norms > norm2(errors, dim=1)
             do k = 1, n

@@ -14,7 +14,7 @@ module spintop_fit_search
     use spintop_parameters, only: is_set
     implicit none
     private
-    public :: search_t, search_minimum, finish_search, period_of, far_above
+    public :: search_t, search_minimum, finish_search, first_rows, period_of, far_above
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
@@ -189,9 +189,9 @@ contains
 
     !> Number of rows in the first window.
     integer function first_rows(model, period, parameters) result(rows)
-        type(fit_model_t), intent(in) :: model
-        real(dp), intent(in) :: period
-        integer, intent(in) :: parameters
+        type(fit_model_t), intent(in) :: model !! the residuals
+        real(dp), intent(in) :: period !! of the motion, s
+        integer, intent(in) :: parameters !! number of sought numbers
         associate (measured => model%measured)
             rows = count(measured%t - measured%t(1) <= first_periods * period)
             do while (rows < size(measured%t))

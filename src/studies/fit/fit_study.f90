@@ -74,8 +74,11 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
-        integer :: unknown
+        type(fit_model_t), allocatable, target :: model
+        integer :: unknown, i
+        logical :: knows_start
 
+        knows_start = is_set(job%input%scene%fit%time_offset)
         call job%input%scene%fit%set_defaults()
         call read_measurements(job%input%path, job%input%scene%fit, self%measured, problems)
         call find_unknown(job, self%measured, self%sought, problems)
@@ -90,13 +93,16 @@ contains
         if (problems%any()) return
         call plan_for_all(self, job, problems)
         if (problems%any()) return
-        call check_measurements(self%measured, job%case, job%input%scene%fit%time_offset, problems)
-        if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
                 &measurements', 'use an adaptive method')
         end if
+        if (problems%any()) return
         unknown = size(self%sought%keys)
+        allocate (model)
+        call model%prepare(job%input%scene, self%sought%keys, job%case, job%plan, self%measured)
+        call check_measurements(self%measured, job%input%scene%fit, knows_start, job%case, model, &
+                                [(self%sought%keys(i)%slot%get(), i=1, unknown)], problems)
         if (self%measured%size() <= unknown) then
             call problems%add('fit.data', to_text(self%measured%size()) // ' measurements do not determine ' // &
                               to_text(unknown) // ' parameters and their errors', 'give more measurements')

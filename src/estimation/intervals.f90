@@ -102,6 +102,7 @@ contains
         end do
         if (.not. wants_profile) return
         do k = 1, n
+            model%share = max(model%share, (n + k - 1.0_dp) / (2 * n)) ! the search was the first half
             call find_interval(model, minimum, jacobian, level, k, estimate)
         end do
         do k = 1, n

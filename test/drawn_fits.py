@@ -1,7 +1,8 @@
 """Drawn measurements of spin-downs, toy tops and gyroscopes, with what sensors do to them.
 
-Each case has an offset of one sensor, 1 % of wrong readings, 2 % of readings and two parts of the
-time missing, and starts of the search that are up to 2 % off.
+Each case of `draw` has an offset of one sensor, 1 % of wrong readings, 2 % of readings and two
+parts of the time missing, and starts of the search that are up to 2 % off. `draw_redundant` has
+unknowns that no measurement tells apart, `draw_tumbling` a body without symmetry over many turns.
 """
 
 import math
@@ -15,6 +16,27 @@ import spintop
 KINDS = ("spin-down", "toy", "gyroscope")
 OFF = 0.02
 WRONG, MISSING, GAP = 0.01, 0.02, 0.05
+
+WHEEL = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
+FREE = {**WHEEL, "length": 0.0}
+SLOWED = {**FREE, "inertia": (2e-4, 2e-4, 3e-4), "damping": (0.0, 0.0, 3e-5)}
+SPINNING = {"theta": 1.0, "omega3": 82.0}
+RELEASED = {"theta": 1.0, "psi_rate": 80.0}
+MOVING = {"theta": 1.0, "phi_rate": 2.0, "theta_rate": 1.0, "omega3": 80.0}
+REDUNDANT = (
+    (FREE, SPINNING, ("omega3",), ("initial.omega3", "offset.omega3")),
+    (WHEEL, MOVING, ("omega3",), ("initial.omega3", "offset.omega3")),
+    (FREE, SPINNING, ("omega3",), ("initial.omega3", "scale.omega3")),
+    (FREE, SPINNING, ("theta",), ("scale.theta", "offset.theta")),
+    (FREE, SPINNING, ("theta",), ("initial.theta", "offset.theta")),
+    (WHEEL, MOVING, ("phi", "theta"), ("top.mass", "top.inertia(1)", "top.inertia(3)")),
+    (WHEEL, MOVING, ("phi", "theta"), ("top.length", "top.gravity")),
+    (WHEEL, RELEASED, ("phi", "theta"), ("top.inertia(3)", "initial.psi_rate")),
+    (WHEEL, MOVING, ("phi", "theta"), ("initial.phi", "offset.phi", "initial.theta")),
+    (WHEEL, MOVING, ("omega1", "omega2"), ("initial.psi", "mounting(3)", "initial.omega3")),
+    (SLOWED, SPINNING, ("omega3",), ("top.inertia(3)", "top.damping(3)")),
+    (SLOWED, SPINNING, ("omega3",), ("initial.omega3", "offset.t")),
+)
 
 
 @dataclass
@@ -69,6 +91,50 @@ def draw(number: int, seed: int = 1) -> Drawn:
         truth[name] = value_of(given[group], key)
         set_value(given[group], key, truth[name] * (1 + rng.uniform(-OFF, OFF)))
     return Drawn(kind, data, sigma, truth, given)
+
+
+def draw_redundant(number: int, seed: int = 1) -> tuple[dict, tuple[str, ...], dict]:
+    """Measurements, unknowns of which one is another in disguise, and the input."""
+    rng = np.random.default_rng([seed, number])
+    top, start, columns, unknown = REDUNDANT[number % len(REDUNDANT)]
+    start = {"phi": 0.3, "psi": 0.2, **start}
+    noise = (0.0, 1e-3, 0.1)[number // len(REDUNDANT) % 3]
+    t = np.linspace(0.02, rng.uniform(1, 10), rng.integers(60, 300))
+    motion = spintop.Top(spintop.Body(**top), **start).integrate(
+        t, columns, relative_tolerance=1e-12
+    )
+    data = {"t": t} | {name: motion[name] + rng.normal(0, noise, t.size) for name in columns}
+    given = {"top": {"gravity": 9.81, **top}, "initial": start}
+    for name in unknown:
+        group, _, key = name.partition(".")
+        if group in given:
+            set_value(given[group], key, value_of(given[group], key) * (1 + rng.uniform(-OFF, OFF)))
+    return data, unknown, given
+
+
+def draw_tumbling(number: int, seed: int = 1) -> tuple[dict, tuple[str, ...], dict, float]:
+    """Readings of a gyroscope in a body without symmetry, unknowns, the input, and the noise.
+
+    The search begins at the truth, or a thousandth from it.
+    """
+    rng = np.random.default_rng([seed, number])
+    top = {
+        "mass": 1.0,
+        "inertia": (0.9, rng.uniform(0.65, 0.85), rng.uniform(0.3, 0.5)),
+        "length": rng.uniform(0.1, 0.3),
+        "damping": (rng.uniform(0, 0.005),) * 3,
+    }
+    start = {"theta": rng.uniform(0.5, 2), "psi": 0.8, "phi_rate": 0.2, "theta_rate": -0.4}
+    start["omega3"] = rng.uniform(4, 9)
+    columns, noise = ("omega1", "omega2", "omega3"), 0.05
+    t = np.linspace(0, rng.uniform(80, 200), 150)
+    motion = spintop.Top(spintop.Body(**top), **start).integrate(
+        t, columns, relative_tolerance=1e-12
+    )
+    data = {"t": t} | {name: motion[name] + rng.normal(0, noise, t.size) for name in columns}
+    given = {"top": top, "initial": start | {"omega3": start["omega3"] * (1, 1.001)[number % 2]}}
+    given["integration"] = {"relative_tolerance": 1e-12}
+    return data, ("initial.omega3", "top.inertia(3)")[: 1 + number % 3 // 2], given, noise
 
 
 def value_of(keys: dict[str, Any], key: str) -> float:

@@ -37,7 +37,7 @@ def fit(
     not `ok` if the search does not converge, the data do not determine the parameters, or the
     motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups `sensor`
     may stand in `given`. The `warnings` of the result say what is odd about the data and the
-    residuals. `progress` and Ctrl-C are as for `run`, but the share of a fit is 0 up to its end.
+    residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and intervals.
     """
     columns = measurements(data)
     if isinstance(sigma, Mapping):

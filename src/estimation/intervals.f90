@@ -102,6 +102,7 @@ contains
         end do
         if (.not. wants_profile) return
         do k = 1, n
+            model%share = max(model%share, (n + k - 1.0_dp) / (2 * n)) ! the search was the first half
             call find_interval(model, minimum, jacobian, level, k, estimate)
         end do
         do k = 1, n
@@ -199,7 +200,7 @@ contains
             divisors = merge(norms, 1.0_dp, norms > 0)
             call decompose(jacobian / spread(divisors, 1, m), estimate%singular_values, vectors)
             do k = 1, n
-                bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + n * epsilon(part)
+                bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + max(m, n) * epsilon(part)
             end do
             estimate%is_undetermined = .not. norms > norm2(errors, dim=1)
             do k = 1, n

@@ -26,14 +26,11 @@ contains
         real(dp), intent(out) :: jacobian(:, :) !! a column for each of these parameters
         logical, intent(out) :: is_valid !! whether the residuals exist on one side at least
         real(dp), intent(out), optional :: errors(:, :) !! upper estimates of the errors of the derivatives
-        real(dp) :: half(size(residuals)), rounding(size(residuals)), step, moved
+        real(dp) :: half(size(residuals)), terms(size(residuals)), steps(size(free)), step
         logical :: has_both
         integer :: k
 
         is_valid = .true.
-        rounding = abs(residuals)
-        if (allocated(model%data)) rounding = abs(residuals + model%data)
-        rounding = 2 * epsilon(1.0_dp) * rounding
         do k = 1, size(free)
             has_both = .false.
             if (is_central) then
@@ -50,11 +47,28 @@ contains
             end if
             is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
             if (.not. is_valid) return
-            if (.not. present(errors)) cycle
-            moved = x(free(k)) + step * model%step_scale(free(k), x(free(k)))
-            errors(:, k) = errors(:, k) + rounding / abs(moved - x(free(k)))
+            steps(k) = (x(free(k)) + step * model%step_scale(free(k), x(free(k)))) - x(free(k))
+        end do
+        if (.not. present(errors)) return
+        terms = terms_of(model, x(free), residuals, jacobian)
+        do k = 1, size(free)
+            errors(:, k) = errors(:, k) + 2 * epsilon(step) * terms / abs(steps(k))
         end do
     end subroutine find_jacobian
+
+    !> The size of what the residuals are sums of, whose rounding is theirs: the measurements, and what each parameter adds to
+    !> first order, which may be larger where parameters counteract each other.
+    pure function terms_of(model, x, residuals, jacobian) result(terms)
+        class(residuals_t), intent(in) :: model
+        real(dp), intent(in) :: x(:), residuals(:), jacobian(:, :)
+        real(dp) :: terms(size(residuals))
+        integer :: k
+        terms = abs(residuals)
+        if (allocated(model%data)) terms = abs(residuals + model%data)
+        do k = 1, size(x)
+            terms = max(terms, abs(x(k) * jacobian(:, k)))
+        end do
+    end function terms_of
 
     !> The derivatives by all parameters again, and their errors: each from many step sizes, extrapolated to none. The error
     !> of an integration is the change with its tolerance. Derivatives that do not converge stay as they are.
@@ -86,12 +100,13 @@ contains
         real(dp), intent(in) :: x(:), residuals(:)
         real(dp), intent(inout) :: jacobian(:, :), errors(:, :)
         real(dp), allocatable :: values(:, :), slopes(:), changes(:)
-        real(dp) :: moved(size(x))
+        real(dp) :: moved(size(x)), terms(size(residuals))
         type(nodes_t) :: nodes
         logical :: exists(node_count)
         integer :: i, k
 
         allocate (values(size(residuals), node_count), slopes(size(residuals)), changes(size(residuals)))
+        terms = terms_of(model, x, residuals, jacobian)
         do k = 1, size(x)
             nodes = nodes_around(x(k), .true., model%step_scale(k, x(k)))
             exists = nodes%is_valid
@@ -104,8 +119,8 @@ contains
                 call model%evaluate(moved, values(:, i), exists(i))
             end do
             call nodes%limit_to(exists)
-            ! Rounding is that of what the residuals are differences of.
-            if (allocated(model%data)) values = values + spread(model%data, 2, node_count)
+            ! Rounding is that of what the residuals are sums of.
+            values = values + spread(terms, 2, node_count)
             call nodes%differentiate_together(values, slopes, changes)
             if (.not. all(is_finite(changes))) cycle
             jacobian(:, k) = slopes

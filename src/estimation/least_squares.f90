@@ -39,7 +39,7 @@ module spintop_least_squares
 contains
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
-    subroutine minimize(model, x, m, free, minimum, goal, jacobian)
+    subroutine minimize(model, x, m, free, minimum, goal, jacobian, most)
         class(residuals_t), intent(inout) :: model !! the residuals
         real(dp), intent(in) :: x(:) !! the parameters at the beginning
         integer, intent(in) :: m !! number of residuals, at least that of the free parameters
@@ -47,11 +47,12 @@ contains
         type(minimum_t), intent(out) :: minimum !! where the search ended
         real(dp), intent(in), optional :: goal !! the search ends if no more than this part of the sum of squares can be gained
         real(dp), intent(in), optional :: jacobian(:, :) !! derivatives near x by all parameters: whether x will do
+        integer, intent(in), optional :: most !! evaluations, after which it ends, too
         type(search_t) :: search
         integer, allocatable :: sought(:)
         real(dp), allocatable :: slopes(:, :)
         logical :: is_valid, knows_jacobian
-        integer :: i
+        integer :: i, limit
 
         minimum%x = x
         allocate (minimum%residuals(m))
@@ -62,8 +63,10 @@ contains
         sought = pack([(i, i=1, size(x))], free)
         minimum%has_converged = size(sought) == 0
         knows_jacobian = present(jacobian)
+        limit = most_evaluations * size(sought)
+        if (present(most)) limit = most
         allocate (slopes(m, size(sought)), search%scale_of(size(x)), source=0.0_dp)
-        do while (.not. minimum%has_converged .and. minimum%evaluations < most_evaluations * size(sought))
+        do while (.not. minimum%has_converged .and. minimum%evaluations < limit)
             if (knows_jacobian) then
                 slopes = jacobian(:, sought)
             else

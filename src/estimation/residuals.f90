@@ -14,6 +14,8 @@ module spintop_residuals
         real(dp), allocatable :: data(:)
         !> Their loss, of which the sum is made as small as possible.
         type(loss_t) :: loss
+        !> How much of the work is done, from 0 to 1.
+        real(dp) :: share = 0
     contains
         procedure(evaluate_i), deferred :: evaluate
         procedure(scale_i), deferred :: step_scale

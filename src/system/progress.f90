@@ -94,7 +94,7 @@ contains
         integer :: room
         logical :: stops
 
-        call tell_share(real(done, dp) / max(self%total, 1_int64))
+        if (self%total > 0) call tell_share(real(done, dp) / self%total)
         stops = stop_is_wanted()
         if (stops .or. self%mode == silent) return
         now = seconds()

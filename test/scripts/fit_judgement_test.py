@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "python"))
+sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
 
 subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
 
 import spintop  # noqa: E402
+from drawn_fits import REDUNDANT, draw_redundant  # noqa: E402
 
 TOP = {"mass": 1.2, "inertia": (0.9, 0.9, 0.4), "length": 0.7}
 RELEASED = {"theta": 0.7, "psi_rate": 11.0}
@@ -77,6 +78,28 @@ def test_products_are_not_identifiable(integration: dict, window: float) -> None
             assert not result.ok
             assert "not_identifiable" in result.summary, (unknown, noise, result.summary)
             assert np.isnan(result.rows["standard_error"]).all()
+
+
+def test_redundant_unknowns_are_never_ok() -> None:
+    """Spin and bias, scale and offset, products: with any noise, and the unknowns are named."""
+    for number in range(3 * len(REDUNDANT)):
+        data, unknown, given = draw_redundant(number)
+        result = spintop.fit(data, unknown, given)
+        ending = result.summary.splitlines()[-1]
+        assert "not_identifiable" in ending, (number, unknown, result.summary)
+        assert sum(name in ending for name in unknown) >= 2, (number, ending)
+
+
+def test_spin_and_bias_of_a_constant_rotation() -> None:
+    """However far the search goes, rounding tells nothing."""
+    t = np.linspace(0, 10, 201)
+    given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 80.0}}
+    for seed in range(1, 4):
+        data = {"t": t, "omega3": 82 + np.random.default_rng(seed).normal(0, 0.1, t.size)}
+        result = spintop.fit(data, ["initial.omega3", "offset.omega3"], given)
+        assert not result.ok
+        assert "do not determine initial.omega3, offset.omega3" in result.summary
+        assert np.isnan(result.rows["standard_error"]).all()
 
 
 @pytest.mark.parametrize("integration", METHODS[:4], ids=str)
@@ -155,22 +178,35 @@ def test_wrapped_angles() -> None:
         fit(data, ["initial.psi_rate"], MOVING)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda t: 1e3 * t, "periods of the motion"),
-        (lambda t: 1e6 * t, "periods of the motion"),
-        (lambda t: t / 3600, "hardly begins"),
-    ],
-)
-def test_times_in_another_unit(change: object, words: str) -> None:
-    """Milliseconds, microseconds, hours."""
+def test_times_in_another_unit() -> None:
+    """Milliseconds and microseconds end before the search, hours and few rows are doubted."""
     t = np.linspace(0.1, 6.0, 60)
     data = measure(("theta",), t, MOVING, 1e-3)
     assert fit(data, ["top.length"], MOVING).warnings == ""
-    data["t"] = change(t)
-    keys = {"profile": False, "integration": {"max_steps": 1000}}
-    assert words in fit(data, ["top.length"], MOVING, **keys).warnings
+    for factor in (1e3, 1e6):
+        with pytest.raises(spintop.InputError, match=r"periods of the motion.*turns of theta"):
+            fit({**data, "t": factor * t}, ["top.length"], MOVING)
+    hours = fit({**data, "t": t / 3600}, ["top.length"], MOVING, profile=False)
+    assert "hardly begins" in hours.warnings
+    # What does not turn may be read seldom, and so may what the start predicts.
+    seldom = np.linspace(0.1, 400.0, 60)
+    for column in ("omega3", "theta"):
+        result = fit(
+            measure((column,), seldom, MOVING, 1e-3), ["initial.psi_rate"], MOVING, factor=1
+        )
+        assert result.ok
+        assert "periods of the motion" in result.warnings
+
+
+def test_a_clock_that_does_not_begin_at_the_start() -> None:
+    """From one span on the time of the start has to be given, with which the fit succeeds."""
+    t = np.linspace(0.0, 6.0, 60)
+    data = measure(("theta", "phi"), t, MOVING, 1e-3)
+    data["t"] = t + 7.0
+    with pytest.raises(spintop.InputError, match=r"starts at 0\n.*fit\.time_offset: -7"):
+        fit(data, ["top.length"], MOVING)
+    given = {"top": TOP, "initial": MOVING, "fit": {"time_offset": -7.0}}
+    assert spintop.fit(data, ["top.length"], given).ok
 
 
 def test_residuals_that_are_no_noise() -> None:

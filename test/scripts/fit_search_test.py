@@ -13,7 +13,7 @@ sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
 subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
 
 import spintop  # noqa: E402
-from drawn_fits import draw  # noqa: E402
+from drawn_fits import draw, draw_tumbling  # noqa: E402
 
 TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
 START = {"theta": 1.0, "omega3": 80.0}
@@ -142,6 +142,99 @@ def test_wrapped_angles_and_missing_readings() -> None:
     assert np.nanmax(np.abs(residuals["psi_residual"])) < 0.1
     with pytest.raises(spintop.InputError, match=r"fit\.wrapped = 'psi'"):
         spintop.fit(data, unknown, BESIDE)
+
+
+@pytest.mark.parametrize(
+    ("column", "scale", "offset"),
+    [
+        ("psi", 4096 / (2 * np.pi), 0.0),
+        ("psi", -1000 / (2 * np.pi), 7.0),
+        ("psi_deg", 1.0, 0.0),
+        ("psi_deg", 100 / 360, -50.0),
+        ("psi_turn", 4096.0, 0.0),
+    ],
+)
+def test_wrapped_columns_of_any_unit_and_scale(column: str, scale: float, offset: float) -> None:
+    """Counts of an encoder give the fit of radians: they repeat after a turn of the scale."""
+    t = np.linspace(0, 2, 501)
+    psi = motion(t, "psi").psi + noise(t, 0.002)
+    unknown = ["initial.omega3", "initial.theta"]
+    given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 80.1}, "fit": {"wrapped": ["psi"]}}
+    radians = spintop.fit({"t": t, "psi": np.mod(psi, 2 * np.pi)}, unknown, given)
+    check(radians, initial__omega3=80.0)
+    turn = {"psi": 2 * np.pi, "psi_deg": 360.0, "psi_turn": 1.0}[column]
+    counts = {"t": t, column: offset + scale * turn * np.mod(psi / (2 * np.pi), 1)}
+    given["sensor"] = [{"column": column, "scale": scale, "offset": offset}]
+    result = spintop.fit(counts, unknown, given)
+    check(result, initial__omega3=80.0)
+    for name in ("estimate", "standard_error"):
+        np.testing.assert_allclose(result.rows[name], radians.rows[name], rtol=1e-6)
+    with pytest.raises(spintop.InputError, match=rf"turns of {column} are not known"):
+        spintop.fit(counts, [*unknown, f"scale.{column}"], given)
+    with pytest.raises(spintop.InputError, match=rf"{column} jumps by almost a turn"):
+        spintop.fit(counts, unknown, {**given, "fit": {}})
+
+
+def test_counts_of_an_inclination() -> None:
+    """The range of theta is that of the angle, not of the readings of its sensor."""
+    t = np.linspace(0, 2, 201)
+    data = {"t": t, "theta": 100 + 650 * (motion(t, "theta").theta + noise(t, 0.002))}
+    given = {**BESIDE, "sensor": [{"column": "theta", "scale": 650.0, "offset": 100.0}]}
+    check(spintop.fit(data, ["initial.omega3", "initial.theta"], given), initial__omega3=80.0)
+    data["theta"] = np.degrees(data["theta"])
+    with pytest.raises(spintop.InputError, match=r"outside of \[0, pi\]"):
+        spintop.fit(data, ["initial.omega3"], given)
+
+
+def test_the_end_is_not_worse_than_the_start() -> None:
+    """Nor far from the truth and ok, where the search begins at it or close by."""
+    for number in range(12):
+        data, unknown, given, sigma = draw_tumbling(number)
+        columns = [name for name in data if name != "t"]
+        top, start = spintop.Body(**given["top"]), given["initial"]
+        at_start = spintop.Top(top, **start).integrate(data["t"], columns, relative_tolerance=1e-12)
+        result = spintop.fit(data, unknown, given, sigma=sigma)
+        before = sum(np.sum((data[name] - at_start[name]) ** 2) for name in columns)
+        rest = result.tables["residuals"]
+        after = sum(np.sum(rest[f"{name}_residual"] ** 2) for name in columns)
+        assert after <= before * (1 + 1e-9), (number, before, after)
+        if number % 2 == 0:
+            assert result.ok, (number, result.summary)
+
+
+@pytest.mark.parametrize("start", [8.79, 8.80])
+def test_a_start_at_the_truth_is_kept(start: float) -> None:
+    """Windows of rows lead this motion away from where all rows lead at once."""
+    top = {"mass": 1.0, "inertia": (5.25, 4.17, 1.34), "length": 0.2736, "damping": (0.0288,) * 3}
+    initial = {"theta": 1.17, "psi": 0.8, "phi_rate": 0.185, "theta_rate": -0.394}
+    t = np.linspace(0, 220, 150)
+    names = ("omega1", "omega2", "omega3")
+    true = spintop.Top(spintop.Body(**top), **initial, omega3=8.79).integrate(
+        t, names, relative_tolerance=1e-13
+    )
+    for seed in range(4):
+        source = np.random.default_rng(seed)
+        data = {"t": t} | {name: true[name] + source.normal(0, 0.05, t.size) for name in names}
+        given = {"top": top, "initial": {**initial, "omega3": start}}
+        check(spintop.fit(data, ["initial.omega3"], given, sigma=0.05), initial__omega3=8.79)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_start_beyond_the_pole(side: int) -> None:
+    """A pendulum close to hanging: the search goes on where theta ends, and says so."""
+    t = np.linspace(0, 4, 401)
+    top = {"mass": 1.55, "inertia": (0.2325, 0.2325, 0.1), "length": 0.296}
+    start = {"theta": np.pi - 0.003, "theta_rate": 0.66}
+    true = spintop.Top(spintop.Body(**top), **start).exact(t, ["omega1"])
+    data = {"t": t, "omega1": true.omega1 + noise(t, 0.002)}
+    given = {"top": {**top, "inertia": (0.22, 0.22, 0.1)}}
+    given["initial"] = {"theta": 3.13, "theta_rate": side * 0.66, "psi": np.pi * (side < 0)}
+    unknown = ["top.inertia(1)", "initial.theta", "initial.theta_rate"]
+    result = spintop.fit(data, unknown, given)
+    truth = {"initial__theta": np.pi - 0.003, "initial__theta_rate": 0.66}
+    check(result, **truth)
+    assert abs(result.rows["estimate"][0] - 0.2325) < 4 * result.rows["standard_error"][0]
+    assert ("beyond the pole" in result.warnings) == (side < 0)
 
 
 def test_averaged_readings() -> None:

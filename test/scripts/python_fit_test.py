@@ -110,6 +110,16 @@ class FitTest(unittest.TestCase):
         self.assertEqual(list(figures), ["fit"])
         self.assertEqual(len(figures["fit"].axes), 7)
 
+    def test_progress(self) -> None:
+        """The share of a fit grows from start to start, and from interval to interval."""
+        t = np.linspace(0, 20, 1_000)
+        data = {"t": t, "theta": 0.5 + 0.1 * np.sin(3 * t**1.3)}
+        shares: list[float] = []
+        spintop.fit(data, ["initial.psi_rate", "initial.theta"], GIVEN, progress=shares.append)
+        self.assertEqual(shares, sorted(shares))
+        self.assertTrue(any(0 < share < 1 for share in shares), shares)
+        self.assertEqual(shares[-1], 1)
+
     def test_measurements_in_other_units(self) -> None:
         """The same estimates; residuals in the units of the measurements, drawn against time."""
         data = measure("phi", "theta", "psi")

@@ -278,6 +278,7 @@ contains
             k = findloc(columns%name == scene%wrapped(i) .or. columns%quantity() == scene%wrapped(i), .true., dim=1)
             if (k > 0) then
                 call convert_unit(turn, trim(columns(k)%unit), measured%turn(k), problem)
+                if (measured%sensor(k) > 0) measured%turn(k) = measured%turn(k) * abs(scene%sensors%scale(measured%sensor(k)))
                 if (problem == '') cycle
             end if
             call problems%add('fit.wrapped(' // to_text(i) // ')', trim(scene%wrapped(i)) // ' is not a measured angle', &

@@ -1,5 +1,7 @@
 !> The residuals of measurements of a motion as a function of numbers of its scene.
 module spintop_fit_model
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t
@@ -8,15 +10,16 @@ module spintop_fit_model
     use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
     use spintop_fit_unknown, only: key_of
     use spintop_integration, only: outcome_t
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp, no_number, pi
     use spintop_least_squares, only: residuals_t
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
-    use spintop_parameters, only: is_set, parameter_table_t, parameter_table_t
+    use spintop_parameters, only: given, is_set, parameter_table_t
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
+    use spintop_progress, only: progress_t
     use spintop_robust, only: robust_deviation
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: describe_scene, scene_t
@@ -55,11 +58,20 @@ module spintop_fit_model
         !> Absolute tolerance of the plan.
         real(dp), private :: absolute_tolerance = 0
         type(row_maker_t), private :: maker
+        !> Which of the sought numbers is theta at the start; 0 for none.
+        integer, private :: theta = 0
+        !> Whether the start is described from the other side of the pole than in the input.
+        logical :: is_mirrored = .false.
+        !> The progress that is shown, of so many parts.
+        type(progress_t) :: progress
+        integer(int64) :: parts = 1000
     contains
         procedure :: prepare
         procedure :: use_rows
         procedure :: weigh
         procedure :: plan_with_another
+        procedure :: is_at_pole
+        procedure :: mirror
         procedure :: evaluate
         procedure :: predict
         procedure :: differences
@@ -84,7 +96,6 @@ contains
         real(dp) :: value
         integer :: seeks(size(keys)), i
 
-        seeks = 0
         self%measured = measured
         call self%use_rows(size(measured%t))
         self%scene = scene
@@ -100,12 +111,11 @@ contains
             call table%find_number(key_of(keys(i)%name, self%scene%fit%sensors), self%slots(i), problem)
             value = abs(keys(i)%slot%get())
             self%scales(i) = 1
-            if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) then
-                self%scales(i) = merge(value, 0.0_dp, keys(i)%slot%accepts(0.0_dp))
-            end if
+            if (value > 0 .and. .not. keys(i)%slot%accepts(-value)) self%scales(i) = &
+                merge(value, 0.0_dp, keys(i)%slot%accepts(0.0_dp))
+            if (any(keys(i)%name == [character(17) :: 'initial.theta', 'initial.theta_deg'])) self%theta = i
             if (keys(i)%name == 'offset.t') self%ranges(i, 1) = scene%fit%averaged / 2 - measured%t(1)
-            if (keys(i)%name == 'top.inertia(1)') seeks(i) = 1
-            if (keys(i)%name == 'top.inertia(2)') seeks(i) = 2
+            seeks(i) = findloc(['top.inertia(1)', 'top.inertia(2)'] == keys(i)%name, .true., dim=1)
         end do
         self%ties_inertia = any(seeks == 1) .and. all(seeks /= 2) .and. is_equal(scene%inertia(1), scene%inertia(2))
         if (.not. plan%exact) then
@@ -170,6 +180,35 @@ contains
         call self%use_rows((self%rows))
     end subroutine weigh
 
+    !> Whether theta at the start is sought, and is that of a pole.
+    pure logical function is_at_pole(self, x)
+        class(fit_model_t), intent(in) :: self
+        real(dp), intent(in) :: x(:) !! values of the sought numbers
+        is_at_pole = .false.
+        if (self%theta > 0) is_at_pole = any(abs(self%slots(self%theta)%ends() - x(self%theta)) <= 0)
+    end function is_at_pole
+
+    !> Describes a start in a pole from the other side: phi and psi differ by half a turn, and theta changes the other way.
+    subroutine mirror(self, x)
+        class(fit_model_t), intent(inout) :: self
+        real(dp), intent(inout) :: x(:) !! values of the sought numbers, which change with what they describe
+        real(dp) :: side
+        integer :: i
+
+        side = merge(-1, 1, self%is_mirrored)
+        self%is_mirrored = .not. self%is_mirrored
+        do i = 1, size(x)
+            call self%slots(i)%set(x(i))
+        end do
+        associate (angle => self%scene%angle, degrees => self%scene%angle_deg, rate => self%scene%rate(2))
+            where (.not. is_set(degrees)) angle = given(angle)
+            where (is_set(angle)) angle = angle + side * [pi, 0.0_dp, pi]
+            where (is_set(degrees)) degrees = degrees + side * [180, 0, 180]
+            if (is_set(rate)) rate = -rate
+        end associate
+        x = [(self%slots(i)%get(), i=1, size(x))]
+    end subroutine mirror
+
     !> The residuals at some values of the sought numbers, in units of the standard deviations: row by row.
     subroutine evaluate(self, x, residuals, is_valid)
         class(fit_model_t), intent(inout) :: self
@@ -179,6 +218,7 @@ contains
         real(dp) :: readings(size(self%measured%columns), self%rows)
         integer :: i, n
 
+        call self%progress%update(int(self%share * self%parts, int64))
         call self%predict(x, readings, is_valid)
         n = size(residuals)
         if (allocated(self%held_at)) n = n - size(x)
@@ -186,9 +226,7 @@ contains
             residuals(:n) = pack(-self%differences(readings) / measured%sigma(:, :rows), measured%is_there(:, :rows))
         end associate
         if (n == size(residuals)) return
-        do i = 1, size(x)
-            residuals(n + i) = self%hold * (x(i) - self%held_at(i)) / self%step_scale(i, self%held_at(i))
-        end do
+        residuals(n + 1:) = self%hold * (x - self%held_at) / [(self%step_scale(i, self%held_at(i)), i=1, size(x))]
     end subroutine evaluate
 
     !> The measured readings less others, those of wrapped angles to the nearest turn; 0 where there is no reading.
@@ -218,7 +256,7 @@ contains
 
         readings = no_number
         is_valid = .false.
-        if (.not. accepts(self, x)) return
+        if (stop_is_wanted() .or. .not. accepts(self, x)) return
         call set_case(self, x, problems)
         if (problems%any()) return
         call find_instants(self%scene%fit, self%measured%t(:size(readings, 2)), t)
@@ -272,19 +310,12 @@ contains
             moved = x
             moved(i) = x(i) + steps(side) * self%step_scale(i, x(i))
             if (.not. accepts(self, moved)) cycle
-            call plan_with(self, moved, plan, problems)
+            problems = problems_t()
+            call set_case(self, moved, problems)
+            if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)
             if (.not. problems%any()) return
         end do
     end subroutine plan_with_another
-
-    subroutine plan_with(self, x, plan, problems)
-        class(fit_model_t), intent(inout) :: self
-        real(dp), intent(in) :: x(:)
-        type(plan_t), intent(out) :: plan
-        type(problems_t), intent(out) :: problems
-        call set_case(self, x, problems)
-        if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)
-    end subroutine plan_with
 
     !> The quantities of the exact solution.
     subroutine find_exact_values(self, t, quantities)

@@ -14,7 +14,7 @@ module spintop_fit_search
     use spintop_parameters, only: is_set
     implicit none
     private
-    public :: search_t, search_minimum, finish_search, period_of, far_above
+    public :: search_t, search_minimum, finish_search, first_rows, period_of, far_above
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
@@ -25,6 +25,11 @@ module spintop_fit_search
     real(dp), parameter :: window_goal = 1.0e-3_dp
     !> In a window the parameters are held within about this part of where the search began.
     real(dp), parameter :: held_within = 0.05_dp
+    !> The span of a window is so many times that of the one before; where that fails, so many times.
+    real(dp), parameter :: growth = 2, slow_growth = 1.4_dp, at_once = huge(1.0_dp)
+    !> All rows lead from the start to what is left to gain of the sum of squares, in so many steps at most.
+    real(dp), parameter :: direct_goal = 1.0e-5_dp
+    integer, parameter :: direct_steps = 10
     !> Other starts are within these parts of the values, in turn, if no range is given.
     real(dp), parameter :: widths(3) = [0.02_dp, 0.05_dp, 0.1_dp]
     !> Residuals that are so far above the errors of the motion are those of the measurements.
@@ -38,9 +43,9 @@ module spintop_fit_search
         !> Period of the motion where the search begins, s.
         real(dp) :: period = 0
         !> Starts and windows that were tried, and all evaluations and steps.
-        integer :: searches = 0, windows = 0, evaluations = 0, steps = 0
-        !> The parameters that explain the measurements where they are held near the start.
-        real(dp), allocatable :: held(:)
+        integer :: searches = 1, windows = 0, evaluations = 0, steps = 0
+        !> Where the searches of all rows began and ended.
+        real(dp), allocatable :: places(:, :)
         !> Span of the first window, s.
         real(dp) :: first_span = 0
     end type search_t
@@ -54,27 +59,28 @@ contains
                               tiny(period))
     end function period_of
 
-    !> Finds the parameters that explain the measurements.
+    !> Finds the parameters that explain the measurements: the best minimum of those to which all rows lead from the start, and
+    !> windows of rows, and if these do not explain the measurements, others.
     subroutine search_minimum(model, start, search, minimum)
         type(fit_model_t), intent(inout) :: model !! the residuals
         real(dp), intent(in) :: start(:) !! where the search begins
         type(search_t), intent(inout) :: search !! how to search; what was tried
         type(minimum_t), intent(out) :: minimum !! the best that was found
-        type(minimum_t) :: other
         type(sobol_sequence_t) :: sequence
         type(loss_t) :: loss
-        real(dp) :: sigma(size(model%measured%sigma, 1), size(model%measured%sigma, 2))
-        real(dp) :: fractions(size(start)), x(size(start)), width, least_misfit, other_misfit
+        real(dp), allocatable :: sigma(:, :)
+        real(dp) :: fractions(size(start)), x(size(start)), width, least_misfit
+        logical :: is_mirrored
         integer :: i, k
 
-        call search_from(model, start, search, minimum)
-        if (explains(model, minimum)) return
-        loss = model%loss
-        sigma = model%measured%sigma
-        least_misfit = huge(least_misfit)
-        if (minimum%has_converged) least_misfit = misfit(model, minimum%x)
+        least_misfit = 0
+        allocate (search%places(size(start), 0))
+        search%first_span = maxval(model%measured%t) - minval(model%measured%t)
+        call search_from(start, merge(growth, at_once, search%has_windows))
+        if (search%has_windows) call look_around()
         call sequence%start(size(start), 0_int64)
         do i = 1, search%most - 1
+            if (explains(model, minimum)) exit
             call sequence%find_point(int(i, int64), fractions)
             width = widths(1 + mod(i - 1, size(widths)))
             do k = 1, size(x)
@@ -84,42 +90,89 @@ contains
                 end associate
                 x(k) = model%limited(k, x(k))
             end do
-            call search_from(model, x, search, other)
-            if (.not. other%has_converged) cycle
-            other_misfit = misfit(model, other%x)
-            if (minimum%has_converged .and. .not. other_misfit < least_misfit) cycle
-            minimum = other
-            least_misfit = other_misfit
+            search%searches = search%searches + 1
+            call search_from(x, merge(growth, at_once, search%has_windows))
+        end do
+
+    contains
+
+        !> Looks for what the windows led away from: what all rows lead to at once; and windows that grow slowly.
+        subroutine look_around()
+            type(minimum_t) :: other
+            if (.not. model%is_mirrored) then
+                call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
+                              most=direct_steps * (size(start) + 1))
+                search%evaluations = search%evaluations + other%evaluations
+                search%steps = search%steps + other%steps
+                search%places = reshape([search%places, other%x], [size(start), size(search%places, 2) + 1])
+                if (other%sum_of_squares < minimum%sum_of_squares) call search_from([other%x], at_once)
+            end if
+            if (.not. explains(model, minimum)) call search_from(start, slow_growth)
+        end subroutine look_around
+
+        !> Searches from a place, and on from a pole beyond it. The model is that of the best minimum then.
+        subroutine search_from(place, growth)
+            real(dp), intent(in) :: place(:)
+            real(dp), intent(in) :: growth !! of the windows
+            real(dp) :: x(size(place))
+
+            x = place
+            if (model%is_mirrored) call model%mirror(x)
+            x = place
+            if (growth < at_once) call search_in_windows(model, x, growth, search)
+            call model%use_rows(size(model%measured%t))
+            call finish_at(x)
+            if (model%is_at_pole(x)) then
+                call model%mirror(x)
+                call finish_at(x)
+            end if
+            model%share = max(model%share, 0.5_dp * search%searches / search%most)
+            model%loss = loss
+            model%measured%sigma = sigma
+            call model%use_rows(size(model%measured%t))
+            if (model%is_mirrored .neqv. is_mirrored) call model%mirror(x)
+        end subroutine search_from
+
+        !> Finds the minimum near a place, and keeps it if it is the best: a smaller misfit, or a minimum instead of a search that
+        !> ended elsewhere.
+        subroutine finish_at(x)
+            real(dp), intent(inout) :: x(:)
+            real(dp), parameter :: same = 1.0e-6_dp ! of variances
+            type(minimum_t) :: found
+            real(dp) :: rise
+
+            call finish_search(model, x, search, found)
+            search%places = reshape([search%places, x, found%x], [size(x), size(search%places, 2) + 2])
+            x = found%x
+            rise = misfit(model, found, search%kind) - least_misfit
+            if (allocated(sigma) .and. (rise > same .or. (rise > -same .and. (minimum%has_converged .or. &
+                .not. found%has_converged)))) return
+            minimum = found
+            least_misfit = least_misfit + rise
             loss = model%loss
             sigma = model%measured%sigma
-            if (explains(model, minimum)) exit
-        end do
-        model%loss = loss
-        model%measured%sigma = sigma
-        call model%use_rows(size(model%measured%t))
+            is_mirrored = model%is_mirrored
+        end subroutine finish_at
+
     end subroutine search_minimum
 
-    !> How badly parameters explain the measurements: the logarithm of the deviation of each reading, by the median, so that
-    !> minima with other weights of the columns can be compared.
-    real(dp) function misfit(model, x)
-        type(fit_model_t), intent(inout) :: model
-        real(dp), intent(in) :: x(:)
-        real(dp) :: readings(size(model%measured%columns), size(model%measured%t))
-        real(dp) :: differences(size(readings, 1), size(readings, 2))
-        real(dp), allocatable :: residuals(:)
-        logical :: is_valid
-        integer :: i
+    !> How badly a minimum explains the measurements: the logarithm of its likelihood, so that minima with other weights of the
+    !> columns can be compared.
+    real(dp) function misfit(model, minimum, kind)
+        type(fit_model_t), intent(in) :: model
+        type(minimum_t), intent(in) :: minimum
+        integer, intent(in) :: kind
+        real(dp), parameter :: least = 1.0e-13_dp ! of the readings
+        real(dp) :: deviation
 
         misfit = huge(misfit)
-        call model%predict(x, readings, is_valid)
-        if (.not. is_valid) return
-        differences = model%differences(readings)
-        misfit = 0
-        if (model%measured%knows_sigma) differences = differences / model%measured%sigma
-        do i = 1, size(readings, 1)
-            residuals = pack(differences(i, :), model%measured%is_there(i, :))
-            misfit = misfit + size(residuals) * log(max(robust_deviation(residuals, 0), tiny(misfit)))
-        end do
+        if (.not. minimum%sum_of_squares < huge(misfit)) return
+        associate (m => size(minimum%residuals), measured => model%measured)
+            deviation = sqrt(minimum%sum_of_squares / m)
+            if (kind /= loss_squares .and. .not. measured%knows_sigma) deviation = robust_deviation(minimum%residuals, 0)
+            misfit = m * log(max(deviation, max(least, model%precision) * norm2(model%data) / sqrt(real(m, dp)), tiny(misfit)))
+            if (.not. measured%knows_sigma) misfit = misfit + sum(count(measured%is_there, dim=2) * log(measured%sigma(:, 1)))
+        end associate
     end function misfit
 
     !> Whether a minimum explains the measurements.
@@ -139,31 +192,27 @@ contains
         explains = .not. judgement%is_poor
     end function explains
 
-    !> Searches from one start: window by window, then all rows.
-    subroutine search_from(model, start, search, minimum)
+    !> Moves the parameters to a place from which all rows lead to a minimum: window by window.
+    subroutine search_in_windows(model, x, growth, search)
         type(fit_model_t), intent(inout) :: model
-        real(dp), intent(in) :: start(:)
+        real(dp), intent(inout) :: x(:)
+        real(dp), intent(in) :: growth
         type(search_t), intent(inout) :: search
-        type(minimum_t), intent(out) :: minimum
-        real(dp) :: x(size(start))
+        real(dp) :: start(size(x))
         integer :: rows
 
-        search%searches = search%searches + 1
-        x = start
+        start = x
         associate (t => model%measured%t, all_rows => size(model%measured%t))
-            rows = all_rows
-            if (search%has_windows) rows = first_rows(model, search%period, size(start))
+            rows = first_rows(model, search%period, size(start))
             search%first_span = t(rows) - t(1)
-            do while (search%has_windows)
+            do
                 call search_in_window(model, rows, start, x, search)
                 if (rows == all_rows) exit
-                rows = min(max(count(t - t(1) <= 2 * (t(rows) - t(1))), rows + 1), all_rows)
+                model%share = max(model%share, 0.5_dp * (search%searches - 1 + real(rows, dp) / all_rows) / search%most)
+                rows = min(max(count(t - t(1) <= growth * (t(rows) - t(1))), rows + 1), all_rows)
             end do
-            call model%use_rows(all_rows)
-            search%held = x
         end associate
-        call finish_search(model, x, search, minimum)
-    end subroutine search_from
+    end subroutine search_in_windows
 
     !> Finds the minimum of all rows from a place near it, and the standard deviation of each column, if they are not known.
     subroutine finish_search(model, x, search, minimum)
@@ -189,9 +238,9 @@ contains
 
     !> Number of rows in the first window.
     integer function first_rows(model, period, parameters) result(rows)
-        type(fit_model_t), intent(in) :: model
-        real(dp), intent(in) :: period
-        integer, intent(in) :: parameters
+        type(fit_model_t), intent(in) :: model !! the residuals
+        real(dp), intent(in) :: period !! of the motion, s
+        integer, intent(in) :: parameters !! number of sought numbers
         associate (measured => model%measured)
             rows = count(measured%t - measured%t(1) <= first_periods * period)
             do while (rows < size(measured%t))

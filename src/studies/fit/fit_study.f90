@@ -74,8 +74,11 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
-        integer :: unknown
+        type(fit_model_t), allocatable, target :: model
+        integer :: unknown, i
+        logical :: knows_start
 
+        knows_start = is_set(job%input%scene%fit%time_offset)
         call job%input%scene%fit%set_defaults()
         call read_measurements(job%input%path, job%input%scene%fit, self%measured, problems)
         call find_unknown(job, self%measured, self%sought, problems)
@@ -90,13 +93,16 @@ contains
         if (problems%any()) return
         call plan_for_all(self, job, problems)
         if (problems%any()) return
-        call check_measurements(self%measured, job%case, job%input%scene%fit%time_offset, problems)
-        if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
                 &measurements', 'use an adaptive method')
         end if
+        if (problems%any()) return
         unknown = size(self%sought%keys)
+        allocate (model)
+        call model%prepare(job%input%scene, self%sought%keys, job%case, job%plan, self%measured)
+        call check_measurements(self%measured, job%input%scene%fit, knows_start, job%case, model, &
+                                [(self%sought%keys(i)%slot%get(), i=1, unknown)], problems)
         if (self%measured%size() <= unknown) then
             call problems%add('fit.data', to_text(self%measured%size()) // ' measurements do not determine ' // &
                               to_text(unknown) // ' parameters and their errors', 'give more measurements')
@@ -183,15 +189,20 @@ contains
             search%most = job%input%scene%fit%searches
             search%has_windows = job%input%scene%fit%windows
             search%period = period_of(job%case)
+            call model%progress%start(job%name, 'parts', model%parts, options%quiet, options%progress)
             call find_minimum(self, job%input%scene%fit%profile, model, start, search, minimum, estimate)
+            call model%progress%finish()
             allocate (values, mold=measured%values)
             call model%predict(minimum%x, values, is_valid)
             is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
                        estimate%error_of_model
             call judge(measured, model%differences(values), minimum, model%loss, is_noisy, .true., judgement)
+            if (judgement%is_poor) call name_ends(model, minimum%x, keys, judgement%reason)
             ending = end_of_search(minimum, estimate, judgement, keys)
             if (ending /= 'ok') code = exit_failed
             call move_alloc(judgement%warnings, warnings)
+            if (model%is_mirrored) call append(warnings, 'the start is beyond the pole: where they are not sought, initial.phi and &
+                &initial.psi differ from the input by half a turn, and initial.theta_rate by its sign')
             do i = 1, size(keys)
                 if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // keys(i)%name // ' could not be &
                     &followed: an end of its interval is that of the linear model')
@@ -232,9 +243,26 @@ contains
             call finish_search(model, [estimate%better], search, minimum)
         end do
         minimum%has_converged = minimum%has_converged .and. .not. allocated(estimate%better)
-        if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%held, minimum, level, &
-            estimate)
+        do i = 1, size(search%places, 2)
+            if (minimum%has_converged .and. estimate%is_identifiable) call compare_with(model, search%places(:, i), minimum, &
+                level, estimate)
+        end do
     end subroutine find_minimum
+
+    !> Adds the parameters that are at an end of their range to what stands out of a poor fit.
+    subroutine name_ends(model, x, keys, reason)
+        type(fit_model_t), intent(in) :: model
+        real(dp), intent(in) :: x(:)
+        type(sensitive_key_t), intent(in) :: keys(:)
+        character(:), allocatable, intent(inout) :: reason
+        real(dp) :: ends(2)
+        integer :: i
+        do i = 1, size(x)
+            ends = model%ends(i)
+            if (x(i) > ends(1) .and. x(i) < ends(2)) cycle
+            reason = reason // '; ' // keys(i)%name // ' is at the end of its range, ' // to_text(x(i))
+        end do
+    end subroutine name_ends
 
     !> How the search ended.
     function end_of_search(minimum, estimate, judgement, keys) result(ending)

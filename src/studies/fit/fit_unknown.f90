@@ -96,7 +96,13 @@ contains
             k = 0
             if (allocated(measured%columns)) k = place_of(measured%columns, column)
             if (k == 0) return
-            if (index(name, 'offset.') == 1) found%unit = trim(measured%columns(k)%unit)
+            if (index(name, 'offset.') == 1) then
+                found%unit = trim(measured%columns(k)%unit)
+            else if (measured%turn(k) > 0) then
+                problem = 'the turns of ' // column // ' are not known, and tell its scale'
+                hint = 'give sensor.scale: the readings of a turn over the turn'
+                return
+            end if
             measured%sensor(k) = job%input%scene%fit%sensors%place_of(column)
         end if
         call job%input%table%find_number(key_of(name, job%input%scene%fit%sensors), found%slot, problem)

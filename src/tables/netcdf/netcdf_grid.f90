@@ -1,6 +1,7 @@
 !> The grid of a NetCDF table: its axes, its rows as boxes of an array, and names by the CF conventions.
 module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_table_column, only: column_length
     implicit none
     private
     public :: netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, most_netcdf_rows, find_box, size_of_chunk
@@ -14,7 +15,7 @@ module spintop_netcdf_grid
 
     !> An axis of the grid, which is also a dimension; the last one varies fastest from row to row.
     type :: netcdf_axis_t
-        character(64) :: name = ''
+        character(column_length) :: name = ''
         integer :: length = 0
     end type netcdf_axis_t
 

@@ -11,11 +11,12 @@ module spintop_namelist
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
     use spintop_files, only: read_file
+    use spintop_foreign_characters, only: find_foreign
     use spintop_overrides, only: read_override
     use spintop_parameter, only: one_per_group, parameter_t, quoted
     use spintop_parameters, only: parameter_table_t
-    use spintop_scanner, only: scanner_t, token_comma, token_end, token_equals, token_group, &
-        token_slash, token_t, token_word
+    use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_end, token_equals, &
+        token_group, token_open, token_other, token_slash, token_t, token_word
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
     use spintop_table_input, only: input_of_table
     use spintop_text, only: abbreviate, lower_case, string_t, to_text
@@ -96,6 +97,9 @@ contains
             return
         end if
         call scanner%start(text, table%place%source, comments=.true.)
+        call refuse_foreign(scanner, diagnostics)
+        if (diagnostics%has_errors()) return
+        call scanner%start(text, table%place%source, comments=.true.)
         any_group = .false.
         call scanner%next(token)
         do while (token%kind /= token_end)
@@ -115,6 +119,39 @@ contains
         if (.not. any_group) call diagnostics%error(table%place, 'the file has no group', &
             'it should start with &' // table%groups(1)%name)
     end subroutine read_groups
+
+    !> Reports characters that have no meaning in a namelist, the first of each line; a colon has one within parentheses.
+    subroutine refuse_foreign(scanner, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: token
+        character(:), allocatable :: word, hint
+        integer :: line, first, width
+        logical :: has_subscripts
+
+        line = 0
+        has_subscripts = .false.
+        do
+            call scanner%next(token)
+            select case (token%kind)
+            case (token_end)
+                return
+            case (token_open)
+                has_subscripts = .true.
+            case (token_close, token_slash, token_group)
+                has_subscripts = .false.
+            case (token_word, token_colon, token_other)
+                if (token%place%line == line .or. (token%kind == token_colon .and. has_subscripts)) cycle
+                word = scanner%word(token)
+                call find_foreign(word, first, width, hint)
+                if (first == 0) cycle
+                line = token%place%line
+                token%place%column = token%place%column + first - 1
+                token%place%width = width
+                call diagnostics%error(token%place, 'unexpected ' // quoted(word(first:first + width - 1)), hint)
+            end select
+        end do
+    end subroutine refuse_foreign
 
     !> Reads a group, from the end of its name to its slash.
     subroutine read_group(scanner, start, table, diagnostics)

@@ -67,6 +67,11 @@ contains
         end if
         call read_real(text(:last), number, problem, hint)
         if (problem /= '') return
+        if (verify(text(last + 1:), ', ') > 0 .and. scan(text(last + 1:), ',') == 1) then
+            problem = 'a comma in the number ' // quoted(abbreviate(text))
+            hint = 'decimals follow a point, as in 25.5'
+            return
+        end if
         if (parameter%unit_of /= '') then
             unit = trim(adjustl(text(last + 1:)))
             return

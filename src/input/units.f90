@@ -7,7 +7,7 @@
 !> by the next word.
 module spintop_units
     use spintop_kinds, only: dp, pi
-    use spintop_text, only: append, join, string_t, to_text
+    use spintop_text, only: append, join, lower_case, string_t, to_text
     implicit none
     private
     public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word, unit_words
@@ -43,7 +43,31 @@ module spintop_units
     !> Their names, for messages.
     character(*), parameter :: unit_words = 'kg, g, m, cm, mm, s, ms, min, h, rad, deg, rev, rpm, N, J'
 
+    !> Each `other=unit`: what is written elsewhere, in small letters, and the unit here.
+    character(*), parameter :: other_words(*) = [character(18) :: &
+        'hz=rev/s', 'cycle=rev', 'cycles=rev', 'revs=rev', 'revolution=rev', 'revolutions=rev', 'u=rev', &
+        'degree=deg', 'degrees=deg', char(194) // char(176) // '=deg', 'radian=rad', 'radians=rad', &
+        'sec=s', 'second=s', 'seconds=s', 'minute=min', 'minutes=min', 'hr=h', 'hour=h', 'hours=h', 'day=d', 'days=d', &
+        'meter=m', 'metre=m', 'meters=m', 'metres=m', 'inch=in', 'gram=g', 'grams=g', &
+        'newton=N', 'joule=J', 'kgm=kg m', 'gcm=g cm', 'nm=N m', 'nms=N m s', 'ncm=N cm', 'js=J s']
+
 contains
+
+    !> The unit that is meant by a word which is none: one that differs in capitals, or is of another name; '' for others.
+    pure function meant_unit(word) result(unit)
+        character(*), intent(in) :: word
+        character(:), allocatable :: unit
+        integer :: i, equals
+        unit = ''
+        do i = 1, size(other_words)
+            equals = index(other_words(i), '=')
+            if (other_words(i)(:equals - 1) == lower_case(word)) unit = trim(other_words(i)(equals + 1:))
+        end do
+        if (unit /= '') return
+        do i = 1, size(words)
+            if (lower_case(trim(words(i)%name)) == lower_case(word)) unit = trim(words(i)%name)
+        end do
+    end function meant_unit
 
     !> The factor by which a number in one unit is a number in another; `problem` says why there is none, or is ''.
     subroutine convert_unit(given, wanted, factor, problem)
@@ -61,12 +85,21 @@ contains
         if (problem /= '' .or. wanted == '') then
             problem = 'a number without a unit is wanted'
             if (wanted /= '') problem = 'a number in ' // trim(wanted) // ' is wanted, without a unit'
-        else if (any(of_given /= of_wanted)) then
+        else if (any(of_given /= of_wanted) .and. any(of_given /= per_angle(of_wanted))) then
             problem = trim(adjustl(given)) // ' is no unit of a quantity in ' // trim(wanted)
+            if (all(of_given(:3) == of_wanted(:3)) .and. of_given(4) == 0) problem = problem // ': an angle is missing in it'
         else
             factor = size_given / size_wanted
         end if
     end subroutine convert_unit
+
+    !> The dimension of a torque per power of a rate, such as that of damping, with its angle: N m s/rad for N m s.
+    pure function per_angle(exponents) result(with_angle)
+        integer, intent(in) :: exponents(4)
+        integer :: with_angle(4)
+        with_angle = exponents
+        if (all(exponents([1, 2, 4]) == [1, 2, 0])) with_angle(4) = -(exponents(3) + 2)
+    end function per_angle
 
     !> The unit that a suffix of the name of a quantity stands for: a word of its dimension, as `rpm` of rad/s, or a word in the
     !> place of the first one of its unit, as `deg` of rad/s, which is deg/s.
@@ -170,8 +203,15 @@ contains
                 total = total * words(i)%size**(sign_of_power * power)
                 exponents = exponents + sign_of_power * power * words(i)%exponents
             end do
-            if (.not. is_known) problem = "'" // name // "' is not a unit (" // unit_words // ' and products of these are)'
-            if (problem /= '') return
+            if (.not. is_known) then
+                problem = "'" // name // "' is not a unit"
+                if (meant_unit(name) /= '') then
+                    problem = problem // ': write ' // meant_unit(name)
+                else
+                    problem = problem // ' (' // unit_words // ' and products of these are)'
+                end if
+                return
+            end if
             sign_of_power = 1
         end do
 

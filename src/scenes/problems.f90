@@ -12,6 +12,8 @@ module spintop_problems
         character(:), allocatable :: message
         character(:), allocatable :: hint
         logical :: is_error = .true.
+        !> It follows from no other problem of the input.
+        logical :: is_certain = .false.
     end type problem_t
 
     !> Problems in the order in which they were found.
@@ -32,10 +34,14 @@ module spintop_problems
 contains
 
     !> Adds an error: the parameter concerned, what is wrong, what is expected.
-    subroutine add(self, name, message, hint)
+    subroutine add(self, name, message, hint, is_certain)
         class(problems_t), intent(inout) :: self
         character(*), intent(in) :: name, message, hint !! parameter or group concerned; what is wrong; what is expected
-        call append(self, problem_t(name, message, hint, .true.))
+        logical, intent(in), optional :: is_certain !! whether it is one whatever the rest of the input is (default: no)
+        type(problem_t) :: problem
+        problem = problem_t(name, message, hint, .true.)
+        if (present(is_certain)) problem%is_certain = is_certain
+        call append(self, problem)
     end subroutine add
 
     !> Adds a warning.
@@ -109,19 +115,18 @@ contains
     end function first
 
     !> Shows the problems at the places where the input gave their parameters. If the input could not be read
-    !> completely, problems that may follow from that are omitted: missing values (the name is that of a
-    !> group), and values that could not be read.
+    !> completely, those that may follow from that are omitted.
     subroutine report_to(self, table, diagnostics)
         class(problems_t), intent(in) :: self
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        logical :: unread
+        logical :: is_read
         integer :: i
         if (.not. allocated(self%list)) return
-        unread = diagnostics%has_errors()
+        is_read = .not. diagnostics%has_errors()
         do i = 1, size(self%list)
             associate (problem => self%list(i))
-                if (unread .and. .not. is_certain(table, problem%name)) cycle
+                if (.not. (is_read .or. problem%is_certain)) cycle
                 if (problem%is_error) then
                     call diagnostics%error(table%place_of(problem%name), problem%message, problem%hint)
                 else
@@ -130,15 +135,5 @@ contains
             end associate
         end do
     end subroutine report_to
-
-    !> Whether a parameter was given and read.
-    logical function is_certain(table, name)
-        type(parameter_table_t), intent(in) :: table
-        character(*), intent(in) :: name
-        integer :: number
-        is_certain = table%is_given(name)
-        number = table%find(name(:index(name // '(', '(') - 1))
-        if (number > 0) is_certain = is_certain .and. .not. table%parameters(number)%faulty
-    end function is_certain
 
 end module spintop_problems

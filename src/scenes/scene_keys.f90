@@ -18,9 +18,10 @@ module spintop_scene_keys
     use spintop_fit_keys, only: describe_fit, fit_scene_t
     use spintop_effects_keys, only: describe_effects, effects_scene_t
     use spintop_uncertainty_keys, only: describe_uncertainty, uncertainty_scene_t
-    use spintop_scene_words, only: combination_names, combine_grid, kind_trajectory, reference_auto, reference_names, &
-        study_kinds
+    use spintop_scene_words, only: combination_names, combine_grid, key_length, kind_trajectory, reference_auto, &
+        reference_names, study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
+    use spintop_table_column, only: column_length
     use spintop_tableau, only: tableau_t
     use spintop_text, only: join
     implicit none
@@ -33,8 +34,6 @@ module spintop_scene_keys
     integer, parameter :: word = 32, line = 256
     !> What precedes the file of a Butcher table in place of the name of a method.
     character(*), parameter :: table_prefix = 'table:'
-    !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
-    integer, parameter :: column_length = 56
     !> Maximum number of quantities over which statistics have bins.
     integer, parameter :: max_over = 2
     !> Maximum length of the text of an event.
@@ -104,7 +103,7 @@ module spintop_scene_keys
         ! &uncertainty
         type(uncertainty_scene_t) :: uncertainty
         ! &sweep
-        character(word) :: parameter(max_axes) = ''
+        character(key_length) :: parameter(max_axes) = ''
         real(dp) :: values(max_list_axes, max_axis_values) = unset
         real(dp) :: from(max_axes) = unset
         real(dp) :: to(max_axes) = unset
@@ -121,7 +120,7 @@ module spintop_scene_keys
         character(checksum_width) :: sweep_table_checksum = ''
         ! &statistics
         character(column_length) :: statistics_columns(64) = ''
-        character(word) :: over(max_over) = ''
+        character(key_length) :: over(max_over) = ''
         integer :: bins(max_over) = unset_integer
         real(dp) :: bins_from(max_over) = unset
         real(dp) :: bins_to(max_over) = unset

@@ -6,6 +6,10 @@ module spintop_scene_words
     public :: reference_names, reference_auto, reference_exact, reference_quadruple
     public :: combination_names, combine_grid, combine_zip, combine_random, combine_latin_hypercube, combine_sobol, &
         combine_saltelli
+    public :: key_length
+
+    !> Maximum length of the name of a key with its subscripts.
+    integer, parameter :: key_length = 40
 
     !> Kinds of study: indices of `study_kinds`.
     integer, parameter :: kind_trajectory = 1, kind_sweep = 2, kind_precision = 3, kind_stability = 4, &

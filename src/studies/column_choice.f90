@@ -17,10 +17,9 @@ module spintop_column_choice
 contains
 
     !> Selects the columns of a job: the named ones, all, or the default set; problems are reported.
-    subroutine choose_columns(study, job, is_whole, problems)
+    subroutine choose_columns(study, job, problems)
         class(study_t), intent(in) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! with a plan
-        logical, intent(in) :: is_whole !! whether the scene is all that the input says: it could be read without errors
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(study_info_t) :: info
         type(listed_column_t), allocatable :: known(:)
@@ -56,9 +55,9 @@ contains
                 chosen = chosen_columns(known, columns)
                 do i = merge(2, 1, named(1) == 'all'), size(named)
                     if (is_sensitivity(named(i))) then
-                        call add_sensitivity(study, job, known, i, is_whole, problems)
+                        call add_sensitivity(study, job, known, i, problems)
                     else if (named(i) /= '') then
-                        call add_column(study, job, known, i, chosen, is_whole, problems)
+                        call add_column(study, job, known, i, chosen, problems)
                     end if
                 end do
             end if
@@ -80,13 +79,12 @@ contains
     end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
-    subroutine add_column(study, job, known, i, columns, is_whole, problems)
+    subroutine add_column(study, job, known, i, columns, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
         type(chosen_column_t), allocatable, intent(inout) :: columns(:)
-        logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
         type(chosen_column_t) :: found
         character(:), allocatable :: name, key
@@ -100,18 +98,17 @@ contains
         else if (known(found%place)%group == proof_group .and. .not. has_balls()) then
             call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
-            if (is_whole) call check_column(job, key, known(found%place), 'omit it', problems)
+            call check_column(job, key, known(found%place), 'omit it', problems)
             columns = [columns, found]
         end if
     end subroutine add_column
 
     !> Adds the derivative of a column that element `i` of the list in the scene names.
-    subroutine add_sensitivity(study, job, known, i, is_whole, problems)
+    subroutine add_sensitivity(study, job, known, i, problems)
         class(study_t), intent(in) :: study
         type(job_t), target, intent(inout) :: job
         type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
-        logical, intent(in) :: is_whole
         type(problems_t), intent(inout) :: problems
         type(chosen_column_t) :: found
         character(:), allocatable :: column, name_of_key, key, problem, hint
@@ -125,7 +122,7 @@ contains
             if (known(found%place)%words .or. known(found%place)%group == proof_group) then
                 call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
                 found%place = 0
-            else if (is_whole) then
+            else
                 call check_column(job, key, known(found%place), 'omit its derivative', problems)
             end if
         end if
@@ -188,7 +185,7 @@ contains
             return
         end if
         if (hint == '') hint = '`spintop list columns` shows them all'
-        call problems%add(key, problem, hint)
+        call problems%add(key, problem, hint, is_certain=.true.)
     end subroutine find_named
 
     !> The kinds of study that have a column of that name, as text; '' if there is none.

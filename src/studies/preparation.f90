@@ -84,7 +84,7 @@ contains
         if (allocated(error)) return
         call read_namelist(input, options%overrides, job%input%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
-        call convert_named_units(job%input%scene, job%input%table, diagnostics)
+        if (.not. diagnostics%has_errors()) call convert_named_units(job%input%scene, job%input%table, diagnostics)
         call read_torques(input, job%input%scene%effects, problems)
         call read_friction_table(input, job%input%scene%effects, problems)
         call read_tables(input, job%input%scene, problems)
@@ -94,7 +94,7 @@ contains
         call check_job(study, job, problems, diagnostics)
         call refuse_parts(info, options, problems)
         call refuse_netcdf(info, job, problems)
-        call choose_columns(study, job, .not. diagnostics%has_errors(), problems)
+        call choose_columns(study, job, problems)
         call study%complete(job, problems)
         call choose_events(info, job%input%scene, job%case, job%events, problems)
         if (job%input%scene%stop_after /= unset_integer) job%stop_after = job%input%scene%stop_after

@@ -4,7 +4,7 @@
 !> know of it. Its registry has a line per column.
 module spintop_study_column
     use spintop_kinds, only: dp
-    use spintop_table_column, only: column_t
+    use spintop_table_column, only: column_length, column_t
     use spintop_text, only: did_you_mean, join, string_t
     use spintop_units, only: find_unit, is_unit_word, suffixes_of
     implicit none
@@ -40,7 +40,7 @@ module spintop_study_column
     !> `theta` in degrees.
     type :: chosen_column_t
         integer :: place = 0
-        character(64) :: name = ''
+        character(column_length) :: name = ''
         character(32) :: unit = ''
         !> The value of the column is the number in the table times this.
         real(dp) :: size = 1

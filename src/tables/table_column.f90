@@ -4,7 +4,8 @@ module spintop_table_column
     use spintop_text, only: string_t
     implicit none
     private
-    public :: column_t, table_column_t, column_of_reals, column_of_integers, column_of_words, column_of_notes, status_column
+    public :: column_t, table_column_t, column_of_reals, column_of_integers, column_of_words, column_of_notes, status_column, &
+        column_length
 
     !> Kind of the cells: a real; an integer; the index of a category, from 0; or notes, one bit for each
     !> category from the lowest, with a separate text.
@@ -13,9 +14,12 @@ module spintop_table_column
     !> Name of the column that tells how a case ended; and of the attribute that tells it of a single motion.
     character(*), parameter :: status_column = 'status'
 
+    !> Maximum length of the name of a column, such as a derivative `COLUMN__KEY`.
+    integer, parameter :: column_length = 80
+
     !> A column: its name, unit and meaning.
     type :: column_t
-        character(64) :: name = ''
+        character(column_length) :: name = ''
         character(32) :: unit = ''
         character(160) :: what = ''
     end type column_t

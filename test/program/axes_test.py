@@ -239,7 +239,7 @@ class CombinationTest(ProgramCase):
             self.assertIn(part, self.refuse(scene, "--set", setting))
 
     def test_sixteen_axes(self) -> None:
-        """As many may be drawn or go side by side; a grid has four."""
+        """As many may be drawn, go side by side or make a grid; no key names one more."""
         keys = [f"top.damping({k})" for k in (1, 2, 3)] + [f"top.inertia({k})" for k in (1, 2, 3)]
         keys += [f"top.centre_of_mass({k})" for k in (1, 2, 3)] + ["top.mass", "top.gravity"]
         keys += [
@@ -262,6 +262,10 @@ class CombinationTest(ProgramCase):
         self.assertEqual(table.names[1:17], keys)
         for k in range(1, 17):
             self.assertEqual(len({row[k] for row in table.rows}), 40)
+        grid = text.replace("cases = 40, combine = 'sobol'", "count = " + ", ".join(["2"] * 16))
+        result = self.run_program("--check", self.write(grid))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("65536 cases", result.stdout)
 
     def test_more_cases_than_32_bits_count(self) -> None:
         """The last of a million parts of three billion cases, drawn and in a grid."""

@@ -104,6 +104,50 @@ class HintTest(ProgramCase):
             said = self.hint(GOOD.replace("psi_rate = 1.0", f"psi_rate = {number}"))
             self.assertIn("a number with its unit is in quotes, as '20 deg'", said)
 
+    def test_foreign_characters(self) -> None:
+        """A character without a meaning is named at its place, alone, with what to write."""
+        blank, minus = "\u00a0", "\u2212"
+        for old, new, character, hint in (
+            ("mass = 1.0", "mass: 1.0", ":", "a key is followed by ="),
+            ("mass = 1.0", "mass = 1.0 # kg, don't", "#", "a comment starts with !"),
+            ("mass = 1.0", "! [#;]\nmass = 1.0; title", ";", "values are separated by commas"),
+            ("inertia =", "inertia[1] =", "[", "a subscript is in parentheses"),
+            ("'rk4'", "\u2018rk4\u2019", "\u2018", "a text is in straight quotes"),
+            ("'t', ", "\u201ct\u201d, ", "\u201c", "a text is in straight quotes"),
+            ("mass = 1.0", f"mass{blank}= 1.0", blank, "write an ordinary blank"),
+            ("0.25\n", f"0.25{blank}", blank, "write an ordinary blank"),
+            ("= 0.5", f"= {minus}0.5", minus, "a minus sign is -"),
+        ):
+            with self.subTest(new):
+                text = GOOD.replace(old, new, 1)
+                first = new.index(character, new.rfind("\n") + 1)
+                before = text[: text.index(new) + first]
+                line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+                said = self.refuse(self.write(text))
+                self.assertIn(f":{line}:{column}: error: unexpected ", said)
+                self.assertIn(hint, said)
+                self.assertRegex(said, r"\b1 error\n")
+        # In texts and comments each of them may stand.
+        title = f"! [#;] {minus}\n&study title = '[a]; #1: \u201cb\u201d' /\n"
+        self.compute(self.write(title + GOOD))
+
+    def test_errors_that_follow(self) -> None:
+        """What cannot be read is reported, and nothing that would follow from it."""
+        for setting, more in (
+            ("effects.earth_rate=1 rev/day", "effects.latitude=0.7"),
+            ("effects.vibration_rate=50 Hz", "effects.vibration_amplitude=0,0,0.01"),
+            ("top.length=0.3 yards", "initial.spin_ratio=2"),
+            ("top.inertia=1,1,x", "integration.method=exact"),
+            ("top.damping=1,1,one", "output.columns=work_damping"),
+            ("study.kind=swep", "output.columns=theta_max"),
+        ):
+            with self.subTest(setting):
+                said = self.hint(CLOSED.replace("psi_rate = 1.0", ""), setting, more)
+                self.assertRegex(said, r"\b1 error$")
+        said = self.hint(GOOD.replace("mass = 1.0", "mass = '25,5 g'"))
+        self.assertIn("a comma in the number '25,5 g'", said)
+        self.assertIn("decimals follow a point", said)
+
     def test_names_of_other_programs(self) -> None:
         """Each other name leads to a key that exists, in its group or in another one."""
         source = (ROOT / "src/scenes/key_aliases.f90").read_text(encoding="utf-8")

@@ -499,6 +499,21 @@ class CompressionTest(NetcdfCase):
         self.assertEqual((self.folder / "output/merged.nc").read_bytes(), first)
 
 
+class UnitsTest(NetcdfCase):
+    """Columns in other units than their own."""
+
+    def test_units(self) -> None:
+        """The table is finished, and read in the same units as a CSV table."""
+        columns = "theta_max_deg,precession_rate_deg,precession_rate_rev,phi_end_deg__top.gravity"
+        few = LONG.replace("'delta_u', 'phi_end'", repr(columns.split(","))[1:-1])
+        scene = self.write(few.replace("331", "3").replace("421", "2"))
+        self.sweep(scene)
+        self.assertEqual(self.run_program(scene).returncode, 0)
+        csv, netcdf = (read_table(self.folder / f"output/scene{end}") for end in (".csv", ".nc"))
+        self.assertEqual(netcdf.units, csv.units)
+        self.assertEqual(csv.units["precession_rate_deg"], "deg/s")
+
+
 class TrajectoryTest(NetcdfCase):
     """Trajectories in both formats."""
 

@@ -209,7 +209,7 @@ POWER = re.compile(r"\^(-?\d+)")
 RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Digits of a power of ten, or of a unit."""
 
-UNITS = {"degree": "deg", "standard_free_fall": "g0"}
+UNITS = {"degree": "deg", "revolution": "rev", "standard_free_fall": "g0"}
 """Words of units that NetCDF tables name otherwise, as UDUNITS knows them."""
 UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""

@@ -18,7 +18,7 @@ module spintop_statistics_choice
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_columns, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
-    use spintop_table_column, only: column_of_notes, column_of_words, status_column, table_column_t
+    use spintop_table_column, only: column_length, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_text, only: did_you_mean, string_t, to_text
     implicit none
     private
@@ -89,7 +89,7 @@ contains
             call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
                               'omit it; statistics.columns are computed')
         end if
-        associate (names => [character(64) :: job%input%scene%statistics_columns, job%input%scene%over])
+        associate (names => [character(column_length) :: job%input%scene%statistics_columns, job%input%scene%over])
             allocate (found(size(names)))
             do i = 1, size(names)
                 call find_column(known, trim(names(i)), found(i), problem, hint)

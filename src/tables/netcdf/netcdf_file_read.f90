@@ -8,7 +8,7 @@ submodule(spintop_netcdf_file) netcdf_file_read
     use netcdf, only: nf90_format_netcdf4, nf90_format_netcdf4_classic, nf90_inq_var_deflate
 #endif
     use spintop_errors, only: input_error
-    use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name
+    use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name, own_unit
     use spintop_provenance, only: fact_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, table_column_t
     use spintop_text, only: split, string_t
@@ -148,9 +148,7 @@ contains
         call read_text(id, variable, 'long_name', text, status)
         column%what = text
         call read_text(id, variable, 'units', text, status)
-        if (text == '1') text = ''
-        if (text == 'degree') text = 'deg'
-        column%unit = text
+        column%unit = own_unit(text)
         call read_text(id, variable, 'flag_meanings', text, status)
         column%kind = column_of_integers
         if (kind == nf90_double) column%kind = column_of_reals

@@ -1,16 +1,21 @@
 !> The grid of a NetCDF table: its axes, its rows as boxes of an array, and names by the CF conventions.
 module spintop_netcdf_grid
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_table_column, only: column_length
     implicit none
     private
-    public :: netcdf_axis_t, netcdf_name, netcdf_unit, most_netcdf_rows, find_box, size_of_chunk
+    public :: netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, most_netcdf_rows, find_box, size_of_chunk
 
     !> Maximum number of rows: in the format with 64-bit offsets a variable is smaller than 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
 
+    !> Words that begin a unit, and those of UDUNITS for them.
+    character(*), parameter :: own_words(3) = [character(18) :: 'deg', 'rev', 'g0']
+    character(*), parameter :: udunits_words(3) = [character(18) :: 'degree', 'revolution', 'standard_free_fall']
+
     !> An axis of the grid, which is also a dimension; the last one varies fastest from row to row.
     type :: netcdf_axis_t
-        character(64) :: name = ''
+        character(column_length) :: name = ''
         integer :: length = 0
     end type netcdf_axis_t
 
@@ -38,16 +43,29 @@ contains
     pure function netcdf_unit(unit) result(known)
         character(*), intent(in) :: unit !! unit of a column
         character(:), allocatable :: known
-        character(*), parameter :: names(2, 5) = reshape([character(18) :: 'deg', 'degree', 'rev', 'turn', 'turns', 'turn', &
-            'rps', 'turn/s', 'g0', 'standard_free_fall'], [2, 5])
-        integer :: last, i
-        last = scan(unit // ' ', ' */^') - 1
-        known = trim(unit)
-        do i = 1, size(names, 2)
-            if (names(1, i) == unit(:last)) known = trim(names(2, i)) // trim(unit(last + 1:))
-        end do
+        known = with_word(unit, own_words, udunits_words)
         if (unit == '') known = '1'
     end function netcdf_unit
+
+    !> The unit of which UDUNITS has this form.
+    pure function own_unit(unit) result(own)
+        character(*), intent(in) :: unit !! as `netcdf_unit` gives it
+        character(:), allocatable :: own
+        own = with_word(unit, udunits_words, own_words)
+        if (unit == '1') own = ''
+    end function own_unit
+
+    !> A unit whose first word is another one, if it is in a list.
+    pure function with_word(unit, words, others) result(changed)
+        character(*), intent(in) :: unit, words(:), others(:)
+        character(:), allocatable :: changed
+        integer :: last, i
+        last = scan(unit // ' ', ' */^') - 1
+        changed = trim(unit)
+        do i = 1, size(words)
+            if (words(i) == unit(:last)) changed = trim(others(i)) // trim(unit(last + 1:))
+        end do
+    end function with_word
 
     !> The largest box of an array that begins with an element and contains only this and some of the next
     !> `elements - 1`, in order: all of the first dimensions, a part of the next one, one index in the others.

@@ -28,7 +28,8 @@ module spintop_fit_search
     !> The span of a window is so many times that of the one before; where that fails, so many times.
     real(dp), parameter :: growth = 2, slow_growth = 1.4_dp, at_once = huge(1.0_dp)
     !> All rows lead from the start to what is left to gain of the sum of squares, in so many steps at most.
-    real(dp), parameter :: direct_goal = 1.0e-5_dp
+    !> That is the better way if the sum is smaller by this part.
+    real(dp), parameter :: direct_goal = 1.0e-5_dp, smaller = 1.0e-8_dp
     integer, parameter :: direct_steps = 10
     !> Other starts are within these parts of the values, in turn, if no range is given.
     real(dp), parameter :: widths(3) = [0.02_dp, 0.05_dp, 0.1_dp]
@@ -44,8 +45,13 @@ module spintop_fit_search
         real(dp) :: period = 0
         !> Starts and windows that were tried, and all evaluations and steps.
         integer :: searches = 1, windows = 0, evaluations = 0, steps = 0
-        !> Where the searches of all rows began and ended.
+        !> Where the searches of all rows began and ended, and the best of their ends with what the model was there.
         real(dp), allocatable :: places(:, :)
+        type(minimum_t) :: best
+        real(dp) :: least_misfit = 0
+        type(loss_t) :: loss
+        real(dp), allocatable :: sigma(:, :)
+        logical :: is_mirrored = .false.
         !> Span of the first window, s.
         real(dp) :: first_span = 0
     end type search_t
@@ -60,27 +66,23 @@ contains
     end function period_of
 
     !> Finds the parameters that explain the measurements: the best minimum of those to which all rows lead from the start, and
-    !> windows of rows, and if these do not explain the measurements, others.
+    !> windows of rows, and if these do not explain the measurements, others. The model is that of the best one then.
     subroutine search_minimum(model, start, search, minimum)
         type(fit_model_t), intent(inout) :: model !! the residuals
         real(dp), intent(in) :: start(:) !! where the search begins
         type(search_t), intent(inout) :: search !! how to search; what was tried
         type(minimum_t), intent(out) :: minimum !! the best that was found
         type(sobol_sequence_t) :: sequence
-        type(loss_t) :: loss
-        real(dp), allocatable :: sigma(:, :)
-        real(dp) :: fractions(size(start)), x(size(start)), width, least_misfit
-        logical :: is_mirrored
+        real(dp) :: fractions(size(start)), x(size(start)), width
         integer :: i, k
 
-        least_misfit = 0
         allocate (search%places(size(start), 0))
         search%first_span = maxval(model%measured%t) - minval(model%measured%t)
-        call search_from(start, merge(growth, at_once, search%has_windows))
-        if (search%has_windows) call look_around()
+        call search_from(model, start, merge(growth, at_once, search%has_windows), search)
+        if (search%has_windows) call look_around(model, start, search)
         call sequence%start(size(start), 0_int64)
         do i = 1, search%most - 1
-            if (explains(model, minimum)) exit
+            if (explains(model, search%best)) exit
             call sequence%find_point(int(i, int64), fractions)
             width = widths(1 + mod(i - 1, size(widths)))
             do k = 1, size(x)
@@ -91,70 +93,78 @@ contains
                 x(k) = model%limited(k, x(k))
             end do
             search%searches = search%searches + 1
-            call search_from(x, merge(growth, at_once, search%has_windows))
+            call search_from(model, x, merge(growth, at_once, search%has_windows), search)
         end do
-
-    contains
-
-        !> Looks for what the windows led away from: what all rows lead to at once; and windows that grow slowly.
-        subroutine look_around()
-            type(minimum_t) :: other
-            if (.not. model%is_mirrored) then
-                call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
-                              most=direct_steps * (size(start) + 1))
-                search%evaluations = search%evaluations + other%evaluations
-                search%steps = search%steps + other%steps
-                search%places = reshape([search%places, other%x], [size(start), size(search%places, 2) + 1])
-                if (other%sum_of_squares < minimum%sum_of_squares) call search_from([other%x], at_once)
-            end if
-            if (.not. explains(model, minimum)) call search_from(start, slow_growth)
-        end subroutine look_around
-
-        !> Searches from a place, and on from a pole beyond it. The model is that of the best minimum then.
-        subroutine search_from(place, growth)
-            real(dp), intent(in) :: place(:)
-            real(dp), intent(in) :: growth !! of the windows
-            real(dp) :: x(size(place))
-
-            x = place
-            if (model%is_mirrored) call model%mirror(x)
-            x = place
-            if (growth < at_once) call search_in_windows(model, x, growth, search)
-            call model%use_rows(size(model%measured%t))
-            call finish_at(x)
-            if (model%is_at_pole(x)) then
-                call model%mirror(x)
-                call finish_at(x)
-            end if
-            model%share = max(model%share, 0.5_dp * search%searches / search%most)
-            model%loss = loss
-            model%measured%sigma = sigma
-            call model%use_rows(size(model%measured%t))
-            if (model%is_mirrored .neqv. is_mirrored) call model%mirror(x)
-        end subroutine search_from
-
-        !> Finds the minimum near a place, and keeps it if it is the best: a smaller misfit, or a minimum instead of a search that
-        !> ended elsewhere.
-        subroutine finish_at(x)
-            real(dp), intent(inout) :: x(:)
-            real(dp), parameter :: same = 1.0e-6_dp ! of variances
-            type(minimum_t) :: found
-            real(dp) :: rise
-
-            call finish_search(model, x, search, found)
-            search%places = reshape([search%places, x, found%x], [size(x), size(search%places, 2) + 2])
-            x = found%x
-            rise = misfit(model, found, search%kind) - least_misfit
-            if (allocated(sigma) .and. (rise > same .or. (rise > -same .and. (minimum%has_converged .or. &
-                .not. found%has_converged)))) return
-            minimum = found
-            least_misfit = least_misfit + rise
-            loss = model%loss
-            sigma = model%measured%sigma
-            is_mirrored = model%is_mirrored
-        end subroutine finish_at
-
+        minimum = search%best
     end subroutine search_minimum
+
+    !> Looks for what the windows led away from: what all rows lead to at once; and windows that grow slowly.
+    subroutine look_around(model, start, search)
+        type(fit_model_t), intent(inout) :: model
+        real(dp), intent(in) :: start(:)
+        type(search_t), intent(inout) :: search
+        type(minimum_t) :: other
+
+        if (.not. model%is_mirrored) then
+            call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
+                          most=direct_steps * (size(start) + 1))
+            search%evaluations = search%evaluations + other%evaluations
+            search%steps = search%steps + other%steps
+            search%places = reshape([search%places, other%x], [size(start), size(search%places, 2) + 1])
+            if (other%sum_of_squares < (1 - smaller) * search%best%sum_of_squares) then
+                call search_from(model, [other%x], at_once, search)
+            end if
+        end if
+        if (.not. explains(model, search%best)) call search_from(model, start, slow_growth, search)
+    end subroutine look_around
+
+    !> Searches from a place, and on from a pole beyond it. The model is that of the best minimum then.
+    subroutine search_from(model, place, growth, search)
+        type(fit_model_t), intent(inout) :: model
+        real(dp), intent(in) :: place(:)
+        real(dp), intent(in) :: growth !! of the windows
+        type(search_t), intent(inout) :: search
+        real(dp) :: x(size(place))
+
+        x = place
+        if (model%is_mirrored) call model%mirror(x)
+        x = place
+        if (growth < at_once) call search_in_windows(model, x, growth, search)
+        call model%use_rows(size(model%measured%t))
+        call finish_at(model, x, search)
+        if (model%is_at_pole(x)) then
+            call model%mirror(x)
+            call finish_at(model, x, search)
+        end if
+        model%share = max(model%share, 0.5_dp * search%searches / search%most)
+        model%loss = search%loss
+        model%measured%sigma = search%sigma
+        call model%use_rows(size(model%measured%t))
+        if (model%is_mirrored .neqv. search%is_mirrored) call model%mirror(x)
+    end subroutine search_from
+
+    !> Finds the minimum near a place, and keeps it if it is the best: a smaller misfit, or a minimum instead of a search that
+    !> ended elsewhere.
+    subroutine finish_at(model, x, search)
+        type(fit_model_t), intent(inout) :: model
+        real(dp), intent(inout) :: x(:)
+        type(search_t), intent(inout) :: search
+        real(dp), parameter :: same = 1.0e-6_dp ! of variances
+        type(minimum_t) :: found
+        real(dp) :: rise
+
+        call finish_search(model, x, search, found)
+        search%places = reshape([search%places, x, found%x], [size(x), size(search%places, 2) + 2])
+        x = found%x
+        rise = misfit(model, found, search%kind) - search%least_misfit
+        if (allocated(search%sigma) .and. (rise > same .or. (rise > -same .and. (search%best%has_converged .or. &
+            .not. found%has_converged)))) return
+        search%best = found
+        search%least_misfit = search%least_misfit + rise
+        search%loss = model%loss
+        search%sigma = model%measured%sigma
+        search%is_mirrored = model%is_mirrored
+    end subroutine finish_at
 
     !> How badly a minimum explains the measurements: the logarithm of its likelihood, so that minima with other weights of the
     !> columns can be compared.

@@ -3,9 +3,9 @@
 The rows are so close that a polynomial through seven of them shows the quantity between them. A
 quantity has passed its level where it was on one side, and then is on the other, further from it
 than `CLEAR` times the relative tolerance (of a method with fixed steps: `FIXED`) of its largest
-distance. Left out are the quantities that touch a level within that: between such an instant and
-the next passage. So are those that the rows do not resolve: next to a pole, before the second row,
-and where friction or a table bends the quantity near its level.
+distance. Left out are the quantities that touch a level within that, or never leave it: between
+such an instant and the next passage. So are those that the rows do not resolve: next to a pole,
+before the second row, and where friction or a table bends the quantity near its level.
 """
 
 import csv
@@ -26,7 +26,7 @@ COLUMNS = (
     "com_x", "axis_y", "gamma1", "gamma2", "omega_x", "theta", "omega3",
 )  # fmt: skip
 BY_FORCE = ("force_x", "force_n")
-NEAR_POLES = ("phi_rate", "psi_rate", "force_n")
+NEAR_POLES = ("theta_rate", "phi_rate", "psi_rate", "force_n")
 POLE = 0.02
 METHODS = {
     "taylor": 1e-13, "dop853": 1e-11, "ode45": 1e-10, "taylor_quadruple": 1e-16,
@@ -192,7 +192,8 @@ def denser(
     size = np.abs(v)
     bend = np.abs(v[:-2] - 2 * v[1:-1] + v[2:])
     is_low = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < 2 * bend)
-    low = np.flatnonzero(is_low & (bend > least)) + 1
+    one_side = (v[:-2] * v[1:-1] > 0) & (v[1:-1] * v[2:] > 0)
+    low = np.flatnonzero(is_low & one_side & (bend > least)) + 1
     at, more, unclear = [t], [v], [(t[0], t[1])]
     for i in low:
         first = min(max(i - 3, 0), len(t) - 7)
@@ -227,8 +228,8 @@ def passages(t: np.ndarray, v: np.ndarray, share: float, *, is_smooth: bool) -> 
     gaps = (j > i + 1) & ~changes
     found.sure = list(zip(t[i[changes]], t[j[changes]], strict=True))
     found.doubtful += list(zip(t[i[gaps]], t[j[gaps]], strict=True))
-    if len(clear) > 0 and clear[-1] < len(t) - 1:
-        found.doubtful.append((t[clear[-1]], t[-1]))
+    ends = clear[[0, -1]] if len(clear) > 0 else [len(t) - 1, 0]
+    found.doubtful += [(t[0], t[ends[0]]), (t[ends[1]], t[-1])]
     return found
 
 
@@ -237,7 +238,7 @@ def compare(
 ) -> tuple[list[Span], list[float], int]:
     """Passages without an event, events without a passage, and the number of sure passages."""
     truth = passages(t, v, share, is_smooth=is_smooth)
-    slack = 1e-9
+    slack = 0.02 * (t[1] - t[0])  # of the polynomials
     left = list(events)
     missed, looked = [], 0
     for first, last in truth.sure:

@@ -1,0 +1,128 @@
+"""The build by scripts/setup: which files have which flags, what fpm sees of the checkout, and what is shown of its words."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
+SAID = [
+    " + mkdir -p build/dependencies",
+    *(f"[{done:3d}%] {'a_file.f90':>30}  done." for done in range(100) for _ in range(7)),
+    "",
+    ERROR,
+    '<ERROR> Compilation failed for object "src_x.f90.o"',
+]
+"""Of an fpm that fails at the end."""
+
+
+def call(folder: Path, commands: str, **environment: str) -> subprocess.CompletedProcess:
+    """Commands of a shell with the functions of scripts/setup, in a checkout."""
+    return subprocess.run(
+        ["bash", "-c", f"source scripts/setup; {commands}"],
+        cwd=folder,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A checkout without sources, whose fpm says what is to be said, and notes what it sees."""
+    root = tmp_path / "check out"
+    for name in ("src", "app", "example", "test"):
+        (root / name).mkdir(parents=True)
+    for name in ("scripts/setup", "scripts/compiler/gfortran", "fpm.toml"):
+        (root / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / name, root / name)
+    (root / "said").write_text("\n".join(SAID) + "\n", encoding="utf-8")
+    fpm = tmp_path / "fpm"
+    fpm.write_text('#!/bin/sh\nls >../seen; cat fpm.toml >../manifest; cat ../../said; exit 1\n')
+    fpm.chmod(0o755)
+    return root
+
+
+def test_of_what_fpm_says_errors_are_shown(checkout: Path) -> None:
+    """Of its 700 lines of progress a handful; the errors of the compiler are whole; the log has all."""
+    done = call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))
+    assert done.returncode == 1
+    assert ERROR in done.stderr
+    assert SAID[-1] in done.stderr
+    assert "%]" not in done.stderr
+    assert len(done.stderr.splitlines()) <= len(ERROR.splitlines()) + 6
+    assert (checkout / "build/release.log").read_text(encoding="utf-8").splitlines() == "\n".join(
+        SAID
+    ).splitlines()
+
+
+def test_a_failed_build_names_the_log(checkout: Path) -> None:
+    """Where all that fpm said can be read."""
+    done = call(checkout, "forget_build release", SPINTOP_FPM="false")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "build/release.log" in done.stderr
+
+
+def test_fpm_sees_no_examples(checkout: Path) -> None:
+    """A user needs neither examples nor tests, each of which takes as long as a file of the library."""
+    call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))
+    assert (checkout / "build/seen").read_text(encoding="utf-8").split() == ["app", "fpm.toml", "src"]
+    manifest = (checkout / "build/manifest").read_text(encoding="utf-8")
+    assert re.findall(r"^auto-\w+ = \w+", manifest, re.MULTILINE) == [
+        f"auto-{name} = false" for name in ("executables", "examples", "tests")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "level"),
+    [
+        ("././src/studies/job.f90", "-O1"),
+        ("./src/studies/sweep/engines/deep.f90", "-O1"),
+        ("src/studies/fit/fit_model.f90", "-O3"),
+        ("././src/studies/trial.f90", "-O3"),
+        ("././src/studies_of_mine/job.f90", "-O3"),
+        ("././src/top/body.f90", "-O3"),
+        ("././app/main.f90", "-O1"),
+        ("-o build/program", "-O3"),
+    ],
+)
+def test_levels(tmp_path: Path, source: str, level: str) -> None:
+    """The last level that the compiler is given, for a file, and for a program that is linked."""
+    compiler = tmp_path / "gfortran"
+    compiler.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n', encoding="utf-8")
+    compiler.chmod(0o755)
+    light = "-DSPINTOP_LIGHT=app:src/studies"
+    full = "-DSPINTOP_FULL=src/studies/fit:src/studies/trial.f90"
+    done = subprocess.run(
+        [ROOT / "scripts/compiler/gfortran", "-c", *source.split(), "-O3", light, full, "-I/src/studies/x y"],
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    words = done.stdout.splitlines()
+    assert [word for word in words if word.startswith("-O")][-1] == level
+    assert "-I/src/studies/x y" in words
+
+
+def test_places_of_levels_exist() -> None:
+    """Each file or folder that has a level of its own."""
+    done = call(ROOT, 'echo "${light//:/ } ${full//:/ }"')
+    places = done.stdout.split()
+    assert len(places) > 10
+    assert [place for place in places if not (ROOT / place).exists()] == []
+
+
+def test_users_install_no_linters() -> None:
+    """What pip installs at set-up, and what scripts/lint adds, have nothing in common."""
+    packages, linters = (
+        set(re.findall(r"^[\w-]+(?===)", (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE))
+        for name in ("scripts/requirements.txt", "scripts/requirements_lint.txt")
+    )
+    assert {"fortitude-lint", "ruff", "clang-format"} <= linters
+    assert not packages & linters

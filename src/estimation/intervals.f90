@@ -125,16 +125,18 @@ contains
         real(dp), intent(in) :: level !! quantile that belongs to the intervals
         type(estimate_t), intent(inout) :: estimate !! parameters that are not determined are marked
         real(dp), parameter :: far = 4, almost = 6 ! in half widths of the interval; in standard errors
-        real(dp) :: residuals(size(minimum%residuals)), rise
+        real(dp) :: residuals(size(minimum%residuals)), lost_within(size(x)), rise
         logical :: is_valid
+        integer :: k
 
         call model%evaluate(x, residuals, is_valid)
         if (.not. is_valid) return
         rise = sum(model%loss%bend(residuals)**2) - minimum%sum_of_squares
         if (rise > (almost * estimate%rise)**2) return
+        lost_within = max(lost * epsilon(rise), model%precision) * [(model%step_scale(k, minimum%x(k)), k=1, size(x))]
         associate (width => max(estimate%upper - estimate%lower, 2 * level * estimate%standard_error), &
                    centre => (estimate%upper + estimate%lower) / 2)
-            estimate%is_undetermined = estimate%is_undetermined .or. abs(x - centre) > far * width / 2
+            estimate%is_undetermined = estimate%is_undetermined .or. abs(x - centre) > far * (width / 2 + lost_within)
         end associate
         estimate%is_identifiable = .not. any(estimate%is_undetermined)
     end subroutine compare_with

@@ -34,6 +34,8 @@ contains
         bytes = [(merge(iachar(character(min(i, n):min(i, n))), 0, i <= n), i=1, 3)]
         hint = ''
         select case (256 * (256 * bytes(1) + bytes(2)) + bytes(3))
+        case (0:256**2 * 31)
+            hint = 'a control character: remove it'
         case (256**2 * iachar('['), 256**2 * iachar(']'))
             hint = 'a subscript is in parentheses, as key(1)'
         case (256**2 * iachar('#'))

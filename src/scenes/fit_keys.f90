@@ -4,7 +4,6 @@ module spintop_fit_keys
     use spintop_losses, only: loss_names
     use spintop_parameters, only: any_elements, is_set, leading_elements, one_per_group, parameter_table_t, unset
     use spintop_scene_words, only: key_length
-    use spintop_table_column, only: column_length
     use spintop_text, only: join
     implicit none
     private
@@ -15,7 +14,7 @@ module spintop_fit_keys
 
     !> The groups &sensor: what is known of a measured column, one element each.
     type :: sensors_t
-        character(column_length) :: column(most_columns) = ''
+        character(key_length) :: column(most_columns) = ''
         real(dp) :: sigma(most_columns) = unset
         !> The reading is the offset and the scale times the quantity.
         real(dp) :: offset(most_columns) = unset
@@ -30,9 +29,9 @@ module spintop_fit_keys
         character(key_length) :: unknown(most_unknown) = ''
         !> Where the sought parameters are searched, if the search is to be global.
         real(dp) :: from(most_unknown) = unset, to(most_unknown) = unset
-        character(column_length) :: columns(most_columns) = ''
+        character(key_length) :: columns(most_columns) = ''
         real(dp) :: sigma(most_columns) = unset
-        character(column_length) :: wrapped(most_columns) = ''
+        character(key_length) :: wrapped(most_columns) = ''
         character(32) :: loss = ''
         logical :: profile = .true., windows = .true.
         integer :: searches = 12

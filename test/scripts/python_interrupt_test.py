@@ -40,7 +40,7 @@ FRICTION = {**LANES, "effects": {"friction_torque": 1e-9}}
 
 def long_fit() -> spintop.Result:
     """A fit whose motions take minutes."""
-    t = np.concatenate([np.arange(0, 10, 0.1), [2e4]])
+    t = np.linspace(0, 2e4, 100_001)
     data = {"t": t, "theta": 1 + 0.1 * np.cos(t), "phi": t}
     given = {"top": {**TOP, "damping": (0, 0, 1e-9)}, "initial": START}
     return spintop.fit(data, ["top.mass", "initial.theta"], given)

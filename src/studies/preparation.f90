@@ -27,7 +27,7 @@ module spintop_preparation
 
     !> A job, and the study that runs it.
     type :: prepared_t
-        type(job_t) :: job
+        type(job_t), allocatable :: job ! too large for copies on the stack
         class(study_t), allocatable :: study
     end type prepared_t
 
@@ -47,6 +47,7 @@ contains
         is_faulty = .false.
         allocate (prepared(size(inputs)))
         do i = 1, size(inputs)
+            allocate (prepared(i)%job)
             call prepare_job(inputs(i)%text, options, prepared(i)%job, prepared(i)%study, problem)
             do k = 1, i
                 if (allocated(problem) .or. is_faulty(k) .or. options%verifies) cycle

@@ -58,6 +58,7 @@ contains
         if (.not. allocated(options%output)) options%output = ''
         if (.not. allocated(options%overrides)) allocate (options%overrides(0))
         allocate (prepared(1))
+        allocate (prepared(1)%job)
         associate (job => prepared(1)%job)
             if (present(given)) job%given = given
             call prepare_job(name, options, job, prepared(1)%study, error, text)

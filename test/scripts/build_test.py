@@ -38,7 +38,7 @@ def checkout(tmp_path: Path) -> Path:
     root = tmp_path / "check out"
     for name in ("src", "app", "example", "test"):
         (root / name).mkdir(parents=True)
-    for name in ("scripts/setup", "scripts/compiler/gfortran", "fpm.toml"):
+    for name in ("scripts/setup", "scripts/requirements.txt", "scripts/compiler/gfortran", "fpm.toml"):
         (root / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, root / name)
     (root / "said").write_text("\n".join(SAID) + "\n", encoding="utf-8")
@@ -116,6 +116,29 @@ def test_places_of_levels_exist() -> None:
     places = done.stdout.split()
     assert len(places) > 10
     assert [place for place in places if not (ROOT / place).exists()] == []
+
+
+MACHINE = """
+missing_packages() { [ -e apt ] || echo gfortran; }
+has_venv() { [ -e venv ]; }
+install_packages() {
+    case $1 in
+    python3-venv) touch venv ;;
+    *) until [ -e begun ]; do sleep 0.01; done && [ -z "$broken" ] && touch apt || give_up "no network" ;;
+    esac
+}
+make_venv() { touch begun && [ -e venv ] && mkdir -p .venv/bin && echo "# bash" >.venv/bin/activate; }
+"""
+"""A machine without compiler and venv; apt-get goes on until pip has begun."""
+
+
+@pytest.mark.parametrize("broken", ["", "yes"])
+def test_pip_beside_apt(checkout: Path, broken: str) -> None:
+    """pip needs python3-venv alone, and runs while apt-get installs the rest; a failure of that ends the set-up."""
+    done = call(checkout, f"broken={broken}; {MACHINE} install_missing; touch complete", SPINTOP_NETCDF="0")
+    assert (checkout / "begun").exists(), done.stderr
+    assert done.returncode == (2 if broken else 0), done.stderr
+    assert ("no network" in done.stderr, (checkout / "complete").exists()) == (bool(broken), not broken)
 
 
 def test_users_install_no_linters() -> None:

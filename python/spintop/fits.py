@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spintop.calls import Progress
-from spintop.inputs import names_in, numbers, plain, read_input, without_places
+from spintop.inputs import check_groups, names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
 from spintop.results import Result
 from spintop.runs import call_run, registry
@@ -39,6 +39,8 @@ def fit(
     may stand in `given`. The `warnings` of the result say what is odd about the data and the
     residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and intervals.
     """
+    check_groups(data, "data")
+    check_groups(given, "given")
     columns = measurements(data)
     if isinstance(sigma, Mapping):
         columns |= deviations(sigma, columns)

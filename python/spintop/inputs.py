@@ -1,5 +1,6 @@
 """Inputs of the program as dictionaries: groups of keys with their values."""
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -108,11 +109,17 @@ def check_name(name: Any, form: re.Pattern[str], what: str) -> None:
         raise InputError(f"{name!r} is no name of a {what}", code=2)
 
 
+def check_groups(keys: Any, what: str) -> None:
+    """Refuse what has no names with their values, as a dictionary or a frame of pandas has."""
+    if not hasattr(keys, "items"):
+        kind = type(keys).__name__
+        raise InputError(f"{what}: names with their values are wanted, not {kind}", code=2)
+
+
 def lines_of(group: str, keys: Mapping[str, Any]) -> list[str]:
     """The lines of a group: a line per assignment; None omits a key."""
     check_name(group, NAME, "group")
-    if not isinstance(keys, Mapping):
-        raise InputError(f"&{group}: keys with their values, not a {type(keys).__name__}", code=2)
+    check_groups(keys, f"&{group}")
     for key in keys:
         check_name(key, KEY, "key")
     given = (assignments(key, value) for key, value in keys.items() if value is not None)
@@ -157,6 +164,8 @@ def read_input(given: Input) -> tuple[str, str]:
     """The text of an input, and its name in messages."""
     if isinstance(given, Mapping):
         return namelist(given), "input"
+    if not isinstance(given, str | os.PathLike):
+        check_groups(given, "input")
     if isinstance(given, str) and "&" in given:
         return given, "input"
     path = Path(given)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from spintop.animation import Animation
 from spintop.inputs import (
     Group,
+    check_groups,
     frozen,
     namelist,
     names_in,
@@ -187,6 +188,9 @@ class Top:
         self, body: Body, *, effects: Mapping[str, Any] | None = None, **start: Any
     ) -> None:
         """Check body and start: an InputError says what is wrong, an InputWarning what is odd."""
+        if not isinstance(body, Body):
+            raise InputError(f"body: a Body is wanted, not {type(body).__name__}", code=2)
+        check_groups(effects or {}, "effects")
         self.body = body
         self._start, self._effects = frozen(start), frozen(effects or {})
         self._handles: dict[tuple[Any, ...], Handle] = {}

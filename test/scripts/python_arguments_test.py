@@ -170,6 +170,17 @@ class ValuesTest(unittest.TestCase):
         for group in (None, 3, "mass = 1", [3]):
             with self.assertRaises(spintop.InputError):
                 spintop.run({"top": group})
+        body = TOP.body
+        for call, name in (
+            (lambda: spintop.Top(None), "body: a Body is wanted, not NoneType"),
+            (lambda: spintop.Top(body, theta=1, effects=[1]), "effects: names .* not list"),
+            (lambda: spintop.run(None), "input: names with their values are wanted, not NoneType"),
+            (lambda: spintop.sweep(3, {}), "input: names with their values"),
+            (lambda: spintop.fit("x.csv", "top.mass", {}), "data: names .* not str"),
+            (lambda: spintop.fit({"t": [0]}, "top.mass", 3), "given: names .* not int"),
+        ):
+            with self.assertRaisesRegex(spintop.InputError, name):
+                call()
 
 
 class NamesTest(unittest.TestCase):

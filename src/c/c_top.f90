@@ -89,7 +89,6 @@ contains
         if (name_of_text == '') name_of_text = 'input'
         options%output = ''
         allocate (options%overrides(0), prepared)
-        allocate (prepared%job)
         call prepare_job(name_of_text, options, prepared%job, prepared%study, error, text)
         if (allocated(error)) return
         associate (job => prepared%job)

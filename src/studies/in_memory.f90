@@ -61,7 +61,7 @@ contains
         allocate (prepared(1)%job)
         associate (job => prepared(1)%job)
             if (present(given)) job%given = given
-            call prepare_job(name, options, job, prepared(1)%study, error, text)
+            call prepare_job(name, options, prepared(1)%job, prepared(1)%study, error, text)
             if (allocated(error)) return
             run%warnings = job%warnings
             run%summary = ''

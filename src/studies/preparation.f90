@@ -47,7 +47,6 @@ contains
         is_faulty = .false.
         allocate (prepared(size(inputs)))
         do i = 1, size(inputs)
-            allocate (prepared(i)%job)
             call prepare_job(inputs(i)%text, options, prepared(i)%job, prepared(i)%study, problem)
             do k = 1, i
                 if (allocated(problem) .or. is_faulty(k) .or. options%verifies) cycle
@@ -70,7 +69,7 @@ contains
     subroutine prepare_job(input, options, job, study, error, text)
         character(*), intent(in) :: input !! its path, or the name of the text
         type(options_t), intent(in) :: options !! options of the command line
-        type(job_t), target, intent(inout) :: job !! the job; it may have values of parameters
+        type(job_t), allocatable, target, intent(inout) :: job !! the job, which is allocated; it may have values of parameters
         class(study_t), allocatable, intent(out) :: study !! the kind of study
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(*), intent(in), optional :: text !! the input itself, in place of a file
@@ -78,6 +77,7 @@ contains
         type(problems_t) :: problems
         type(study_info_t) :: info
 
+        if (.not. allocated(job)) allocate (job)
         job%input%path = input
         call name_job(job)
         call describe_scene(job%input%scene, job%input%table)

@@ -1,4 +1,4 @@
-"""The build by scripts/setup: which files have which flags, what fpm sees of the checkout, and what is shown of its words."""
+"""The build by scripts/setup: flags of files, what fpm sees, and what is shown of its words."""
 
 import os
 import re
@@ -38,18 +38,23 @@ def checkout(tmp_path: Path) -> Path:
     root = tmp_path / "check out"
     for name in ("src", "app", "example", "test"):
         (root / name).mkdir(parents=True)
-    for name in ("scripts/setup", "scripts/requirements.txt", "scripts/compiler/gfortran", "fpm.toml"):
+    for name in (
+        "scripts/setup",
+        "scripts/requirements.txt",
+        "scripts/compiler/gfortran",
+        "fpm.toml",
+    ):
         (root / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, root / name)
     (root / "said").write_text("\n".join(SAID) + "\n", encoding="utf-8")
     fpm = tmp_path / "fpm"
-    fpm.write_text('#!/bin/sh\nls >../seen; cat fpm.toml >../manifest; cat ../../said; exit 1\n')
+    fpm.write_text("#!/bin/sh\nls >../seen; cat fpm.toml >../manifest; cat ../../said; exit 1\n")
     fpm.chmod(0o755)
     return root
 
 
 def test_of_what_fpm_says_errors_are_shown(checkout: Path) -> None:
-    """Of its 700 lines of progress a handful; the errors of the compiler are whole; the log has all."""
+    """Of its 700 lines of progress a handful; errors are whole; the log has all."""
     done = call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))
     assert done.returncode == 1
     assert ERROR in done.stderr
@@ -69,9 +74,13 @@ def test_a_failed_build_names_the_log(checkout: Path) -> None:
 
 
 def test_fpm_sees_no_examples(checkout: Path) -> None:
-    """A user needs neither examples nor tests, each of which takes as long as a file of the library."""
+    """A user needs neither examples nor tests."""
     call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))
-    assert (checkout / "build/seen").read_text(encoding="utf-8").split() == ["app", "fpm.toml", "src"]
+    assert (checkout / "build/seen").read_text(encoding="utf-8").split() == [
+        "app",
+        "fpm.toml",
+        "src",
+    ]
     manifest = (checkout / "build/manifest").read_text(encoding="utf-8")
     assert re.findall(r"^auto-\w+ = \w+", manifest, re.MULTILINE) == [
         f"auto-{name} = false" for name in ("executables", "examples", "tests")
@@ -99,7 +108,15 @@ def test_levels(tmp_path: Path, source: str, level: str) -> None:
     light = "-DSPINTOP_LIGHT=app:src/studies"
     full = "-DSPINTOP_FULL=src/studies/fit:src/studies/trial.f90"
     done = subprocess.run(
-        [ROOT / "scripts/compiler/gfortran", "-c", *source.split(), "-O3", light, full, "-I/src/studies/x y"],
+        [
+            ROOT / "scripts/compiler/gfortran",
+            "-c",
+            *source.split(),
+            "-O3",
+            light,
+            full,
+            "-I/src/studies/x y",
+        ],
         env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
         capture_output=True,
         text=True,
@@ -124,21 +141,31 @@ has_venv() { [ -e venv ]; }
 install_packages() {
     case $1 in
     python3-venv) touch venv ;;
-    *) until [ -e begun ]; do sleep 0.01; done && [ -z "$broken" ] && touch apt || give_up "no network" ;;
+    *)
+        until [ -e begun ]; do sleep 0.01; done
+        [ -z "$broken" ] && touch apt || give_up "no network"
+        ;;
     esac
 }
-make_venv() { touch begun && [ -e venv ] && mkdir -p .venv/bin && echo "# bash" >.venv/bin/activate; }
+make_venv() {
+    touch begun && [ -e venv ] && mkdir -p .venv/bin && echo "# bash" >.venv/bin/activate
+}
 """
 """A machine without compiler and venv; apt-get goes on until pip has begun."""
 
 
 @pytest.mark.parametrize("broken", ["", "yes"])
 def test_pip_beside_apt(checkout: Path, broken: str) -> None:
-    """pip needs python3-venv alone, and runs while apt-get installs the rest; a failure of that ends the set-up."""
-    done = call(checkout, f"broken={broken}; {MACHINE} install_missing; touch complete", SPINTOP_NETCDF="0")
+    """pip runs while apt-get installs what it does not need; a failure of that ends the set-up."""
+    done = call(
+        checkout, f"broken={broken}; {MACHINE} install_missing; touch complete", SPINTOP_NETCDF="0"
+    )
     assert (checkout / "begun").exists(), done.stderr
     assert done.returncode == (2 if broken else 0), done.stderr
-    assert ("no network" in done.stderr, (checkout / "complete").exists()) == (bool(broken), not broken)
+    assert ("no network" in done.stderr, (checkout / "complete").exists()) == (
+        bool(broken),
+        not broken,
+    )
 
 
 def test_users_install_no_linters() -> None:

@@ -89,8 +89,8 @@ contains
         rows = min(max(first_rows(model, period, size(x)), least_rows), size(model%measured%t))
         allocate (readings(size(model%measured%columns), rows), in_periods(size(model%measured%columns), instants))
         call model%predict(x, readings, is_predicted)
-        differences = model%differences(readings)
-        t = model%measured%t
+        allocate (differences, source=model%differences(readings))
+        allocate (t, source=model%measured%t)
         model%measured%t = t(1) + most_periods * period / instants * [(i, i=1, instants)]
         call model%predict(x, in_periods, is_valid)
         model%measured%t = t

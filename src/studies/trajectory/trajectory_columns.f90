@@ -16,6 +16,7 @@ module spintop_trajectory_columns
         passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
         passing_turning, passing_vertical, passing_vertical_momentum
     use spintop_study_column, only: chosen_column_t, place_of, proof_group, study_column_t
+    use spintop_table_column, only: column_length
     implicit none
     private
     public :: trajectory_column_t, trajectory_columns, trajectory_columns_at, find_trajectory_column, angle_group
@@ -59,7 +60,7 @@ module spintop_trajectory_columns
         logical :: is_proof = .false.
         !> In a table: the quantity is the number in it times the size of its unit, and its name here, which is without a unit.
         real(dp) :: size = 1
-        character(64), private :: name_of_quantity = ''
+        character(column_length), private :: name_of_quantity = ''
     contains
         procedure :: is_free_of_angles
         procedure :: quantity
@@ -211,7 +212,7 @@ contains
     end function is_free_of_angles
 
     !> The name of the quantity: `theta` of the column `theta_deg`.
-    elemental character(64) function quantity(self)
+    elemental character(column_length) function quantity(self)
         class(trajectory_column_t), intent(in) :: self
         quantity = self%name_of_quantity
         if (quantity == '') quantity = self%name

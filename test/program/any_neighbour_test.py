@@ -143,7 +143,7 @@ class Sweep:
         return [line.split(",", 1)[1] for line in table[1:]]
 
 
-@pytest.mark.parametrize(("affected", "span"), itertools.product((False, True), STOPS))
+@pytest.mark.parametrize(("affected", "span"), list(itertools.product((False, True), STOPS)))
 def test_any_neighbour(tmp_path: Path, affected: bool, span: str) -> None:
     """All columns that a body in lanes can have, of bodies of all kinds."""
     rng = random.Random(6)

@@ -10,7 +10,6 @@ module spintop_formulations
     use spintop_lagrange_energy, only: lagrange_energy_t
     use spintop_rigid_body, only: rigid_body_t
     use spintop_space_frame, only: space_frame_t
-    use spintop_cayley_klein, only: cayley_klein_t
     use spintop_status, only: status_ok, status_unknown_name
     implicit none
     private
@@ -55,7 +54,6 @@ contains
         call known%add(lagrange_energy_t())
         call known%add(rigid_body_t(), with_effects=body_with_effects_t())
         call known%add(space_frame_t())
-        call known%add(cayley_klein_t())
     end subroutine list_formulations
 
     !> Adds a formulation.

@@ -12,8 +12,6 @@ module spintop_formulation
     use spintop_effects_action, only: effects_action_t
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_symmetric_top, only: energy_reset_t
-    use spintop_theta_branch, only: theta_branch_t
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
@@ -75,14 +73,13 @@ module spintop_formulation
         class(group_action_t), allocatable :: group
         class(series_t), allocatable :: series
         class(quadruple_series_t), allocatable :: quadruple_series
-        !> The ends of equations in reduced coordinates, which hold between two turning points only; a change of the state that
-        !> belongs to the equations and follows each accepted step.
-        type(theta_branch_t), allocatable :: ends
-        type(energy_reset_t), allocatable :: reset
+        !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
+        !> state, `reset_speed`, belongs to the equations and follows each accepted step.
+        logical :: has_ends = .false., resets_speed = .false.
         !> What effects do beside changing f.
         type(effects_action_t), allocatable :: action
     contains
-        procedure(describe), deferred, nopass :: describe
+        procedure(describe), deferred :: describe
         procedure(prepare), deferred :: prepare
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
@@ -91,6 +88,10 @@ module spintop_formulation
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: find_turning => find_no_turning
+        procedure :: time_left => endless
+        procedure :: depart => stay
+        procedure :: arrive => arrive_nowhere
+        procedure :: reset_speed => keep_speed
         procedure, non_overridable :: follow
         procedure, non_overridable :: info
         procedure, non_overridable :: set_capabilities
@@ -98,8 +99,9 @@ module spintop_formulation
 
     abstract interface
         !> Name and properties, without the capabilities.
-        pure function describe() result(info)
-            import :: formulation_info_t
+        pure function describe(self) result(info)
+            import :: formulation_t, formulation_info_t
+            class(formulation_t), intent(in) :: self
             type(formulation_info_t) :: info
         end function describe
 
@@ -168,7 +170,7 @@ contains
     pure type(formulation_info_t) function info(self)
         class(formulation_t), intent(in) :: self
         info = self%describe()
-        info%resets_speed = allocated(self%reset)
+        info%resets_speed = self%resets_speed
         info%offers(structure_split) = allocated(self%flows)
         info%offers(structure_group) = allocated(self%group)
         info%offers(structure_series) = allocated(self%series)
@@ -188,8 +190,6 @@ contains
         if (allocated(self%group)) call self%group%set(body, start)
         if (allocated(self%series)) call self%series%set(body, start)
         if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)
-        if (allocated(self%ends)) call self%ends%set(body, start)
-        if (allocated(self%reset)) call self%reset%set(body, start)
         if (allocated(self%action)) call self%action%set(body)
     end subroutine set_capabilities
 
@@ -211,6 +211,38 @@ contains
         omega = 0
         if (present(rate)) rate = 0
     end subroutine find_no_turning
+
+    !> Time to the next turning point while theta slows down, s, where the equations end; `huge` where they do not end.
+    pure real(dp) function endless(self, y) result(left)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states) !! state
+        left = huge(left)
+    end function endless
+
+    !> Leaves a start at which the right-hand side alone would stay for ever.
+    pure subroutine stay(self, y, h, departed)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states), h
+            !! state, and time of the departure, s; 0 on entry: chosen by this procedure
+        logical, intent(out) :: departed !! whether the state is one after a departure
+        departed = .false.
+    end subroutine stay
+
+    !> Goes to the turning point at which the equations end.
+    pure subroutine arrive_nowhere(self, y, left)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states) !! state, then that at the turning point
+        real(dp), intent(out) :: left !! time to it, s
+        left = huge(left)
+    end subroutine arrive_nowhere
+
+    !> Takes theta' anew from the energy.
+    pure subroutine keep_speed(self, y, clipped)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states) !! state
+        logical, intent(out) :: clipped !! whether the energy had no such speed
+        clipped = .false.
+    end subroutine keep_speed
 
     !> Continues angles from one time and state to a later one, so that angles that the state contains only
     !> modulo a turn are continuous. If `sure` is false, states in between are needed.

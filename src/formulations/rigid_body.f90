@@ -31,7 +31,7 @@ module spintop_rigid_body
         !> What couples the momenta in Pi x omega: see `momentum_coupling`.
         real(dp) :: coupling(3) = 0
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -69,7 +69,8 @@ contains
     end function new_rigid_body
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(rigid_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &

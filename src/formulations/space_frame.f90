@@ -28,7 +28,7 @@ module spintop_space_frame
         real(xp) :: spin_rate = 0
         real(dp) :: mgl = 0, i1 = 1
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -53,7 +53,8 @@ contains
     end function new_space_frame
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(space_frame_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &

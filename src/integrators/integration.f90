@@ -94,7 +94,7 @@ contains
                 if (ends) exit
             end if
             if (is_ok(status) .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
-            if (allocated(formulation%ends)) call run%check_arrival(status)
+            if (formulation%has_ends) call run%check_arrival(status)
             if (is_ok(status) .and. allocated(run%segments)) call run%end_step(status, ends)
             if (ends) exit
         end do

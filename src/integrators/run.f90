@@ -266,17 +266,17 @@ contains
         real(dp) :: h, y(max_states)
         logical :: departed
 
-        if (.not. allocated(self%formulation%ends)) return
+        if (.not. self%formulation%has_ends) return
         associate (stepper => self%stepper, steps => self%stepper%controls%steps)
             h = 0
             if (steps > 0) h = stepper%t_end / steps
             y = stepper%y
-            call self%formulation%ends%depart(y, h, departed)
+            call self%formulation%depart(y, h, departed)
             if (.not. departed) return
             if (h > stepper%t_end) then
                 h = stepper%t_end
                 y = stepper%y
-                call self%formulation%ends%depart(y, h, departed)
+                call self%formulation%depart(y, h, departed)
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
@@ -298,7 +298,7 @@ contains
         logical :: unused
         time = t
         y_then = self%stepper%y
-        call self%formulation%ends%depart(y_then, time, unused)
+        call self%formulation%depart(y_then, time, unused)
         call self%follower%go_to(self%formulation, t, y_then)
         call self%observe()
     end subroutine observe_departure
@@ -309,9 +309,8 @@ contains
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         real(dp) :: left, y(max_states)
 
-        if (.not. allocated(self%formulation%ends)) return
         associate (formulation => self%formulation, stepper => self%stepper)
-            left = formulation%ends%time_left(stepper%y)
+            left = formulation%time_left(stepper%y)
             select case (status)
             case (status_ok)
                 if (left > arrival * stepper%t) return
@@ -321,7 +320,7 @@ contains
                 return
             end select
             y = stepper%y
-            call formulation%ends%arrive(y, left)
+            call formulation%arrive(y, left)
             if (stepper%t + left > stepper%t_end) return
             stepper%y = y
             stepper%t = stepper%t + left

@@ -262,9 +262,9 @@ contains
         self%t = t_new
         self%y = y_new
         self%counts%steps = self%counts%steps + 1
-        changed = allocated(formulation%reset)
+        changed = formulation%resets_speed
         if (changed) then
-            call formulation%reset%apply(self%y, clipped)
+            call formulation%reset_speed(self%y, clipped)
             if (clipped) self%counts%clipped = self%counts%clipped + 1
         end if
         if (self%projection%kind /= project_nothing) then

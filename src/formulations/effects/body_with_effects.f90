@@ -28,7 +28,7 @@ module spintop_body_with_effects
     type, extends(formulation_t) :: body_with_effects_t
         type(effects_t) :: effects
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -53,7 +53,8 @@ contains
     end function new_body
 
     !> Name and properties: a variant of `rigid_body`.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(body_with_effects_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with effects; no pole is singular', 7, &

@@ -224,7 +224,11 @@ class Checkout:
 
     def make_shims(self) -> None:
         """Programs that write down their arguments, for all that there are, and .venv's Python."""
-        folders = [Path(name) for name in os.environ["PATH"].split(":") if Path(name).is_dir()]
+        folders = [
+            Path(name)
+            for name in os.environ["PATH"].split(":")
+            if os.access(name, os.R_OK | os.X_OK) and Path(name).is_dir()
+        ]
         for path in itertools.chain.from_iterable(map(Path.iterdir, folders)):
             shim = self.shims / path.name
             if path.name in HARMLESS and not shim.exists():

@@ -23,9 +23,9 @@ module spintop_sweep_sensitivities
 
     !> A sweep over nodes of a case: the axes of the sweep of the table, then the other keys. It must stay where it was prepared,
     !> and be a target there. A class is copied and freed by a procedure of its own; for a type gfortran writes out all that is
-    !> in it at each place.
+    !> in it at each place. But gfortran 14 has two jobs on the stack where one is allocated as a class.
     type :: node_sweep_t
-        class(job_t), allocatable :: job
+        type(job_t), allocatable :: job
         class(sweep_worker_t), allocatable :: worker
         type(row_block_t) :: rows
         integer :: cases_of_block = 1

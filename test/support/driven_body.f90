@@ -23,7 +23,7 @@ module driven_body
     type, extends(rigid_body_t) :: driven_body_t
         type(drive_t) :: drive
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
     end type driven_body_t
@@ -66,7 +66,8 @@ contains
     end subroutine create_driven_body
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(driven_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('driven_body', 'a body under torques of time', 7, symmetric_only=.false., &
                                   singular_at_poles=.false., quaternion=1)

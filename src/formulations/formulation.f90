@@ -6,7 +6,7 @@ module spintop_formulation
     use spintop_attitude, only: follow_angles, may_meet_pole
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: flows_t, group_action_t, max_series_order, max_states, &
+    use spintop_capabilities, only: max_series_order, max_states, &
         quadruple_series_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
     use spintop_effects_action, only: effects_action_t
@@ -68,14 +68,15 @@ module spintop_formulation
         real(dp) :: sigma = 0
         !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
         !> `prepare` sets them by `set_capabilities`.
-        class(flows_t), allocatable :: flows
         class(stages_t), allocatable :: stages
-        class(group_action_t), allocatable :: group
         class(series_t), allocatable :: series
         class(quadruple_series_t), allocatable :: quadruple_series
         !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
         !> state, `reset_speed`, belongs to the equations and follows each accepted step.
         logical :: has_ends = .false., resets_speed = .false.
+        !> With `structure_split`: whether drift and kick are exact flows, the kick changes rates by a function of the attitude
+        !> alone, and the drift is linear in the rates. Runge-Kutta-Nystrom tables need this.
+        logical :: splits_as_nystrom = .false.
         !> What effects do beside changing f.
         type(effects_action_t), allocatable :: action
     contains
@@ -88,6 +89,12 @@ module spintop_formulation
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: find_turning => find_no_turning
+        procedure :: drift => no_flow
+        procedure :: kick => no_flow
+        procedure :: compose
+        procedure :: velocity => no_velocity
+        procedure :: bracket => no_bracket
+        procedure :: move => no_move
         procedure :: time_left => endless
         procedure :: depart => stay
         procedure :: arrive => arrive_nowhere
@@ -171,8 +178,6 @@ contains
         class(formulation_t), intent(in) :: self
         info = self%describe()
         info%resets_speed = self%resets_speed
-        info%offers(structure_split) = allocated(self%flows)
-        info%offers(structure_group) = allocated(self%group)
         info%offers(structure_series) = allocated(self%series)
         info%offers(structure_quadruple) = allocated(self%quadruple_series)
     end function info
@@ -185,9 +190,7 @@ contains
         type(formulation_info_t) :: info
         info = self%describe()
         self%attitude = info%quaternion
-        if (allocated(self%flows)) call self%flows%set(body, start)
         if (allocated(self%stages)) call self%stages%set(body, start)
-        if (allocated(self%group)) call self%group%set(body, start)
         if (allocated(self%series)) call self%series%set(body, start)
         if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)
         if (allocated(self%action)) call self%action%set(body)
@@ -211,6 +214,58 @@ contains
         omega = 0
         if (present(rate)) rate = 0
     end subroutine find_no_turning
+
+    !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to `change` what it does. Together they
+    !> are the motion: the sum of their right-hand sides is `derivative`, and does not depend on t. The kick is an exact flow; the
+    !> drift is one or, without `splits_as_nystrom`, may be an approximation that is symmetric in h and of order 2.
+    pure subroutine no_flow(self, y, h, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
+        change = 0
+    end subroutine no_flow
+
+    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick, change the state.
+    !>
+    !> The change is summed from zero, so that rounding errors are relative to the change and not to the state.
+    pure subroutine compose(self, y, h, kicks, drifts, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state, and size of the step, s
+        real(dp), intent(in) :: kicks(0:), drifts(:) !! shares of `h`
+        real(dp), intent(out) :: change(max_states) !! of the state
+        integer :: i
+        change = 0
+        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
+        do i = 1, size(drifts)
+            call self%drift(y, h * drifts(i), change)
+            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
+        end do
+    end subroutine compose
+
+    !> With `structure_group` the motion is that on a Lie group which acts on the states, y' = d/ds move(y, s xi) at s = 0: the
+    !> element xi of the Lie algebra along which the state `y` moves whose slope is `dy`; finite where these are.
+    pure subroutine no_velocity(self, y, dy, xi)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
+        real(dp), intent(out) :: xi(max_states) !! unused components are zero
+        xi = 0
+    end subroutine no_velocity
+
+    !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ...
+    pure function no_bracket(self, a, b) result(bracket)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
+        real(dp) :: bracket(max_states)
+        bracket = 0
+    end function no_bracket
+
+    !> Change of the state by the exponential of an element of the algebra.
+    pure subroutine no_move(self, y, xi, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
+        real(dp), intent(out) :: change(max_states) !! of the state
+        change = 0
+    end subroutine no_move
 
     !> Time to the next turning point while theta slows down, s, where the equations end; `huge` where they do not end.
     pure real(dp) function endless(self, y) result(left)

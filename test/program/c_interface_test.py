@@ -17,7 +17,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 KIND = os.environ.get("SPINTOP_TEST_KIND", "release")
-EXTRA = {"sanitized": "-fsanitize=address,undefined", "coverage": "-lgcov"}.get(KIND, "")
+EXTRA = {"sanitized": "-fsanitize=address,undefined", "coverage": "--coverage"}.get(KIND, "")
 WARNINGS = "-Wall -Wextra -pedantic -Werror"
 TOP = "&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.8660254037844387 /"
 START = "&initial theta_deg = 11.25 psi_rate = 1 /"

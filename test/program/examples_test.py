@@ -20,6 +20,7 @@ from typing import ClassVar
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+EXTRA = "--coverage" if EXE.parent.name == "coverage" else ""
 
 VARIANTS = {"find_monodromy", "prepare_conditioning", "steady_rates_at_spin"}
 """Procedures of the library without an example: an example shows another form of each."""
@@ -152,7 +153,7 @@ class ExamplesTest(unittest.TestCase):
         cls.command = (
             f". '{ROOT}/.venv/bin/activate' && gfortran -std=f2008 -Wall -fopenmp"
             f" -I'{EXE.parent}/include' -J. '{ROOT}/example/NAME.f90'"
-            f" '{EXE.parent}/lib/libspintop.a' $FPM_LDFLAGS {libraries} -o NAME && ./NAME"
+            f" '{EXE.parent}/lib/libspintop.a' $FPM_LDFLAGS {libraries} {EXTRA} -o NAME && ./NAME"
         )
 
     def run_example(self, name: str) -> str:

@@ -106,7 +106,7 @@ FAILS = {"mountpoint"}
 """Programs that fail: so that a script goes on."""
 
 SHIM = """#!/bin/bash
-printf '%s\\0' "${{0##*/}}" "$#" "$@" >>"$SPINTOP_TEST_LOG"
+printf '%s\\0' "${{0##*/}}" "$#" "$@" >"$SPINTOP_TEST_LOG/$EPOCHREALTIME.$$"
 {action}
 """
 PYTHON = """case "$*" in
@@ -249,13 +249,12 @@ class Checkout:
         self, command: list[str], folder: Path, **environment: str
     ) -> tuple[subprocess.CompletedProcess, list[Call]]:
         """Run a command; what it did, and which programs it called."""
-        with tempfile.TemporaryDirectory() as logs:
-            log = Path(logs) / "log"
+        with tempfile.TemporaryDirectory() as log:
             known = {
                 name: os.environ[name] for name in ("LANG", "SPINTOP_NETCDF") if name in os.environ
             }
             environment = known | {
-                "HOME": str(folder), "PATH": str(self.shims), "SPINTOP_TEST_LOG": str(log),
+                "HOME": str(folder), "PATH": str(self.shims), "SPINTOP_TEST_LOG": log,
                 "SLURM_ARRAY_TASK_ID": "1", "SLURM_JOB_ID": "1",
                 "SPINTOP_MACHINES": str(folder / "machines"), "SPINTOP_TEST_JOBS": "1",
                 "SPINTOP_FLINT": "0", "SPINTOP_NETCDF": "0",
@@ -265,12 +264,12 @@ class Checkout:
                 command, cwd=folder, env=environment, capture_output=True, text=True,
                 errors="replace", stdin=subprocess.DEVNULL, timeout=120, check=False,
             )  # fmt: skip
-            return done, read_log(log)
+            return done, [call for path in sorted(Path(log).iterdir()) for call in read_log(path)]
 
 
 def read_log(path: Path) -> list[Call]:
-    """The calls that were written down."""
-    words = path.read_text("utf-8", "surrogateescape").split("\0") if path.exists() else []
+    """The calls that a process has written down; those at once have files of their own."""
+    words = path.read_text("utf-8", "surrogateescape").split("\0")
     calls, place = [], 0
     while place + 1 < len(words):
         end = place + 2 + int(words[place + 1])

@@ -93,8 +93,8 @@ module spintop_formulation
         procedure :: kick => no_flow
         procedure :: compose
         procedure :: velocity => no_velocity
-        procedure :: bracket => no_bracket
-        procedure :: move => no_move
+        procedure, nopass :: bracket => no_bracket
+        procedure, nopass :: move => no_move
         procedure :: time_left => endless
         procedure :: depart => stay
         procedure :: arrive => arrive_nowhere
@@ -252,16 +252,14 @@ contains
     end subroutine no_velocity
 
     !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ...
-    pure function no_bracket(self, a, b) result(bracket)
-        class(formulation_t), intent(in) :: self
+    pure function no_bracket(a, b) result(bracket)
         real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
         real(dp) :: bracket(max_states)
         bracket = 0
     end function no_bracket
 
     !> Change of the state by the exponential of an element of the algebra.
-    pure subroutine no_move(self, y, xi, change)
-        class(formulation_t), intent(in) :: self
+    pure subroutine no_move(y, xi, change)
         real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
         real(dp), intent(out) :: change(max_states) !! of the state
         change = 0

@@ -45,8 +45,8 @@ module spintop_rigid_body
         procedure :: drift
         procedure :: kick
         procedure :: velocity
-        procedure :: bracket => bracket_of_turns
-        procedure :: move => move_by_turns
+        procedure, nopass :: bracket => bracket_of_turns
+        procedure, nopass :: move => move_by_turns
     end type rigid_body_t
 
     interface rigid_body_t
@@ -370,8 +370,7 @@ contains
     end subroutine velocity
 
     !> Rotations about body axes are composed from left to right; momenta add up.
-    pure function bracket_of_turns(self, a, b) result(bracket)
-        class(formulation_t), intent(in) :: self
+    pure function bracket_of_turns(a, b) result(bracket)
         real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
         real(dp) :: bracket(max_states)
         bracket = 0
@@ -379,8 +378,7 @@ contains
     end function bracket_of_turns
 
     !> Rotates the attitude about a vector in body axes, and adds to the momentum.
-    pure subroutine move_by_turns(self, y, xi, change)
-        class(formulation_t), intent(in) :: self
+    pure subroutine move_by_turns(y, xi, change)
         real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
         real(dp), intent(out) :: change(max_states) !! of the state
         change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))

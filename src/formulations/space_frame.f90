@@ -38,8 +38,8 @@ module spintop_space_frame
         procedure :: drift
         procedure :: kick
         procedure :: velocity
-        procedure :: bracket
-        procedure :: move
+        procedure, nopass :: bracket
+        procedure, nopass :: move
     end type space_frame_t
 
     interface space_frame_t
@@ -257,8 +257,7 @@ contains
     end subroutine velocity
 
     !> Rotations about space axes are composed from right to left; momenta add up.
-    pure function bracket(self, a, b)
-        class(space_frame_t), intent(in) :: self
+    pure function bracket(a, b)
         real(dp), intent(in) :: a(max_states), b(max_states) !! elements of the Lie algebra
         real(dp) :: bracket(max_states)
         bracket = 0
@@ -266,8 +265,7 @@ contains
     end function bracket
 
     !> Rotates the attitude about a vector in space axes, and adds to the momentum.
-    pure subroutine move(self, y, xi, change)
-        class(space_frame_t), intent(in) :: self
+    pure subroutine move(y, xi, change)
         real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the Lie algebra
         real(dp), intent(out) :: change(max_states) !! change of the state
         change(1:2) = xi(4:5)

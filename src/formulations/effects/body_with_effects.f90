@@ -35,8 +35,8 @@ module spintop_body_with_effects
         procedure :: motion_without_angles
         procedure :: find_turning
         procedure :: velocity
-        procedure :: bracket => bracket_of_turns
-        procedure :: move => move_by_turns
+        procedure, nopass :: bracket => bracket_of_turns
+        procedure, nopass :: move => move_by_turns
     end type body_with_effects_t
 
     interface body_with_effects_t

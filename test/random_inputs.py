@@ -18,18 +18,17 @@ SYMMETRIC_ONLY = (
     "energy_rate",
     "lagrange_energy",
     "space_frame",
-    "cayley_klein",
 )
 PAPER = SYMMETRIC_ONLY[:4]
 NEEDS = {
-    "taylor": ("rigid_body", "space_frame", "cayley_klein"),
+    "taylor": ("rigid_body", "space_frame"),
     "taylor_quadruple": ("rigid_body", "space_frame"),
     "rkmk_4": ("rigid_body", "space_frame"),
     "commutator_free_4": ("rigid_body", "space_frame"),
-    "splitting_2": ("rigid_body", "space_frame", "cayley_klein"),
-    "splitting_4": ("rigid_body", "space_frame", "cayley_klein"),
-    "splitting_6": ("rigid_body", "space_frame", "cayley_klein"),
-    "splitting_8": ("rigid_body", "space_frame", "cayley_klein"),
+    "splitting_2": ("rigid_body", "space_frame"),
+    "splitting_4": ("rigid_body", "space_frame"),
+    "splitting_6": ("rigid_body", "space_frame"),
+    "splitting_8": ("rigid_body", "space_frame"),
 }
 """Formulations that a method runs under, where those are not all."""
 SHAPES = {

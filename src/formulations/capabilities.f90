@@ -11,7 +11,7 @@ module spintop_capabilities
     use spintop_motions, only: instants
     implicit none
     private
-    public :: capability_t, flows_t, stages_t, group_action_t, series_t, quadruple_series_t
+    public :: capability_t, stages_t, series_t, quadruple_series_t
     public :: max_states, max_series_order, max_aside
     public :: structure_none, structure_split, structure_group, structure_series, &
         structure_quadruple, structure_names
@@ -36,19 +36,6 @@ module spintop_capabilities
         procedure :: set_body
     end type capability_t
 
-    !> The motion as two flows, drift and kick, which together are the motion: the sum of their right-hand
-    !> sides is `derivative`. The kick is an exact flow; the drift is one or, without `splits_as_nystrom`, may
-    !> be an approximation that is symmetric in h and of order 2. Equations with such flows do not depend on t.
-    type, abstract, extends(capability_t) :: flows_t
-        !> Whether drift and kick are exact flows, the kick changes rates by a function of the attitude alone,
-        !> and the drift is linear in the rates. Runge-Kutta-Nystrom tables need this.
-        logical :: splits_as_nystrom = .true.
-    contains
-        procedure(flow), deferred :: drift
-        procedure(flow), deferred :: kick
-        procedure :: compose => compose_flows
-    end type flows_t
-
     !> The stages of an explicit Runge-Kutta step in one call, cheaper than one by one. Equations with these hold for any
     !> state.
     type, abstract, extends(capability_t) :: stages_t
@@ -57,14 +44,6 @@ module spintop_capabilities
     contains
         procedure(find_stages), deferred :: find
     end type stages_t
-
-    !> The motion as that on a Lie group which acts on the states: y' = d/ds move(y, s xi) at s = 0.
-    type, abstract, extends(capability_t) :: group_action_t
-    contains
-        procedure(velocity), deferred :: velocity
-        procedure(bracket), deferred, nopass :: bracket
-        procedure(move), deferred, nopass :: move
-    end type group_action_t
 
     !> The motion as a Taylor series.
     type, abstract, extends(capability_t) :: series_t
@@ -83,15 +62,6 @@ module spintop_capabilities
     end type quadruple_series_t
 
     abstract interface
-        !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to
-        !> `change` what it does.
-        pure subroutine flow(self, y, h, change)
-            import :: flows_t, dp, max_states
-            class(flows_t), intent(in) :: self
-            real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
-            real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
-        end subroutine flow
-
         !> Stages of a step of size h from the state y.
         pure subroutine find_stages(self, from, to, t, y, h, stages, a, since, c, k, aside)
             import :: stages_t, dp, max_aside, max_states
@@ -105,30 +75,6 @@ module spintop_capabilities
             real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
             real(dp), intent(inout) :: aside(max_aside, stages) !! column i is what stage i leaves aside
         end subroutine find_stages
-
-        !> The element xi of the Lie algebra along which the state `y` moves whose slope is `dy`: finite where
-        !> these are.
-        pure subroutine velocity(self, y, dy, xi)
-            import :: group_action_t, dp, max_states
-            class(group_action_t), intent(in) :: self
-            real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
-            real(dp), intent(out) :: xi(max_states) !! unused components are zero
-        end subroutine velocity
-
-        !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move
-        !> by a + b + [a, b]/2 + ...
-        pure function bracket(a, b)
-            import :: dp, max_states
-            real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
-            real(dp) :: bracket(max_states)
-        end function bracket
-
-        !> Change of the state by the exponential of an element of the algebra.
-        pure subroutine move(y, xi, change)
-            import :: dp, max_states
-            real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
-            real(dp), intent(out) :: change(max_states) !! of the state
-        end subroutine move
 
         !> Taylor coefficients of the motion that passes through `y` at the time `t`:
         !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, or of other variables that begin as `y`
@@ -167,25 +113,6 @@ contains
         class(capability_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
     end subroutine set_body
-
-    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick,
-    !> change the state. Flows that cost less than their calls bring one of their own.
-    !>
-    !> The change is summed from zero, so that rounding errors are relative to the change and not to the
-    !> state.
-    pure subroutine compose_flows(self, y, h, kicks, drifts, change)
-        class(flows_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), h !! state, and size of the step, s
-        real(dp), intent(in) :: kicks(0:), drifts(:) !! shares of `h`
-        real(dp), intent(out) :: change(max_states) !! of the state
-        integer :: i
-        change = 0
-        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
-        do i = 1, size(drifts)
-            call self%drift(y, h * drifts(i), change)
-            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
-        end do
-    end subroutine compose_flows
 
     !> The state at the start in quadruple precision; zero if it is the one in double precision.
     pure function rounded_start(self) result(y)

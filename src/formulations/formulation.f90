@@ -6,14 +6,12 @@ module spintop_formulation
     use spintop_attitude, only: follow_angles, may_meet_pole
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: flows_t, group_action_t, max_series_order, max_states, &
+    use spintop_capabilities, only: max_series_order, max_states, &
         quadruple_series_t, series_t, stages_t, structure_group, structure_names, structure_none, &
         structure_quadruple, structure_series, structure_split
     use spintop_effects_action, only: effects_action_t
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_symmetric_top, only: energy_reset_t
-    use spintop_theta_branch, only: theta_branch_t
     implicit none
     private
     public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
@@ -70,19 +68,19 @@ module spintop_formulation
         real(dp) :: sigma = 0
         !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
         !> `prepare` sets them by `set_capabilities`.
-        class(flows_t), allocatable :: flows
         class(stages_t), allocatable :: stages
-        class(group_action_t), allocatable :: group
         class(series_t), allocatable :: series
         class(quadruple_series_t), allocatable :: quadruple_series
-        !> The ends of equations in reduced coordinates, which hold between two turning points only; a change of the state that
-        !> belongs to the equations and follows each accepted step.
-        type(theta_branch_t), allocatable :: ends
-        type(energy_reset_t), allocatable :: reset
+        !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
+        !> state, `reset_speed`, belongs to the equations and follows each accepted step.
+        logical :: has_ends = .false., resets_speed = .false.
+        !> With `structure_split`: whether drift and kick are exact flows, the kick changes rates by a function of the attitude
+        !> alone, and the drift is linear in the rates. Runge-Kutta-Nystrom tables need this.
+        logical :: splits_as_nystrom = .false.
         !> What effects do beside changing f.
         type(effects_action_t), allocatable :: action
     contains
-        procedure(describe), deferred, nopass :: describe
+        procedure(describe), deferred :: describe
         procedure(prepare), deferred :: prepare
         procedure(derivative), deferred :: derivative
         procedure(motion_of), deferred :: motion
@@ -91,6 +89,16 @@ module spintop_formulation
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: find_turning => find_no_turning
+        procedure :: drift => no_flow
+        procedure :: kick => no_flow
+        procedure :: compose
+        procedure :: velocity => no_velocity
+        procedure, nopass :: bracket => no_bracket
+        procedure, nopass :: move => no_move
+        procedure :: time_left => endless
+        procedure :: depart => stay
+        procedure :: arrive => arrive_nowhere
+        procedure :: reset_speed => keep_speed
         procedure, non_overridable :: follow
         procedure, non_overridable :: info
         procedure, non_overridable :: set_capabilities
@@ -98,8 +106,9 @@ module spintop_formulation
 
     abstract interface
         !> Name and properties, without the capabilities.
-        pure function describe() result(info)
-            import :: formulation_info_t
+        pure function describe(self) result(info)
+            import :: formulation_t, formulation_info_t
+            class(formulation_t), intent(in) :: self
             type(formulation_info_t) :: info
         end function describe
 
@@ -168,9 +177,7 @@ contains
     pure type(formulation_info_t) function info(self)
         class(formulation_t), intent(in) :: self
         info = self%describe()
-        info%resets_speed = allocated(self%reset)
-        info%offers(structure_split) = allocated(self%flows)
-        info%offers(structure_group) = allocated(self%group)
+        info%resets_speed = self%resets_speed
         info%offers(structure_series) = allocated(self%series)
         info%offers(structure_quadruple) = allocated(self%quadruple_series)
     end function info
@@ -183,13 +190,9 @@ contains
         type(formulation_info_t) :: info
         info = self%describe()
         self%attitude = info%quaternion
-        if (allocated(self%flows)) call self%flows%set(body, start)
         if (allocated(self%stages)) call self%stages%set(body, start)
-        if (allocated(self%group)) call self%group%set(body, start)
         if (allocated(self%series)) call self%series%set(body, start)
         if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)
-        if (allocated(self%ends)) call self%ends%set(body, start)
-        if (allocated(self%reset)) call self%reset%set(body, start)
         if (allocated(self%action)) call self%action%set(body)
     end subroutine set_capabilities
 
@@ -211,6 +214,88 @@ contains
         omega = 0
         if (present(rate)) rate = 0
     end subroutine find_no_turning
+
+    !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to `change` what it does. Together they
+    !> are the motion: the sum of their right-hand sides is `derivative`, and does not depend on t. The kick is an exact flow; the
+    !> drift is one or, without `splits_as_nystrom`, may be an approximation that is symmetric in h and of order 2.
+    pure subroutine no_flow(self, y, h, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step; time, s
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
+        change = 0
+    end subroutine no_flow
+
+    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick, change the state.
+    !>
+    !> The change is summed from zero, so that rounding errors are relative to the change and not to the state.
+    pure subroutine compose(self, y, h, kicks, drifts, change)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state, and size of the step, s
+        real(dp), intent(in) :: kicks(0:), drifts(:) !! shares of `h`
+        real(dp), intent(out) :: change(max_states) !! of the state
+        integer :: i
+        change = 0
+        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
+        do i = 1, size(drifts)
+            call self%drift(y, h * drifts(i), change)
+            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
+        end do
+    end subroutine compose
+
+    !> With `structure_group` the motion is that on a Lie group which acts on the states, y' = d/ds move(y, s xi) at s = 0: the
+    !> element xi of the Lie algebra along which the state `y` moves whose slope is `dy`; finite where these are.
+    pure subroutine no_velocity(self, y, dy, xi)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
+        real(dp), intent(out) :: xi(max_states) !! unused components are zero
+        xi = 0
+    end subroutine no_velocity
+
+    !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ...
+    pure function no_bracket(a, b) result(bracket)
+        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
+        real(dp) :: bracket(max_states)
+        bracket = 0
+    end function no_bracket
+
+    !> Change of the state by the exponential of an element of the algebra.
+    pure subroutine no_move(y, xi, change)
+        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
+        real(dp), intent(out) :: change(max_states) !! of the state
+        change = 0
+    end subroutine no_move
+
+    !> Time to the next turning point while theta slows down, s, where the equations end; `huge` where they do not end.
+    pure real(dp) function endless(self, y) result(left)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states) !! state
+        left = huge(left)
+    end function endless
+
+    !> Leaves a start at which the right-hand side alone would stay for ever.
+    pure subroutine stay(self, y, h, departed)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states), h
+            !! state, and time of the departure, s; 0 on entry: chosen by this procedure
+        logical, intent(out) :: departed !! whether the state is one after a departure
+        departed = .false.
+    end subroutine stay
+
+    !> Goes to the turning point at which the equations end.
+    pure subroutine arrive_nowhere(self, y, left)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states) !! state, then that at the turning point
+        real(dp), intent(out) :: left !! time to it, s
+        left = huge(left)
+    end subroutine arrive_nowhere
+
+    !> Takes theta' anew from the energy.
+    pure subroutine keep_speed(self, y, clipped)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(inout) :: y(max_states) !! state
+        logical, intent(out) :: clipped !! whether the energy had no such speed
+        clipped = .false.
+    end subroutine keep_speed
 
     !> Continues angles from one time and state to a later one, so that angles that the state contains only
     !> modulo a turn are continuous. If `sure` is false, states in between are needed.

@@ -4,13 +4,10 @@ module spintop_formulations
     use spintop_body, only: body_t
     use spintop_body_with_effects, only: body_with_effects_t
     use spintop_formulation, only: formulation_t, formulation_info_t
-    use spintop_euler, only: euler_t
-    use spintop_lagrange, only: lagrange_t
     use spintop_energy_rate, only: energy_rate_t
-    use spintop_lagrange_energy, only: lagrange_energy_t
+    use spintop_euler_angles, only: euler_t, lagrange_t
     use spintop_rigid_body, only: rigid_body_t
     use spintop_space_frame, only: space_frame_t
-    use spintop_cayley_klein, only: cayley_klein_t
     use spintop_status, only: status_ok, status_unknown_name
     implicit none
     private
@@ -51,11 +48,10 @@ contains
         type(registry_t), intent(out) :: known
         call known%add(euler_t())
         call known%add(lagrange_t())
-        call known%add(energy_rate_t())
-        call known%add(lagrange_energy_t())
+        call known%add(energy_rate_t(has_ends=.true.))
+        call known%add(lagrange_t(resets_speed=.true.))
         call known%add(rigid_body_t(), with_effects=body_with_effects_t())
         call known%add(space_frame_t())
-        call known%add(cayley_klein_t())
     end subroutine list_formulations
 
     !> Adds a formulation.

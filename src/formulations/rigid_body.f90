@@ -6,22 +6,22 @@ module spintop_rigid_body
     use spintop_kinds, only: dp
     use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_capabilities, only: group_action_t, max_states
+    use spintop_compare, only: is_zero
     use spintop_effects_series_quadruple, only: body_quadruple_t
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states, structure_group, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_slopes, only: verticals
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_rigid_body_flows, only: rigid_body_flows_t
     use spintop_rigid_body_series, only: rigid_body_series_t
     use spintop_rigid_body_stages, only: rigid_body_stages_t
+    use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: rigid_body_t, body_turns_t
+    public :: rigid_body_t, bracket_of_turns, move_by_turns
 
     !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(formulation_t) :: rigid_body_t
@@ -30,8 +30,11 @@ module spintop_rigid_body
         real(dp) :: moment(3) = 0
         !> What couples the momenta in Pi x omega: see `momentum_coupling`.
         real(dp) :: coupling(3) = 0
+        !> Axis k of the symmetric body in the drift.
+        integer :: axis = 3
+        logical :: damped = .false.
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -39,41 +42,35 @@ module spintop_rigid_body
         procedure :: find_motions
         procedure :: find_turning
         procedure :: invariants
+        procedure :: drift
+        procedure :: kick
+        procedure :: velocity
+        procedure, nopass :: bracket => bracket_of_turns
+        procedure, nopass :: move => move_by_turns
     end type rigid_body_t
 
     interface rigid_body_t
         module procedure new_rigid_body
     end interface rigid_body_t
 
-    !> Turns about body axes, and sums of momenta.
-    type, extends(group_action_t) :: body_turns_t
-        private
-        real(dp) :: inertia(3) = 1
-    contains
-        procedure :: set_body => set_turns
-        procedure :: velocity
-        procedure, nopass :: bracket
-        procedure, nopass :: move
-    end type body_turns_t
-
 contains
 
     !> The formulation with all that it offers.
     function new_rigid_body() result(new)
         type(rigid_body_t) :: new
-        allocate (rigid_body_flows_t :: new%flows)
         allocate (rigid_body_stages_t :: new%stages)
-        allocate (body_turns_t :: new%group)
         allocate (rigid_body_series_t :: new%series)
         allocate (body_quadruple_t :: new%quadruple_series)
     end function new_rigid_body
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(rigid_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1, runs_in_lanes=.true.)
+        info%offers([structure_split, structure_group]) = .true.
     end function describe
 
     !> Initial state.
@@ -88,6 +85,10 @@ contains
         self%moment = body%weight_moment()
         self%coupling = momentum_coupling(body)
         self%momentum = 5
+        ! The axis about which the body is closest to symmetric.
+        self%axis = minloc(abs(self%coupling), dim=1)
+        self%damped = any(abs(body%damping) > 0)
+        self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
         call self%set_capabilities(body, start)
         y = 0
         y(1:4) = start%quaternion
@@ -219,38 +220,170 @@ contains
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
 
-    !> Constants of the group action.
-    pure subroutine set_turns(self, body)
-        class(body_turns_t), intent(inout) :: self
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        self%inertia = body%inertia
-    end subroutine set_turns
+    !> Free rotation. In body axes the momentum rotates by the same angle in the opposite direction.
+    !>
+    !> The kinetic energy is that of a symmetric body with the axis k and the moments I_i, I_i, I_k, which turns
+    !> by h Pi/I_i and then by h (1/I_k - 1/I_i) Pi_k about k, and the rest (1/I_j - 1/I_i) Pi_j^2/2, a turn
+    !> about j, of which one half comes before and one after (Touma and Wisdom, Astron. J. 107, 1994; Fasso,
+    !> J. Comput. Phys. 189, 2003). For a symmetric body the rest vanishes, and the drift is exact.
+    pure subroutine drift(self, y, h, change)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
+        real(dp), intent(inout) :: change(max_states)
+            !! change of the state since the beginning of the step, to which the effect is added
+        real(dp) :: turn(4), q0, q1, q2, q3, rest
+        integer :: i, j
+
+        turn = 0
+        associate (k => self%axis, p => y(5:7), lag => change(5:7))
+            i = next(k)
+            j = next(i)
+            rest = h / 2 * self%coupling(k)
+            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
+            call turn_along(h / 2 / self%body%inertia(i), p, lag, turn)
+            call turn_about(k, -h * self%coupling(j), p, lag, turn)
+            if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
+        end associate
+        q0 = y(1) + change(1)
+        q1 = y(2) + change(2)
+        q2 = y(3) + change(3)
+        q3 = y(4) + change(4)
+        change(1) = change(1) + (q0 * turn(1) - q1 * turn(2) - q2 * turn(3) - q3 * turn(4))
+        change(2) = change(2) + (q0 * turn(2) + q1 * turn(1) + q2 * turn(4) - q3 * turn(3))
+        change(3) = change(3) + (q0 * turn(3) - q1 * turn(4) + q2 * turn(1) + q3 * turn(2))
+        change(4) = change(4) + (q0 * turn(4) + q1 * turn(3) - q2 * turn(2) + q3 * turn(1))
+    end subroutine drift
+
+    !> The axis after a given one in the order x, y, z, x.
+    elemental integer function next(axis)
+        integer, intent(in) :: axis
+        next = mod(axis, 3) + 1
+    end function next
+
+    !> Continues a rotation by a rotation about a body axis, by `h` times the momentum about it. `turn` is the
+    !> quaternion of the whole rotation minus 1, `lag` the change of the momentum `p` in body axes.
+    pure subroutine turn_about(axis, h, p, lag, turn)
+        integer, intent(in) :: axis
+        real(dp), intent(in) :: h, p(3)
+        real(dp), intent(inout) :: lag(3), turn(4)
+        real(dp) :: half, sinc, half_sine, half_drop, sine, drop, along, across
+        real(dp) :: t0, ti, tj, tk
+        integer :: i, j
+
+        i = next(axis)
+        j = next(i)
+        half = h / 2 * (p(axis) + lag(axis))
+        call half_turn(half**2, sinc, half_drop)
+        half_sine = sinc * half
+        drop = -2 * half_sine**2
+        sine = 2 * half_sine * (1 + half_drop)
+        along = p(i) + lag(i)
+        across = p(j) + lag(j)
+        lag(i) = lag(i) + (drop * along + sine * across)
+        lag(j) = lag(j) + (drop * across - sine * along)
+        t0 = turn(1)
+        ti = turn(1 + i)
+        tj = turn(1 + j)
+        tk = turn(1 + axis)
+        turn(1) = t0 + (half_drop * t0 - half_sine * tk + half_drop)
+        turn(1 + axis) = tk + (half_drop * tk + half_sine * t0 + half_sine)
+        turn(1 + i) = ti + (half_drop * ti + half_sine * tj)
+        turn(1 + j) = tj + (half_drop * tj - half_sine * ti)
+    end subroutine turn_about
+
+    !> Continues a rotation by a rotation about the momentum, by 2 `scale` times its magnitude.
+    pure subroutine turn_along(scale, p, lag, turn)
+        real(dp), intent(in) :: scale, p(3), lag(3)
+        real(dp), intent(inout) :: turn(4)
+        real(dp) :: sinc, drop, w1, w2, w3, t0, t1, t2, t3
+
+        w1 = scale * (p(1) + lag(1))
+        w2 = scale * (p(2) + lag(2))
+        w3 = scale * (p(3) + lag(3))
+        call half_turn(w1**2 + w2**2 + w3**2, sinc, drop)
+        w1 = sinc * w1
+        w2 = sinc * w2
+        w3 = sinc * w3
+        t0 = turn(1)
+        t1 = turn(2)
+        t2 = turn(3)
+        t3 = turn(4)
+        turn(1) = t0 + (t0 * drop - (t1 * w1 + t2 * w2 + t3 * w3) + drop)
+        turn(2) = t1 + (t1 * drop + (t0 * w1 + t2 * w3 - t3 * w2) + w1)
+        turn(3) = t2 + (t2 * drop + (t0 * w2 + t3 * w1 - t1 * w3) + w2)
+        turn(4) = t3 + (t3 * drop + (t0 * w3 + t1 * w2 - t2 * w1) + w3)
+    end subroutine turn_along
+
+    !> Changes the momentum by the torques of gravity, constant at rest, and of damping: Pi' = m g Gamma x
+    !> r - d Pi/I.
+    pure subroutine kick(self, y, h, change)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
+        real(dp), intent(inout) :: change(max_states)
+            !! change of the state since the beginning of the step, to which the effect is added
+        real(dp) :: q0, q1, q2, q3, g1, g2, g3, scale, push(3)
+
+        q0 = y(1) + change(1)
+        q1 = y(2) + change(2)
+        q2 = y(3) + change(3)
+        q3 = y(4) + change(4)
+        scale = h / ((q0**2 + q3**2) + (q1**2 + q2**2))
+        g1 = 2 * (q1 * q3 - q0 * q2)
+        g2 = 2 * (q2 * q3 + q0 * q1)
+        g3 = (q0**2 + q3**2) - (q1**2 + q2**2)
+        associate (r => self%moment)
+            push(1) = scale * (g2 * r(3) - g3 * r(2))
+            push(2) = scale * (g3 * r(1) - g1 * r(3))
+            push(3) = scale * (g1 * r(2) - g2 * r(1))
+        end associate
+        if (self%damped) then
+            associate (x => h * self%body%damping / self%body%inertia)
+                push = (push - x * (y(5:7) + change(5:7))) * decay_mean(x)
+            end associate
+        end if
+        change(5) = change(5) + push(1)
+        change(6) = change(6) + push(2)
+        change(7) = change(7) + push(3)
+    end subroutine kick
+
+    !> Mean of exp(-s) over s from 0 to x: (1 - exp(-x))/x.
+    elemental real(dp) function decay_mean(x)
+        real(dp), intent(in) :: x
+        real(dp), parameter :: small = 1
+        if (abs(x) > small) then
+            decay_mean = (1 - exp(-x)) / x
+        else if (abs(x) > 0) then
+            decay_mean = exp(-x / 2) * sinh(x / 2) / (x / 2)
+        else
+            decay_mean = 1
+        end if
+    end function decay_mean
 
     !> The angular velocity in body axes and the rate of the momentum: xi = (omega, Pi').
     pure subroutine velocity(self, y, dy, xi)
-        class(body_turns_t), intent(in) :: self
+        class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
         real(dp), intent(out) :: xi(max_states) !! element of the algebra
-        xi(1:3) = y(5:7) / self%inertia
+        xi(1:3) = y(5:7) / self%body%inertia
         xi(4:6) = dy(5:7)
         xi(7:8) = 0
     end subroutine velocity
 
     !> Rotations about body axes are composed from left to right; momenta add up.
-    pure function bracket(a, b)
+    pure function bracket_of_turns(a, b) result(bracket)
         real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
         real(dp) :: bracket(max_states)
         bracket = 0
         bracket(1:3) = cross(a(1:3), b(1:3))
-    end function bracket
+    end function bracket_of_turns
 
     !> Rotates the attitude about a vector in body axes, and adds to the momentum.
-    pure subroutine move(y, xi, change)
+    pure subroutine move_by_turns(y, xi, change)
         real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
         real(dp), intent(out) :: change(max_states) !! of the state
         change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))
         change(5:7) = xi(4:6)
         change(8) = 0
-    end subroutine move
+    end subroutine move_by_turns
 
 end module spintop_rigid_body

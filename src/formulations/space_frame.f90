@@ -6,12 +6,12 @@
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 module spintop_space_frame
     use spintop_kinds, only: dp, epsilon_dp, xp
-    use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one, to_space
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states, structure_group, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_space_frame_flows, only: space_frame_flows_t, space_turns_t
+    use spintop_small_turn, only: half_turn
     use spintop_space_frame_series, only: space_frame_quadruple_t, space_frame_series_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -28,13 +28,18 @@ module spintop_space_frame
         real(xp) :: spin_rate = 0
         real(dp) :: mgl = 0, i1 = 1
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: find_turning
         procedure :: invariants
+        procedure :: drift
+        procedure :: kick
+        procedure :: velocity
+        procedure, nopass :: bracket
+        procedure, nopass :: move
     end type space_frame_t
 
     interface space_frame_t
@@ -46,18 +51,18 @@ contains
     !> The formulation with all that it offers.
     function new_space_frame() result(new)
         type(space_frame_t) :: new
-        allocate (space_frame_flows_t :: new%flows)
-        allocate (space_turns_t :: new%group)
         allocate (space_frame_series_t :: new%series)
         allocate (space_frame_quadruple_t :: new%quadruple_series)
     end function new_space_frame
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(space_frame_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
+        info%offers([structure_split, structure_group]) = .true.
     end function describe
 
     !> Constants of the motion and initial state.
@@ -75,6 +80,7 @@ contains
         self%i1 = body%inertia(1)
         self%spin_rate = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
         self%sigma = real(self%spin_rate, dp)
+        self%splits_as_nystrom = .true.
         self%mgl = body%mgl()
         call self%set_capabilities(body, start)
         y = 0
@@ -194,5 +200,77 @@ contains
         values(2) = sum(y(1:2)**2) / (2 * self%i1) + self%mgl * axis(3)
         values(3) = y(1) * axis(1) + y(2) * axis(2) + self%vertical * axis(3)
     end subroutine invariants
+
+    !> In the drift, the top without weight, L is constant and p turns about it; the kick is the gravitational
+    !> torque at rest. (The split of Dullweber, Leimkuhler and McLachlan, J. Chem. Phys. 107, 1997, in
+    !> the axes in which free symmetric tops turn uniformly.)
+    !>
+    !> p rotates by the angle h |L|/I1 about L: p+ = exp(h (0, L)/(2 I1)) p.
+    pure subroutine drift(self, y, h, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
+        real(dp), intent(inout) :: change(max_states)
+            !! change of the state since the beginning of the step, to which the effect is added
+        real(dp) :: w1, w2, w3, p0, p1, p2, p3, drop, scale, sinc
+
+        scale = h / (2 * self%i1)
+        w1 = scale * (y(1) + change(1))
+        w2 = scale * (y(2) + change(2))
+        w3 = scale * self%vertical
+        call half_turn(w1**2 + w2**2 + w3**2, sinc, drop)
+        p0 = y(3) + change(3)
+        p1 = y(4) + change(4)
+        p2 = y(5) + change(5)
+        p3 = y(6) + change(6)
+        change(3) = change(3) + (drop * p0 - sinc * (w1 * p1 + w2 * p2 + w3 * p3))
+        change(4) = change(4) + (drop * p1 + sinc * (w1 * p0 + w2 * p3 - w3 * p2))
+        change(5) = change(5) + (drop * p2 + sinc * (w2 * p0 + w3 * p1 - w1 * p3))
+        change(6) = change(6) + (drop * p3 + sinc * (w3 * p0 + w1 * p2 - w2 * p1))
+    end subroutine drift
+
+    !> L changes by the gravitational torque.
+    pure subroutine kick(self, y, h, change)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
+        real(dp), intent(inout) :: change(max_states)
+            !! change of the state since the beginning of the step, to which the effect is added
+        real(dp) :: p0, p1, p2, p3, pull
+        p0 = y(3) + change(3)
+        p1 = y(4) + change(4)
+        p2 = y(5) + change(5)
+        p3 = y(6) + change(6)
+        pull = 2 * h * self%mgl / ((p0**2 + p3**2) + (p1**2 + p2**2))
+        change(1) = change(1) - pull * (p2 * p3 - p0 * p1)
+        change(2) = change(2) + pull * (p1 * p3 + p0 * p2)
+    end subroutine kick
+
+    !> The angular velocity L/I1 and the rate of the momentum, in space axes: xi = (L/I1, L1', L2').
+    pure subroutine velocity(self, y, dy, xi)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! state, and its rate
+        real(dp), intent(out) :: xi(max_states) !! element of the Lie algebra
+        xi(1) = y(1) / self%i1
+        xi(2) = y(2) / self%i1
+        xi(3) = self%vertical / self%i1
+        xi(4:5) = dy(1:2)
+        xi(6:8) = 0
+    end subroutine velocity
+
+    !> Rotations about space axes are composed from right to left; momenta add up.
+    pure function bracket(a, b)
+        real(dp), intent(in) :: a(max_states), b(max_states) !! elements of the Lie algebra
+        real(dp) :: bracket(max_states)
+        bracket = 0
+        bracket(1:3) = cross(b(1:3), a(1:3))
+    end function bracket
+
+    !> Rotates the attitude about a vector in space axes, and adds to the momentum.
+    pure subroutine move(y, xi, change)
+        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the Lie algebra
+        real(dp), intent(out) :: change(max_states) !! change of the state
+        change(1:2) = xi(4:5)
+        change(3:6) = quaternion_product(rotation_minus_one(xi(1:3)), y(3:6))
+        change(7:8) = 0
+    end subroutine move
 
 end module spintop_space_frame

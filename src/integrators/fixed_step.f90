@@ -107,7 +107,7 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: y(max_states) !! state
         longest_step = huge(longest_step)
-        if (allocated(formulation%ends)) longest_step = share_of_time_left * formulation%ends%time_left(y)
+        if (formulation%has_ends) longest_step = share_of_time_left * formulation%time_left(y)
     end function longest_step
 
     !> A step by the formula of the method. A method that starts from the slope needs one at the end, too.

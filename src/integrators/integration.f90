@@ -1,18 +1,17 @@
 !> Integrates a motion from its start to the end of the span, and passes it to an observer.
 module spintop_integration
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_caller, only: stop_is_wanted
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_events, only: event_search_t
     use spintop_motion, only: motion_t
-    use spintop_observer, only: keeping_observer_t, observer_t
+    use spintop_observer, only: observer_t
     use spintop_run, only: run_t
     use spintop_formulation, only: formulation_t
     use spintop_stepper, only: stepper_t, counts_t
     use spintop_suitability, only: call_status
-    use spintop_status, only: is_ok, status_at_rest, status_integrator, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_at_rest, status_ok, status_step_limit
     implicit none
     private
     public :: integrate, observer_t, outcome_t
@@ -32,7 +31,6 @@ module spintop_integration
         type(counts_t) :: counts
     contains
         procedure :: end_time
-        procedure :: store_or_restore
     end type outcome_t
 
 contains
@@ -43,17 +41,6 @@ contains
         end_time = self%t
         if (self%status == status_at_rest) end_time = self%t_stuck
     end function end_time
-
-    !> Carries the outcome of a run that is over.
-    subroutine store_or_restore(self, archive)
-        class(outcome_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%status)
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%t_stuck)
-        call archive%store_or_restore(self%doubtful_passages)
-        call self%counts%store_or_restore(archive)
-    end subroutine store_or_restore
 
     !> Integrates a formulation from its start over `t_end` seconds. The observer receives the motion at the
     !> sample times (increasing, from 0 to t_end): an adaptive method has dense output for all of them, a
@@ -91,22 +78,7 @@ contains
         if (present(search)) run%search => search
         run%samples => samples
         run%last = size(samples)
-        select type (observer)
-        class is (keeping_observer_t)
-            if (observer%keeps_states) run%keeping_observer => observer
-            ! A run that is resumed has shown its start.
-            if (allocated(observer%resumed)) run%last = 0
-        end select
         call run%begin(body, start, status)
-        select type (observer)
-        class is (keeping_observer_t)
-            if (allocated(observer%resumed)) then
-                run%last = size(samples)
-                call run%store_or_restore(observer%resumed)
-                if (.not. observer%resumed%has_restored_all()) status = status_integrator
-                deallocate (observer%resumed)
-            end if
-        end select
         do while (is_ok(status) .and. run%stepper%t < t_end .and. .not. observer%has_enough)
             if (run%stepper%is_spent() .or. is_stopped(run%stepper%counts%steps)) then
                 status = status_step_limit
@@ -122,10 +94,9 @@ contains
                 if (ends) exit
             end if
             if (is_ok(status) .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
-            if (allocated(formulation%ends)) call run%check_arrival(status)
+            if (formulation%has_ends) call run%check_arrival(status)
             if (is_ok(status) .and. allocated(run%segments)) call run%end_step(status, ends)
             if (ends) exit
-            if (is_ok(status) .and. associated(run%keeping_observer)) call run%keep()
         end do
         outcome%status = status
         outcome%t = run%stepper%t

@@ -1,12 +1,11 @@
 !> The interface of what receives a motion at its sample times.
 module spintop_observer
-    use spintop_archive, only: archive_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     implicit none
     private
-    public :: observer_t, keeping_observer_t
+    public :: observer_t
 
     !> Receives the motion at the sample times.
     type, abstract :: observer_t
@@ -26,17 +25,6 @@ module spintop_observer
         procedure(observe), deferred :: observe
     end type observer_t
 
-    !> An observer that may keep the state of the run from time to time, so that it can be resumed.
-    type, abstract, extends(observer_t) :: keeping_observer_t
-        !> Whether it does; and the state from which this run goes on.
-        logical :: keeps_states = .false.
-        type(archive_t), allocatable :: resumed
-    contains
-        procedure(wants_state), deferred :: wants_state
-        procedure(store_or_restore), deferred :: store_or_restore
-        procedure(keep), deferred :: keep
-    end type keeping_observer_t
-
     abstract interface
         !> Receives the state `y` of a formulation at time `t`, and angles near those of the motion. The times
         !> are increasing.
@@ -46,26 +34,6 @@ module spintop_observer
             class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         end subroutine observe
-
-        !> Whether it is time to keep the state of the run.
-        logical function wants_state(self)
-            import :: keeping_observer_t
-            class(keeping_observer_t), intent(in) :: self
-        end function wants_state
-
-        !> Stores or restores the state of the observer, which comes before that of the run.
-        subroutine store_or_restore(self, archive)
-            import :: keeping_observer_t, archive_t
-            class(keeping_observer_t), intent(inout) :: self
-            type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        end subroutine store_or_restore
-
-        !> Keeps the state of the run.
-        subroutine keep(self, archive)
-            import :: keeping_observer_t, archive_t
-            class(keeping_observer_t), intent(inout) :: self
-            type(archive_t), intent(in) :: archive !! the state
-        end subroutine keep
     end interface
 
 end module spintop_observer

@@ -1,7 +1,5 @@
-!> A run of a stepper in progress: its steps, the samples that are shown, the search for events, and its state.
+!> A run of a stepper in progress: its steps, the samples that are shown, and the search for events.
 module spintop_run
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_body, only: body_t
     use spintop_constancy, only: margin, noise_of_step, noise_of_tolerance, noise_within_step
     use spintop_event, only: occasion_knot, occasion_none
@@ -9,7 +7,7 @@ module spintop_run
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_observer, only: keeping_observer_t, observer_t
+    use spintop_observer, only: observer_t
     use spintop_poles, only: reach_of
     use spintop_segments, only: segments_t
     use spintop_status, only: is_ok, status_not_converged, status_ok, status_outside, status_step_limit, &
@@ -27,8 +25,7 @@ module spintop_run
         !> The method, and what steps through the segment: the method, or what leads on where f is not smooth.
         class(stepper_t), pointer :: method => null(), stepper => null()
         class(observer_t), pointer :: observer => null()
-        !> The observer, if it keeps the state of the run; the search for events, if there is one, along the last step.
-        class(keeping_observer_t), pointer :: keeping_observer => null()
+        !> The search for events, if there is one, along the last step.
         class(event_search_t), pointer :: search => null()
         type(step_path_t), private :: path
         real(dp), pointer :: samples(:) => null()
@@ -48,8 +45,6 @@ module spintop_run
         type(work_account_t) :: account
     contains
         procedure :: begin => begin_run
-        procedure :: store_or_restore
-        procedure :: keep
         procedure :: end_step
         procedure :: find_events_in_step
         procedure, private :: find_events_to_knots
@@ -70,8 +65,6 @@ module spintop_run
     real(dp), parameter :: arrival = 1.0e-4_dp, close = 1.0e-2_dp
     !> A sample of a fixed-step method within this fraction of a step is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
-    !> The observer is asked after so many steps whether it wants to keep the state.
-    integer(int64), parameter :: steps_a_look = 32
 
 contains
 
@@ -125,23 +118,6 @@ contains
         end associate
     end subroutine begin_run
 
-    !> Stores or restores the state of the run at the end of a step.
-    subroutine store_or_restore(self, archive)
-        class(run_t), target, intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%next)
-        call archive%store_or_restore(self%shown)
-        call self%follower%store_or_restore(archive)
-        call self%account%store_or_restore(archive)
-        if (allocated(self%segments)) then
-            call self%segments%store_or_restore(archive)
-            self%stepper => self%segments%stepper_of(self%method)
-        end if
-        call self%stepper%store_or_restore(archive)
-        if (associated(self%search)) call self%search%store_or_restore(archive)
-        call self%set_due()
-    end subroutine store_or_restore
-
     !> Sets from which time on the steps are examined.
     pure subroutine set_due(self)
         class(run_t), intent(inout) :: self
@@ -150,21 +126,6 @@ contains
         self%due = huge(self%due)
         if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
     end subroutine set_due
-
-    !> Has the observer keep the state, if it wants to.
-    subroutine keep(self)
-        class(run_t), intent(inout) :: self
-        type(archive_t) :: archive
-        if (mod(self%stepper%counts%steps, steps_a_look) /= 0) return
-        if (.not. self%stepper%may_keep()) return
-        if (allocated(self%segments)) then
-            if (.not. self%segments%may_keep()) return
-        end if
-        if (.not. self%keeping_observer%wants_state()) return
-        call self%keeping_observer%store_or_restore(archive)
-        call self%store_or_restore(archive)
-        call self%keeping_observer%keep(archive)
-    end subroutine keep
 
     !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
     subroutine end_step(self, status, ends)
@@ -305,17 +266,17 @@ contains
         real(dp) :: h, y(max_states)
         logical :: departed
 
-        if (.not. allocated(self%formulation%ends)) return
+        if (.not. self%formulation%has_ends) return
         associate (stepper => self%stepper, steps => self%stepper%controls%steps)
             h = 0
             if (steps > 0) h = stepper%t_end / steps
             y = stepper%y
-            call self%formulation%ends%depart(y, h, departed)
+            call self%formulation%depart(y, h, departed)
             if (.not. departed) return
             if (h > stepper%t_end) then
                 h = stepper%t_end
                 y = stepper%y
-                call self%formulation%ends%depart(y, h, departed)
+                call self%formulation%depart(y, h, departed)
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
@@ -337,7 +298,7 @@ contains
         logical :: unused
         time = t
         y_then = self%stepper%y
-        call self%formulation%ends%depart(y_then, time, unused)
+        call self%formulation%depart(y_then, time, unused)
         call self%follower%go_to(self%formulation, t, y_then)
         call self%observe()
     end subroutine observe_departure
@@ -348,9 +309,8 @@ contains
         integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
         real(dp) :: left, y(max_states)
 
-        if (.not. allocated(self%formulation%ends)) return
         associate (formulation => self%formulation, stepper => self%stepper)
-            left = formulation%ends%time_left(stepper%y)
+            left = formulation%time_left(stepper%y)
             select case (status)
             case (status_ok)
                 if (left > arrival * stepper%t) return
@@ -360,7 +320,7 @@ contains
                 return
             end select
             y = stepper%y
-            call formulation%ends%arrive(y, left)
+            call formulation%arrive(y, left)
             if (stepper%t + left > stepper%t_end) return
             stepper%y = y
             stepper%t = stepper%t + left

@@ -1,6 +1,5 @@
 !> The motion within the last step of a run, by dense output, with angles that are followed through every turn.
 module spintop_step_path
-    use spintop_archive, only: archive_t
     use spintop_attitude, only: square_to_pole
     use spintop_events, only: path_t
     use spintop_formulation, only: formulation_t, max_states
@@ -30,7 +29,6 @@ module spintop_step_path
         procedure :: go_to
         procedure :: walk_to
         procedure :: motion => motion_of_follower
-        procedure :: store_or_restore
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -127,18 +125,6 @@ contains
         class(step_path_t), intent(in) :: self
         step_is_spent = self%stepper%is_spent()
     end function step_is_spent
-
-    !> Carries the angles.
-    subroutine store_or_restore(self, archive)
-        class(follower_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%y)
-        call archive%store_or_restore(self%angle)
-        call archive%store_or_restore(self%given_angle)
-        call self%passed%store_or_restore(archive)
-        call self%given_passed%store_or_restore(archive)
-    end subroutine store_or_restore
 
     !> Moves to a later time and state.
     subroutine go_to(self, formulation, t, y)

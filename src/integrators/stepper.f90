@@ -4,7 +4,6 @@
 !> runs a copy; so one serves all threads.
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_compensated_sum, only: add_change
     use spintop_kinds, only: dp
     use spintop_error_tolerances, only: error_weight_t
@@ -89,7 +88,6 @@ module spintop_stepper
     contains
         procedure :: add
         procedure :: work => work_done
-        procedure :: store_or_restore => store_or_restore_counts
     end type counts_t
 
     !> The state of a run.
@@ -110,16 +108,12 @@ module spintop_stepper
         type(error_weight_t) :: weight = error_weight_t()
         !> Projection of each new state.
         type(projection_t) :: projection = projection_t()
-        !> After so many steps the run could go on from its state alone.
-        integer(int64) :: steps_of_memory = 1
         !> Cost of the run so far.
         type(counts_t) :: counts = counts_t()
     contains
         procedure :: evaluate
         procedure :: accept_step
         procedure :: accept_change
-        procedure :: may_keep
-        procedure :: store_or_restore
         procedure :: go_on_from
     end type run_state_t
 
@@ -268,9 +262,9 @@ contains
         self%t = t_new
         self%y = y_new
         self%counts%steps = self%counts%steps + 1
-        changed = allocated(formulation%reset)
+        changed = formulation%resets_speed
         if (changed) then
-            call formulation%reset%apply(self%y, clipped)
+            call formulation%reset_speed(self%y, clipped)
             if (clipped) self%counts%clipped = self%counts%clipped + 1
         end if
         if (self%projection%kind /= project_nothing) then
@@ -290,37 +284,6 @@ contains
         call add_change(self%y, change, self%rest, y_new)
         call self%accept_step(formulation, t_new, y_new, changed)
     end subroutine accept_change
-
-    !> Whether the run could go on from its state as it is now.
-    logical function may_keep(self)
-        class(run_state_t), intent(in) :: self
-        may_keep = self%counts%steps > 0 .and. mod(self%counts%steps, self%steps_of_memory) == 0
-    end function may_keep
-
-    !> Stores or restores the state at the end of a step. An extension adds what it needs of the steps so far.
-    subroutine store_or_restore(self, archive)
-        class(run_state_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%y)
-        call archive%store_or_restore(self%slope)
-        call archive%store_or_restore(self%rest)
-        call archive%store_or_restore(self%h)
-        call archive%store_or_restore(self%grid)
-        call self%counts%store_or_restore(archive)
-    end subroutine store_or_restore
-
-    !> Stores or restores the cost.
-    subroutine store_or_restore_counts(self, archive)
-        class(counts_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%steps)
-        call archive%store_or_restore(self%rejected)
-        call archive%store_or_restore(self%looks)
-        call archive%store_or_restore(self%evaluations)
-        call archive%store_or_restore(self%jacobians)
-        call archive%store_or_restore(self%clipped)
-    end subroutine store_or_restore_counts
 
     !> Goes on from where another stepper is; after that it must begin.
     subroutine go_on_from(self, other)

@@ -1,7 +1,6 @@
 !> The work of effects along a motion: integrals of their power over the steps, by Gauss quadrature of the dense output.
 !> They have the order of the method, and stand outside its error control.
 module spintop_work_account
-    use spintop_archive, only: archive_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
@@ -21,7 +20,6 @@ module spintop_work_account
         real(dp), private :: rest(works) = 0
     contains
         procedure :: go_to
-        procedure :: store_or_restore
     end type work_account_t
 
     !> Nodes and weights of the Gauss-Legendre rule of 8 points on [-1, 1]. The series of a Taylor step converges over nearly
@@ -58,14 +56,5 @@ contains
         end do
         self%t = t
     end subroutine go_to
-
-    !> Carries the work.
-    subroutine store_or_restore(self, archive)
-        class(work_account_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%total)
-        call archive%store_or_restore(self%rest)
-    end subroutine store_or_restore
 
 end module spintop_work_account

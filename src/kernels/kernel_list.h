@@ -60,8 +60,8 @@ PROCEDURE(add_lane_work, (order, has, acts, of, duration, c, x, done), int order
 PROCEDURE(multiply_lanes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)
 PROCEDURE(multiply_slopes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)
 PROCEDURE(square_lanes, (degree, x, product), int degree, const double *x, double *product)
-PROCEDURE(find_force_slopes, (degree, arm, power, c, slope, first), int degree, const struct lane_arm *arm, const double *power,
-          const double *c, double *slope, double *first)
+PROCEDURE(find_force_slopes, (degree, axes, arm, gravity, power, c, slope, first), int degree, const double *axes,
+          const double *arm, const double *gravity, const double *power, const double *c, double *slope, double *first)
 
 // lane_roots.h: where polynomials in lanes pass zero.
 PROCEDURE(find_changes, (n, share, rounding, a, noise, sign, changes, near), int n, const double *share, double rounding,

@@ -7,7 +7,7 @@ module spintop_kernel_types
     private
     public :: numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
     public :: body_products_t, stage_factors_t, symmetric_top_t, drag_t, series_effects_t, stage_effects_t
-    public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_arm_t, lane_work_t
+    public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_work_t
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -91,11 +91,6 @@ module spintop_kernel_types
         real(c_double) :: rate(lanes) = 1
         type(lane_drag_t) :: drag(most_drags) = lane_drag_t()
     end type lane_constants_t
-
-    !> Unit vectors, two beside r and one along it, and |r|; gravity.
-    type, bind(C) :: lane_arm_t
-        real(c_double) :: axes(lanes, 3, 3) = 0, length(lanes) = 0, gravity(lanes) = 0
-    end type lane_arm_t
 
     !> Constants of the power of effects, over the scale of the energy: coefficients of the parts, m r, the constant torque in
     !> body axes, the drive of the rotor, and 1/scale.

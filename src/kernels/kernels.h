@@ -77,12 +77,6 @@ struct lane_constants {
     struct lane_drag drag[most_drags];
 };
 
-// What the slope of the force takes of a body: unit vectors, two beside its centre of mass and one along it, by components,
-// and the length of the arm, m; gravity, m/s^2.
-struct lane_arm {
-    double axes[3][3][lanes], length[lanes], gravity[lanes];
-};
-
 // What the work of effects takes of them, all over the scale of the energy.
 struct lane_work {
     double damping[3][lanes], linear_drag[3][lanes], drag[most_drags][3][lanes], arm[3][lanes], torque[3][lanes];

@@ -8,7 +8,7 @@
 !>     part and journal, neither      an error: the rows would be lost
 !>
 !> Rows that are there are kept, failed cases as well. What comes after them is computed by the study: `begin_table` in
-!> sweep_study.f90; a trajectory goes on from its state, `recall_state` in motion_table.f90.
+!> sweep_study.f90. A table without a journal is not resumed: what an interrupted run has left of it is discarded.
 !>
 !>     call table%start(path, head, resume, restart, error)   ! then as in spintop_row_table
 module spintop_resumable_table
@@ -41,9 +41,8 @@ module spintop_resumable_table
         logical :: keeps_rows = .true.
         !> Whether that file begins with the header, so that it can be recognised.
         logical :: has_head = .true.
-        !> Whether each entry names a state of the run. Then there is none before the first state, and there may be one
-        !> without new rows.
-        logical :: has_states = .false.
+        !> Whether a journal is kept.
+        logical :: has_journal = .true.
         !> Comment lines after the last row.
         type(string_t), allocatable :: trailer(:)
         !> The entry with which the table was resumed.
@@ -93,7 +92,7 @@ contains
         logical :: had_part
 
         self%remark = ''
-        self%is_resumable = .true.
+        self%is_resumable = self%has_journal
         had_part = file_exists(part_of(path))
         if (resume .and. had_part .and. file_exists(journal_of(path))) then
             call self%table%reserve(path, error)
@@ -153,11 +152,11 @@ contains
             ! A journal must never record more bytes than its part has.
             call remove_journal(path, error)
             if (.not. allocated(error)) call self%begin_part(head, error)
-            if (.not. (allocated(error) .or. self%has_states)) then
+            if (self%has_journal .and. .not. allocated(error)) then
                 call self%flush_part(entry, error)
                 if (.not. allocated(error)) call self%table%sync(error)
             end if
-            if (.not. (allocated(error) .or. self%has_states)) then
+            if (self%has_journal .and. .not. allocated(error)) then
                 entry%counts = self%counts
                 call write_journal(path, entry, error)
             end if
@@ -240,7 +239,7 @@ contains
         type(error_t), allocatable, intent(inout) :: error !! not changed if it is allocated on entry
 
         due = .false.
-        if (self%in_entry .or. allocated(error) .or. (self%rows() == self%kept .and. .not. self%has_states)) return
+        if (self%in_entry .or. allocated(error) .or. self%rows() == self%kept) return
         if (seconds() < self%due .and. .not. self%entry_wanted) return
         call self%begin_entry()
         call self%flush_part(entry, error)

@@ -1,6 +1,5 @@
 !> The motion of a top at one instant, in all descriptions.
 module spintop_motion
-    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_attitude, only: quaternion_from_angles, angles_from_quaternion, &
         omega_from_rates, rates_from_omega
@@ -16,7 +15,6 @@ module spintop_motion
         integer :: doubtful = 0
     contains
         procedure :: watch
-        procedure :: store_or_restore => carry_passages
     end type passages_t
 
     !> Attitude, velocity and acceleration of a top at an instant.
@@ -47,40 +45,12 @@ module spintop_motion
         !> Whether the angles and rates are what was given, except for those that these flags say.
         logical :: is_given = .false.
     contains
-        procedure :: store_or_restore
     end type motion_t
 
     !> A quaternion whose squared norm differs from 1 by less is not scaled.
     real(dp), parameter :: unit_slack = 1.0e-6_dp
 
 contains
-
-    !> Carries a motion in progress.
-    subroutine store_or_restore(self, archive)
-        class(motion_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%angle)
-        call archive%store_or_restore(self%rate)
-        call archive%store_or_restore(self%omega)
-        call archive%store_or_restore(self%omega_rate)
-        call archive%store_or_restore(self%quaternion)
-        call archive%store_or_restore(self%norm_error)
-        call archive%store_or_restore(self%given_angle)
-        call self%passed%store_or_restore(archive)
-        call self%given_passed%store_or_restore(archive)
-    end subroutine store_or_restore
-
-    !> Carries the passages so far.
-    subroutine carry_passages(self, archive)
-        class(passages_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%odd(1))
-        call archive%store_or_restore(self%odd(2))
-        call archive%store_or_restore(self%arrived)
-        call archive%store_or_restore(self%is_close)
-        call archive%store_or_restore(self%doubtful)
-    end subroutine carry_passages
 
     !> Counts the times that body z comes as close to a pole as the error of the motion.
     pure subroutine watch(self, square, error)

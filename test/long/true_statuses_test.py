@@ -158,9 +158,6 @@ def is_symmetric(table: Outcome) -> bool:
 def faults_of(table: Outcome, growth: Callable[[dict[str, str]], float]) -> list[str]:
     """Errors in the rows of a table with status ok."""
     faults = []
-    # Its two oscillators need not fit each other: near the unstable upright an error of an
-    # amplitude grows with the square of an error of the motion.
-    power = 2 if re.search(r"^# model: cayley_klein", table.head, re.M) else 1
     tolerance = tolerance_of(table) / closeness_of(table)
     for number, row in enumerate(table.rows):
         if (row.get("status") or table.status or "ok") != "ok":
@@ -182,7 +179,7 @@ def faults_of(table: Outcome, growth: Callable[[dict[str, str]], float]) -> list
         conditioning = float(floor) / EPSILON
         bound = ALLOWED * (tolerance * conditioning + 1e-15)
         if float(error) > bound and bound < 1:
-            conditioning = max(float(floor) / EPSILON, growth(row) ** power)
+            conditioning = max(float(floor) / EPSILON, growth(row))
             bound = ALLOWED * (tolerance * conditioning + 1e-15)
         if float(error) > bound and bound < 1:
             faults.append(f"orientation_error is {error} in row {number}, beyond {bound:.2g}")

@@ -84,34 +84,5 @@ class LargestErrorTest(ProgramCase):
                 )
 
 
-class LongSpanTest(ProgramCase):
-    """The two oscillators of `cayley_klein` over long spans, as doc/limits.md says."""
-
-    def last(self, nutations: int, more: str) -> dict[str, float]:
-        """The errors at the end."""
-        names = ("norm_error", "energy_error", "orientation_error")
-        columns = ", ".join(f"'{name}'" for name in names)
-        table = self.compute(
-            self.write(
-                "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
-                "&initial theta = 0.19634954084936207, psi_rate = 1 /\n"
-                f"&span nutations = {nutations}, samples = 2 /\n"
-                "&integration formulation = 'cayley_klein', method = 'taylor',\n"
-                f"    relative_tolerance = 1e-15, max_steps = 1000000 {more} /\n"
-                f"&output columns = {columns} /\n"
-            )
-        )
-        return {name: abs(table.column(name)[-1]) for name in names}
-
-    def test_a_projection_keeps_them_in_step(self) -> None:
-        """With it norm and energy stay at rounding, and the attitude is much better."""
-        free = self.last(4000, "")
-        projected = self.last(4000, ", project = 'invariants'")
-        self.assertGreater(free["norm_error"], 1e-13)
-        self.assertLess(projected["norm_error"], 1e-15)
-        self.assertLess(projected["energy_error"], 1e-15)
-        self.assertLess(projected["orientation_error"], free["orientation_error"] / 100)
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -93,7 +93,7 @@ class SyntheticTest(FitCase):
         self.measure()
         self.add_noise(0, 0)
         others = TOP.replace("0.875, 0.875, 0.25", "0.9, 0.9, 0.24").replace("= 14", "= 14.3")
-        methods = "dop853", "taylor", "ode45' formulation = 'cayley_klein"
+        methods = "dop853", "taylor", "ode45' formulation = 'space_frame"
         for method, start in itertools.product(methods, (TOP, others)):
             control = f"&integration method = '{method}' relative_tolerance = 1e-9 /\n"
             table = self.compute(self.write(start + control + FIT))

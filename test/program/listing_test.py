@@ -126,7 +126,7 @@ class ListingTest(unittest.TestCase):
         self.assertEqual(methods["arkode_erk"]["family"], methods["dop853"]["family"])
         self.assertEqual(methods["exact"]["formulations"], [])
         self.assertEqual(
-            methods["taylor"]["formulations"], ["rigid_body", "space_frame", "cayley_klein"]
+            methods["taylor"]["formulations"], ["rigid_body", "space_frame"]
         )
         self.assertIn("lagrange", methods["ode45"]["formulations"])
         self.assertIn("dormand_prince", methods["ode45"]["aliases"])

@@ -398,7 +398,6 @@ class StartTest(ProgramCase):
             "lagrange_energy",
             "rigid_body",
             "space_frame",
-            "cayley_klein",
         )
         for way in ways:
             start = ", ".join(f"{k} = {str(v).strip('[]')}" for k, v in way.items())

@@ -3,8 +3,7 @@
 module driven_body
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
-    use spintop_formulation, only: formulation_info_t, formulation_t
-    use spintop_formulations, only: create_formulation
+    use spintop_formulation, only: formulation_info_t, formulation_t, structure_group
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_rigid_body, only: rigid_body_t
@@ -23,7 +22,7 @@ module driven_body
     type, extends(rigid_body_t) :: driven_body_t
         type(drive_t) :: drive
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
     end type driven_body_t
@@ -51,12 +50,9 @@ contains
     subroutine create_driven_body(amplitude, rate, phase, formulation)
         real(dp), intent(in) :: amplitude(3), rate, phase(3)
         class(formulation_t), allocatable, intent(out) :: formulation
-        class(formulation_t), allocatable :: plain
         type(driven_quadruple_t) :: fine
-        call create_formulation('rigid_body', plain)
         fine%drive = drive_t(amplitude, rate, phase)
         allocate (driven_body_t :: formulation)
-        allocate (formulation%group, source=plain%group)
         allocate (formulation%quadruple_series, source=fine)
         allocate (formulation%series, source=driven_series_t(fine))
         select type (formulation)
@@ -66,10 +62,12 @@ contains
     end subroutine create_driven_body
 
     !> Name and properties.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(driven_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('driven_body', 'a body under torques of time', 7, symmetric_only=.false., &
                                   singular_at_poles=.false., quaternion=1)
+        info%offers(structure_group) = .true.
     end function describe
 
     pure subroutine prepare(self, body, start, y, status)

@@ -49,7 +49,6 @@ FILLS = {
     "space_frame": "full",
     "rigid_body": "none",
     "lagrange": "left",
-    "cayley_klein": "top",
     "euler": "bottom",
     "lagrange_energy": "right",
 }

@@ -52,7 +52,6 @@ FORMULATIONS = {
     "lagrange_energy": "Lagrange + energy",
     "rigid_body": "rigid body",
     "space_frame": "space frame",
-    "cayley_klein": "Cayley-Klein",
 }
 
 KINDS = {

@@ -5,7 +5,7 @@
 !> Taylor takes two to three times as long without effects as by those of `rigid_body`. It has no invariants, as effects do
 !> work and turn the momentum, and no bound of its angular velocity, which is not that of the momentum.
 module spintop_body_with_effects
-    use spintop_attitude, only: quaternion_product
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product
     use spintop_body, only: body_t
     use spintop_capabilities, only: max_states
     use spintop_effects, only: effects_t, timeless_effects
@@ -13,13 +13,13 @@ module spintop_body_with_effects
     use spintop_effects_series, only: effects_series_t
     use spintop_effects_series_quadruple, only: body_quadruple_t
     use spintop_effects_stages, only: effects_stages_t
-    use spintop_formulation, only: formulation_info_t, formulation_t
+    use spintop_formulation, only: formulation_info_t, formulation_t, structure_group
     use spintop_kinds, only: dp
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_rigid_body, only: bracket_of_turns, move_by_turns
     use spintop_status, only: status_ok
-    use spintop_turns_in_frame, only: turns_in_frame_t
     implicit none
     private
     public :: body_with_effects_t
@@ -28,12 +28,15 @@ module spintop_body_with_effects
     type, extends(formulation_t) :: body_with_effects_t
         type(effects_t) :: effects
     contains
-        procedure, nopass :: describe
+        procedure :: describe
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
         procedure :: motion_without_angles
         procedure :: find_turning
+        procedure :: velocity
+        procedure, nopass :: bracket => bracket_of_turns
+        procedure, nopass :: move => move_by_turns
     end type body_with_effects_t
 
     interface body_with_effects_t
@@ -46,19 +49,20 @@ contains
     function new_body() result(new)
         type(body_with_effects_t) :: new
         allocate (effects_stages_t :: new%stages)
-        allocate (turns_in_frame_t :: new%group)
         allocate (effects_series_t :: new%series)
         allocate (body_quadruple_t :: new%quadruple_series)
         allocate (effects_action_t :: new%action)
     end function new_body
 
     !> Name and properties: a variant of `rigid_body`.
-    pure function describe() result(info)
+    pure function describe(self) result(info)
+        class(body_with_effects_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body with effects; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true., &
             runs_in_lanes=.true.)
+        info%offers(structure_group) = .true.
     end function describe
 
     !> Initial state.
@@ -152,5 +156,17 @@ contains
         end if
         omega = loads%omega
     end subroutine find_turning
+
+    !> The angular velocity, from the rate of the attitude, and the rate of the momentum.
+    pure subroutine velocity(self, y, dy, xi)
+        class(body_with_effects_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! the state and its rate
+        real(dp), intent(out) :: xi(max_states) !! the velocity
+        real(dp) :: spin(4)
+        spin = 2 * quaternion_product(conjugate_quaternion(y(1:4)), dy(1:4)) / sum(y(1:4)**2)
+        xi(1:3) = spin(2:4)
+        xi(4:6) = dy(5:7)
+        xi(7:8) = 0
+    end subroutine velocity
 
 end module spintop_body_with_effects

@@ -43,9 +43,6 @@ module spintop_arkode
         final :: release
     end type memory_owner_t
 
-    !> After so many steps ARKODE begins anew, in every run, because its memory cannot be kept.
-    integer(int64), parameter :: steps_of_arkode = 20000
-
     !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
     !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it
@@ -85,7 +82,6 @@ contains
         type(arkode_table_t) :: table
         logical :: found
 
-        self%steps_of_memory = steps_of_arkode
         call begin_on_grid(self, formulation, status)
         if (.not. is_ok(status)) return
         call find_table(self, table, found)
@@ -105,8 +101,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = status_ok
-        if (self%may_keep()) call self%begin(formulation, status)
-        if (is_ok(status)) call adopt_state(formulation, self, status)
+        call adopt_state(formulation, self, status)
         if (.not. is_ok(status)) return
         if (self%controls%steps > 0) then
             call advance_on_grid(self, formulation, status)

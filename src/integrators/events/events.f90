@@ -8,7 +8,6 @@
 !> quantity, which is measured where it matters; passages of one that equals its level within rounding errors; the start.
 !> Each evaluation counts as work; the search ends when the path allows no more.
 module spintop_events
-    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
     use spintop_compare, only: is_equal, is_finite
@@ -25,7 +24,7 @@ module spintop_events
     use spintop_path, only: path_t
     implicit none
     private
-    public :: event_t, event_search_t, path_t, store_or_restore_search
+    public :: event_t, event_search_t, path_t
 
     !> Searches for events. An extension defines the quantities, and what happens at an event.
     type, extends(event_quantities_t), abstract :: event_search_t
@@ -37,8 +36,6 @@ module spintop_events
         logical :: is_full = .false.
         !> Whether phi and psi count their turns up to events; otherwise they are the values nearest to those of the start.
         logical :: needs_turns = .true.
-        !> Whether the path interrupted the last search, which the next goes on with.
-        logical :: is_paused = .false.
         !> How far the motion may be from that without errors of the method, relatively; 0 if there are none.
         real(dp) :: method_noise = 0
         !> Body axis near whose passages of the vertical the quantities vary fast; zero if there is none.
@@ -58,7 +55,7 @@ module spintop_events
         !> Workspace: the quantities at five instants.
         real(dp), allocatable, private :: five(:, :)
         type(side_t), allocatable, private :: sides(:), sides_before(:)
-        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0, pace = 0
+        real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
     contains
         procedure(handle_event), deferred :: handle_event
         procedure :: handle_doubtful_event
@@ -68,7 +65,6 @@ module spintop_events
         procedure :: find_events
         procedure :: knows
         procedure :: record_occasion
-        procedure :: store_or_restore => store_or_restore_search
     end type event_search_t
 
     abstract interface
@@ -114,7 +110,6 @@ contains
         self%soon = time_of_start(body, motion)
         self%has_enough = .false.
         self%is_full = .false.
-        self%is_paused = .false.
         if (.not. allocated(self%events)) allocate (self%events(0))
         self%events%count = 0
         if (allocated(self%values)) deallocate (self%values, self%noise, self%sides, self%sides_before, self%five)
@@ -139,27 +134,22 @@ contains
         class(path_t), intent(inout) :: path !! the motion, which is evaluated as far as needed
         real(dp), intent(in) :: t !! time, s
         type(motion_t) :: there
-        real(dp) :: next
+        real(dp) :: pace, next
         logical :: knows_end
 
         if (all(self%events%occasion /= occasion_none)) self%t = max(self%t, t) ! no quantity is sought
         if (.not. t > self%t) return
         knows_end = .false.
-        if (.not. self%is_paused) then
-            self%pace = path%greatest_rate
-            if (.not. self%pace > 0) then
-                knows_end = .not. self%takes_several
-                call path%motion_at(t, self%needs_angles, there)
-                ! A body that rotates slowly at both ends may have fallen and risen in between.
-                self%pace = max(norm2(self%here%omega), norm2(there%omega)) &
-                            + self%fall_rate * min(2.0_dp, self%fall_rate * (t - self%t))
-            end if
+        pace = path%greatest_rate
+        if (.not. pace > 0) then
+            knows_end = .not. self%takes_several
+            call path%motion_at(t, self%needs_angles, there)
+            ! A body that rotates slowly at both ends may have fallen and risen in between.
+            pace = max(norm2(self%here%omega), norm2(there%omega)) + self%fall_rate * min(2.0_dp, self%fall_rate * (t - self%t))
         end if
         do while (self%t < t .and. .not. self%has_enough)
             if (path%is_spent() .or. self%is_full) exit
-            self%is_paused = path%wants_pause()
-            if (self%is_paused) exit
-            next = next_instant(self%here, self%pole_axis, self%t, t, self%pace)
+            next = next_instant(self%here, self%pole_axis, self%t, t, pace)
             if (knows_end .and. is_equal(next, t)) then
                 call search(self, path, next, t, there)
             else
@@ -195,24 +185,6 @@ contains
         self%t = motion%t
         self%here = motion
     end subroutine record_occasion
-
-    !> Stores or restores the state of the search, after `begin`.
-    subroutine store_or_restore_search(self, archive)
-        class(event_search_t), intent(inout) :: self !! the search
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        integer :: i
-        call archive%store_or_restore(self%t)
-        call self%here%store_or_restore(archive)
-        call archive%store_or_restore(self%has_enough)
-        call archive%store_or_restore(self%is_full)
-        call archive%store_or_restore(self%is_paused)
-        call archive%store_or_restore(self%pace)
-        do i = 1, size(self%events)
-            call archive%store_or_restore(self%events(i)%count)
-            call archive%store_or_restore(self%values(i))
-            call self%sides(i)%store_or_restore(archive)
-        end do
-    end subroutine store_or_restore_search
 
     !> Searches for passages from the last instant to the next one, `last` or earlier, and handles them in order. An event very
     !> soon after the start is the start. `motion_last` is the motion at `last`, if known.

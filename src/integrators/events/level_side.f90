@@ -1,6 +1,5 @@
 !> The side of its level on which the quantity of an event is, and the level that it aims at.
 module spintop_level_side
-    use spintop_archive, only: archive_t
     use spintop_compare, only: is_equal, is_finite
     use spintop_event, only: event_t
     use spintop_five_values, only: passes_at_most_once
@@ -31,7 +30,6 @@ module spintop_level_side
     contains
         procedure :: aim
         procedure :: advance_if_staying
-        procedure :: store_or_restore
     end type side_t
 
     !> A start value so close to the level, relatively, is at the level.
@@ -85,21 +83,6 @@ contains
         self%t = b
         self%distance = values(5) - self%level
     end subroutine advance_if_staying
-
-    !> Carries the side.
-    subroutine store_or_restore(self, archive)
-        class(side_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%level)
-        call archive%store_or_restore(self%sign)
-        call archive%store_or_restore(self%t)
-        call archive%store_or_restore(self%distance)
-        call archive%store_or_restore(self%rounding)
-        call archive%store_or_restore(self%farthest)
-        call archive%store_or_restore(self%is_clear)
-        call archive%store_or_restore(self%was_clear)
-        call archive%store_or_restore(self%was_ever_clear)
-    end subroutine store_or_restore
 
     !> Whether an angle with turns changes too much between two instants to be followed.
     elemental logical function turns_far(event, before, after)

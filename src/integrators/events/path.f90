@@ -22,7 +22,6 @@ module spintop_path
         procedure :: at_several
         procedure :: work_until
         procedure :: is_spent
-        procedure :: wants_pause
     end type path_t
 
     abstract interface
@@ -85,11 +84,5 @@ contains
         class(path_t), intent(in) :: self
         is_spent = self%looks >= self%most_looks
     end function is_spent
-
-    !> Whether a search is to be interrupted here, to be gone on with later.
-    logical function wants_pause(self)
-        class(path_t), intent(inout) :: self
-        wants_pause = .false.
-    end function wants_pause
 
 end module spintop_path

@@ -5,7 +5,6 @@
 !> A segment ends at a knot of a table of torques, just beyond a row of one of friction, at rest, where the torques exceed the
 !> friction, or before a vector reverses on whose direction the torques depend. What steps through the next one begins there.
 module spintop_segments
-    use spintop_archive, only: archive_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
@@ -42,8 +41,6 @@ module spintop_segments
         procedure :: begin
         procedure :: advance
         procedure :: end_step
-        procedure :: may_keep
-        procedure :: store_or_restore
         procedure :: stepper_of
         procedure, private :: latest_end
     end type segments_t
@@ -219,20 +216,5 @@ contains
         if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
         if (stepper%t < method%t_end) call go_over(self, next, formulation, method, stepper, status)
     end subroutine end_step
-
-    !> Whether the run could go on from its state as it is now: not from the beginning of a Runge-Kutta step.
-    pure logical function may_keep(self)
-        class(segments_t), intent(in) :: self
-        may_keep = self%kind /= by_runge_kutta
-    end function may_keep
-
-    !> Stores or restores the state at the end of a step.
-    subroutine store_or_restore(self, archive)
-        class(segments_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call self%rest%store_or_restore(archive)
-        call archive%store_or_restore(self%occasion)
-        call archive%store_or_restore(self%kind)
-    end subroutine store_or_restore
 
 end module spintop_segments

@@ -3,7 +3,6 @@
 !> Friction has the direction of the angular velocity, so f jumps where that vanishes. A step towards rest ends half-way there,
 !> as far as the deceleration tells, until what is left of the angular velocity is negligible.
 module spintop_sticking
-    use spintop_archive, only: archive_t
     use spintop_effects_action, only: turning_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
@@ -28,7 +27,6 @@ module spintop_sticking
         procedure :: latest_end
         procedure :: note_turning
         procedure :: detect_rest
-        procedure :: store_or_restore
     end type rest_t
 
     !> A body whose angular velocity is below this share of its largest value comes to rest.
@@ -133,19 +131,5 @@ contains
         stepper%t = stepper%t + left
         stepper%rest = 0
     end subroutine detect_rest
-
-    !> Stores or restores the state at the end of a step.
-    subroutine store_or_restore(self, archive)
-        class(rest_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%is_resting)
-        call archive%store_or_restore(self%t_stuck)
-        call archive%store_or_restore(self%largest)
-        call archive%store_or_restore(self%steepest)
-        call archive%store_or_restore(self%seen%t)
-        call archive%store_or_restore(self%seen%speed)
-        call archive%store_or_restore(self%seen%slowing)
-        call archive%store_or_restore(self%seen%across)
-    end subroutine store_or_restore
 
 end module spintop_sticking

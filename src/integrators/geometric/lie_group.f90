@@ -46,12 +46,12 @@ contains
         change = 0
         do i = 1, self%table%stages
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
-            call formulation%group%move(self%y, u, change)
+            call formulation%move(self%y, u, change)
             call find_velocity(formulation, self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
             if (.not. is_ok(status)) return
             k(:, i) = xi + algebra_correction(formulation, u, xi)
         end do
-        call formulation%group%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
+        call formulation%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
 
     !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
@@ -60,8 +60,8 @@ contains
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: u(max_states), xi(max_states)
         real(dp) :: correction(max_states), bracket(max_states)
-        bracket = formulation%group%bracket(u, xi)
-        correction = bracket / 2 + formulation%group%bracket(u, bracket) / 12
+        bracket = formulation%bracket(u, xi)
+        correction = bracket / 2 + formulation%bracket(u, bracket) / 12
     end function algebra_correction
 
     !> One step of five moves, two of which end it.
@@ -76,17 +76,17 @@ contains
         change = 0
         call find_velocity(formulation, self%run_state_t, self%t, self%y, k1, status)
         if (.not. is_ok(status)) return
-        call formulation%group%move(self%y, h / 2 * k1, to_second)
+        call formulation%move(self%y, h / 2 * k1, to_second)
         call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
         if (.not. is_ok(status)) return
-        call formulation%group%move(self%y, h / 2 * k2, change)
+        call formulation%move(self%y, h / 2 * k2, change)
         call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + change, k3, status)
         if (.not. is_ok(status)) return
         change = to_second
         call move_on(formulation, self%run_state_t, h * (k3 - k1 / 2), change)
         call find_velocity(formulation, self%run_state_t, self%t + h, self%y + change, k4, status)
         if (.not. is_ok(status)) return
-        call formulation%group%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
+        call formulation%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
         call move_on(formulation, self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves
 
@@ -97,7 +97,7 @@ contains
         real(dp), intent(in) :: u(max_states)
         real(dp), intent(inout) :: change(max_states)
         real(dp) :: more(max_states)
-        call formulation%group%move(run%y + change, u, more)
+        call formulation%move(run%y + change, u, more)
         change = change + more
     end subroutine move_on
 
@@ -110,7 +110,7 @@ contains
         integer, intent(out) :: status
         real(dp) :: dy(max_states)
         call run%evaluate(formulation, t, y, dy, status)
-        call formulation%group%velocity(y, dy, xi)
+        call formulation%velocity(y, dy, xi)
     end subroutine find_velocity
 
 end module spintop_lie_group

@@ -30,7 +30,7 @@ contains
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        if (formulation%flows%splits_as_nystrom) then
+        if (formulation%splits_as_nystrom) then
             call compose(self%nystrom)
         else
             call compose(self%general)
@@ -41,7 +41,7 @@ contains
 
         subroutine compose(table)
             type(splitting_table_t), intent(in) :: table
-            call formulation%flows%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
+            call formulation%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
             self%counts%evaluations = self%counts%evaluations + table%kicks
         end subroutine compose
 

@@ -4,7 +4,6 @@
 !> while it converges, or by fixed-point iteration. If Newton's method fails, the solution is continued from
 !> step size zero (`spintop_stage_continuation`).
 module spintop_implicit_runge_kutta
-    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_compare, only: is_equal
     use spintop_fixed_step, only: fixed_step_t, begin_on_grid
@@ -33,7 +32,6 @@ module spintop_implicit_runge_kutta
     contains
         procedure :: begin
         procedure :: step
-        procedure :: store_or_restore
     end type implicit_runge_kutta_t
 
     !> Number of iterations after which a step has not converged.
@@ -61,32 +59,6 @@ contains
         self%h_factors = 0
         call begin_on_grid(self, formulation, status)
     end subroutine begin
-
-    !> Stores or restores the state at the end of a step, with the stages and the matrices that the next one begins with.
-    subroutine store_or_restore(self, archive)
-        class(implicit_runge_kutta_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        real(dp) :: parts(max_states, 2)
-        integer :: i, j, k
-
-        call self%run_state_t%store_or_restore(archive)
-        do i = 1, max_implicit_stages
-            call archive%store_or_restore(self%z(:, i))
-        end do
-        call archive%store_or_restore(self%h_stages)
-        do k = 1, max_modes
-            do i = 1, max_states
-                parts(:, 1) = real(self%factors(:, i, k), dp)
-                parts(:, 2) = aimag(self%factors(:, i, k))
-                do j = 1, 2
-                    call archive%store_or_restore(parts(:, j))
-                end do
-                self%factors(:, i, k) = cmplx(parts(:, 1), parts(:, 2), dp)
-                call archive%store_or_restore(self%pivots(i, k))
-            end do
-        end do
-        call archive%store_or_restore(self%h_factors)
-    end subroutine store_or_restore
 
     !> One step of the method. The initial guess of the stages is the polynomial of the last step. If it
     !> fails, the slope is the guess, with a new Jacobian; if that fails too, continuation is used.

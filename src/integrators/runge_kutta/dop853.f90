@@ -5,7 +5,6 @@
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_archive, only: archive_t
     use spintop_capabilities, only: max_aside
     use spintop_kinds, only: dp
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
@@ -50,7 +49,6 @@ module spintop_dop853
         procedure :: step
         procedure :: state_within
         procedure :: states_within
-        procedure :: store_or_restore
     end type dop853_t
 
     interface
@@ -85,14 +83,6 @@ contains
             self%h = first_step(formulation, self)
         end if
     end subroutine begin
-
-    !> Stores or restores the state at the end of a step.
-    subroutine store_or_restore(self, archive)
-        class(dop853_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call self%run_state_t%store_or_restore(archive)
-        call archive%store_or_restore(self%last_error)
-    end subroutine store_or_restore
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
     !> with it, one for the order of this method. Times are relative to the time in which the state would

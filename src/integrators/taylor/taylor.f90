@@ -6,7 +6,6 @@
 !> The state is summed with compensation.
 module spintop_taylor
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_formulation, only: formulation_t, max_series_order, max_states, structure_series
@@ -29,7 +28,6 @@ module spintop_taylor
         procedure :: state_within
         procedure :: states_within
         procedure :: bound_of_changes
-        procedure :: store_or_restore
         procedure :: order
     end type taylor_t
 
@@ -105,14 +103,6 @@ contains
         self%least = lost_by_underflow(self%slope(:self%weight%states), self%weight%scale(:self%weight%states))
         self%h = self%t_end - self%t
     end subroutine begin
-
-    !> Stores or restores the state at the end of a step.
-    subroutine store_or_restore(self, archive)
-        class(taylor_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call self%run_state_t%store_or_restore(archive)
-        call archive%store_or_restore(self%least)
-    end subroutine store_or_restore
 
     !> What a coefficient may lose by underflow: products of two variables are multiplied by a rate over a
     !> momentum at most, or by a torque.

@@ -1,5 +1,5 @@
-// Products of power series, one pair in each lane of a vector, see lane_products.f90; and the slope of the squared support
-// force, which is made of them, see extreme_lanes.f90.
+// Products of power series, one pair in each lane of a vector, see lane_polynomials.f90; and the slope of the squared support
+// force, which is made of them, see watched_quantities.f90.
 //
 // Two terms are computed at once, which have most operands in common.
 
@@ -93,32 +93,32 @@ static void multiply_slopes(int degree, const double *x, const double *y, double
     }
 }
 
-// A vector in the axes beside the arm and along it.
-inlined vector turned(const struct lane_arm *arm, int lane, int axis, const double *x) {
-    const double *axes = arm->axes[axis][0] + lane;
-    return get(axes, 0) * get(x, 0) + get(axes, 1) * get(x, 1) + get(axes, 2) * get(x, 2);
+// The component of a vector along an axis.
+inlined vector along(const double *axis, const double *x) {
+    return get(axis, 0) * get(x, 0) + get(axis, 1) * get(x, 1) + get(axis, 2) * get(x, 2);
 }
 
 // The slope over the step as the unit interval, from the powers of its length, so that no term overflows, and the square where
-// it begins.
-static void find_force_slopes(int degree, const struct lane_arm *arm, const double *power, const double *c, double *slope,
-                              double *first) {
+// it begins. `axes` are unit vectors, two beside the centre of mass and one along it, by components; `arm` is its distance.
+static void find_force_slopes(int degree, const double *axes, const double *arm, const double *gravity, const double *power,
+                              const double *c, double *slope, double *first) {
     const int last = degree + 1;
     lane_series w[3], f[3];
 
     for (int lane = 0; lane < lanes; lane += width) {
-        const vector length = get(arm->length + lane, 0), gravity = get(arm->gravity + lane, 0);
+        const vector length = get(arm + lane, 0), weight = get(gravity + lane, 0);
+        const double *const axis[] = {axes + lane, axes + 3 * lanes + lane, axes + 6 * lanes + lane};
         const double *const across[] = {w[0] + lane, w[1] + lane}, *const force[] = {f[0] + lane, f[1] + lane, f[2] + lane};
         vector rate[3], now[2], next[2];
 
-        for_all(m, 3) rate[m] = turned(arm, lane, m, c + lane + lanes * w1);
+        for_all(m, 3) rate[m] = along(axis[m], c + lane + lanes * w1);
         for (int k = 0; k <= last; ++k) {
             const double *const here = c + term * k + lane;
             const vector scale = get(power + lane, k);
             vector vertical[3], ahead[3];
             for_all(m, 3) {
-                vertical[m] = gravity * turned(arm, lane, m, here + lanes * g1);
-                ahead[m] = turned(arm, lane, m, here + term + lanes * w1);
+                vertical[m] = weight * along(axis[m], here + lanes * g1);
+                ahead[m] = along(axis[m], here + term + lanes * w1);
             }
             put(f[0] + lane, k, scale * (vertical[0] + (k + 1) * length * ahead[1]));
             put(f[1] + lane, k, scale * (vertical[1] - (k + 1) * length * ahead[0]));

@@ -1,20 +1,16 @@
 !> Searches for the events of a scene, writes or keeps the table of events, and ends the motion.
 module spintop_event_recorder
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_text, only: column_event_t
-    use spintop_events, only: store_or_restore_search, event_search_t
-    use spintop_files, only: file_exists, rename_file
-    use spintop_resumable_table, only: refusal
-    use spintop_journal, only: journal_entry_t
+    use spintop_events, only: event_search_t
     use spintop_motion, only: motion_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: part_of, table_file_t
+    use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trajectory_columns, only: trajectory_column_t
@@ -51,9 +47,6 @@ module spintop_event_recorder
         procedure :: open_table
         procedure :: close_table
         procedure :: discard_table
-        procedure :: abandon_table
-        procedure :: store_or_restore
-        procedure :: store_or_restore_record
         procedure :: quantities
         procedure :: handle_event
     end type event_recorder_t
@@ -91,24 +84,16 @@ contains
         allocate (self%kept(size(event_columns) + size(columns), first_rows))
     end subroutine keep_table
 
-    !> Starts the table of the listed events, with these columns of the trajectory; or opens that of an interrupted run, to
-    !> which `store_or_restore_record` returns.
-    subroutine open_table(self, path, head, columns, case, scene, resumes, error)
+    !> Starts the table of the listed events, with these columns of the trajectory.
+    subroutine open_table(self, path, head, columns, case, scene, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
         type(case_t), intent(in) :: case !! the case of the motion, from which the columns get their values
         type(scene_t), intent(in) :: scene !! contents of the input
-        logical, intent(in) :: resumes !! whether an interrupted run is resumed
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%row%set(columns, case, scene)
-        if (resumes) then
-            ! The interrupted run may have finished this table, before that of the motion.
-            if (.not. file_exists(part_of(path)) .and. file_exists(path)) call rename_file(path, part_of(path), error)
-            if (.not. allocated(error)) call self%file%reserve(path, error)
-        else
-            call self%file%create(path, head, error)
-        end if
+        call self%file%create(path, head, error)
     end subroutine open_table
 
     !> Ends the table.
@@ -129,45 +114,6 @@ contains
         class(event_recorder_t), intent(inout) :: self
         call self%file%discard()
     end subroutine discard_table
-
-    !> Closes the table, and keeps its part for a later run.
-    subroutine abandon_table(self)
-        class(event_recorder_t), intent(inout) :: self
-        call self%file%abandon()
-    end subroutine abandon_table
-
-    !> Stores or restores the state of the search, after `begin`.
-    subroutine store_or_restore(self, archive)
-        class(event_recorder_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call store_or_restore_search(self, archive)
-        call self%quantity%store_or_restore(archive)
-    end subroutine store_or_restore
-
-    !> Stores or restores the state of the table, which is then on the disk, and the number of events until the motion ends.
-    subroutine store_or_restore_record(self, archive)
-        class(event_recorder_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        type(journal_entry_t) :: entry
-        character(:), allocatable :: problem
-
-        call archive%store_or_restore(self%rows)
-        call archive%store_or_restore(self%ended_by)
-        call archive%store_or_restore(self%left)
-        if (.not. allocated(self%file%path)) return
-        call self%row%store_or_restore(archive)
-        if (.not. archive%restores) then
-            call self%file%write_pending(self%error)
-            if (.not. allocated(self%error)) call self%file%sync(self%error)
-            entry%bytes = self%file%bytes
-            entry%checksum = self%file%ending%checksum()
-        end if
-        call archive%store_or_restore(entry%bytes)
-        call archive%store_or_restore(entry%checksum)
-        if (.not. archive%restores) return
-        call self%file%go_on(entry, problem, self%error)
-        if (problem /= '') self%error = refusal(self%file%path, problem)
-    end subroutine store_or_restore_record
 
     !> The columns of the events, or the change of azimuth since the start.
     subroutine quantities(self, motion, values)

@@ -1,13 +1,11 @@
 !> The exact solution of a case as a path on which events are sought.
 module spintop_exact_path
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_case, only: case_t
     use spintop_events, only: path_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_observer, only: keeping_observer_t
     use spintop_stepper, only: looks_per_step
     implicit none
     private
@@ -21,19 +19,12 @@ module spintop_exact_path
         logical :: counts_turns = .true.
         !> The last instant; the turns of the angles are counted from there.
         type(motion_t), private :: last
-        !> Keeps the state of the run; asked after this number of evaluations.
-        class(keeping_observer_t), pointer :: keeping_observer => null()
-        integer(int64), private :: next_question = 0
     contains
-        procedure :: store_or_restore => store_or_restore_path
-        procedure :: wants_pause
         procedure :: begin
         procedure :: restart
         procedure :: at
     end type exact_path_t
 
-    !> The observer is asked after so many evaluations whether it wants to keep the state.
-    integer, parameter :: looks_a_question = 1024
 
 contains
 
@@ -76,22 +67,5 @@ contains
             motion = self%exact%at(t)
         end if
     end subroutine at
-
-    !> Stores or restores the state of the path, after `begin`.
-    subroutine store_or_restore_path(self, archive)
-        class(exact_path_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%looks)
-        call self%last%store_or_restore(archive)
-    end subroutine store_or_restore_path
-
-    !> Whether it is time to keep the state of the run.
-    logical function wants_pause(self)
-        class(exact_path_t), intent(inout) :: self
-        wants_pause = .false.
-        if (.not. associated(self%keeping_observer) .or. self%looks < self%next_question) return
-        self%next_question = self%looks + looks_a_question
-        wants_pause = self%keeping_observer%wants_state()
-    end function wants_pause
 
 end module spintop_exact_path

@@ -31,7 +31,7 @@ module spintop_stability_plan
     !> Combinations that are run in addition to each method with the formulation that suits the body.
     character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &
         'ode45/lagrange', 'ode45/euler', 'dop853/lagrange', 'dop853/euler', 'taylor/rigid_body', &
-        'taylor/cayley_klein', 'splitting_8/rigid_body', 'splitting_8/cayley_klein']
+        'splitting_8/rigid_body']
 
 contains
 

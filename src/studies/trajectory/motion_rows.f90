@@ -2,7 +2,6 @@
 !> or is kept.
 module spintop_motion_rows
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_archive, only: archive_t
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t
@@ -12,12 +11,12 @@ module spintop_motion_rows
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
-    use spintop_observer, only: keeping_observer_t
+    use spintop_observer, only: observer_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
-    use spintop_status, only: is_good_end, is_ok, status_integrator, status_non_finite, status_step_limit, &
+    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, &
         status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
@@ -26,7 +25,7 @@ module spintop_motion_rows
     public :: writer_t, compute_motion
 
     !> Writes a row for each motion, or keeps it.
-    type, extends(keeping_observer_t) :: writer_t
+    type, extends(observer_t) :: writer_t
         type(row_maker_t) :: columns
         type(trajectory_column_t), allocatable :: chosen(:)
         type(motion_table_t) :: table
@@ -45,16 +44,8 @@ module spintop_motion_rows
         logical :: is_undefined = .false.
         real(dp) :: t_undefined = 0
         type(error_t), allocatable :: error
-        !> The search for events, if there is one.
-        type(event_recorder_t), pointer :: recorder => null()
-        !> Whether the motion is computed again up to the event that ended it, and how it ended the first time.
-        logical, private :: is_again = .false.
-        type(outcome_t), private :: first
     contains
         procedure :: observe
-        procedure :: wants_state
-        procedure :: store_or_restore
-        procedure :: keep
         procedure :: set_columns
         procedure, private :: write_row
     end type writer_t
@@ -87,10 +78,8 @@ contains
         if (plan%exact) then
             call sample_exactly(case, plan, writer, outcome, recorder)
         else
-            if (.not. writer%is_again) then
-                call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, &
-                    outcome, recorder)
-            end if
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, &
+                outcome, recorder)
             if (allocated(recorder)) then
                 if (recorder%ended_by > 0 .and. plan%is_adaptive()) then
                     call compute_again(scene, case, plan, times, writer, outcome)
@@ -110,21 +99,19 @@ contains
         real(dp), intent(inout) :: times(:) !! instants of the rows
         type(writer_t), intent(inout) :: writer
         type(outcome_t), intent(inout) :: outcome
+        type(outcome_t) :: first
         integer :: i
 
         if (writer%has_enough) return
-        if (.not. writer%is_again) then
-            writer%is_again = .true.
-            writer%first = outcome
-            if (.not. allocated(writer%kept)) then
-                call writer%table%discard()
-                call writer%table%create(.false., .true., writer%error)
-                if (allocated(writer%error)) return
-            end if
-            writer%rows = 0
-            call writer%columns%set(writer%chosen, case, scene)
+        first = outcome
+        if (.not. allocated(writer%kept)) then
+            call writer%table%discard()
+            call writer%table%create(.false., .true., writer%error)
+            if (allocated(writer%error)) return
         end if
-        associate (max_steps => plan%stepper%controls%max_steps, first => writer%first)
+        writer%rows = 0
+        call writer%columns%set(writer%chosen, case, scene)
+        associate (max_steps => plan%stepper%controls%max_steps)
             do i = 1, size(times)
                 times(i) = sample_time(first%t, size(times), i)
             end do
@@ -161,35 +148,25 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
-        integer :: i, next
+        integer :: i
 
         call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
         if (.not. is_ok(outcome%status)) return
-        if (writer%keeps_states) path%keeping_observer => writer
         if (present(recorder)) call recorder%begin(case%body, path%exact%at(0.0_dp))
         if (present(recorder)) call recorder%judge(case%body, case%start)
-        ! The next row; 0 as long as events are searched for.
-        next = merge(0, 1, present(recorder))
-        if (next == 1) call begin_rows()
-        if (allocated(writer%resumed)) call store_or_restore(writer%resumed)
-        if (.not. is_ok(outcome%status)) return
         t_end = case%t_end
         t_known = t_end
         if (present(recorder)) then
-            do while (next == 0)
-                call recorder%find_events(path, t_end)
-                if (recorder%is_paused) call keep()
-                if (recorder%is_paused .and. .not. writer%has_enough) cycle
-                next = 1
-                call begin_rows()
-            end do
+            call recorder%find_events(path, t_end)
             t_known = recorder%t
             if (.not. recorder%has_enough .and. t_known < t_end) outcome%status = &
                 merge(status_too_many_events, status_step_limit, recorder%is_full)
             if (recorder%has_enough) t_end = t_known
         end if
+        ! The rows have a budget of their own.
+        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
         path%counts_turns = writer%counts_turns
-        do i = next, plan%samples
+        do i = 1, plan%samples
             t = sample_time(t_end, plan%samples, i)
             if (.not. is_ok(outcome%status) .and. t > t_known) exit
             call path%at(t, motion)
@@ -201,66 +178,9 @@ contains
             call writer%write_row(motion)
             if (writer%has_enough) exit
             outcome%t = t
-            next = i + 1
-            if (path%wants_pause()) call keep()
         end do
         if (.not. is_ok(outcome%status)) outcome%t = t_known
-
-    contains
-
-        !> Returns to the start: the rows have a budget of their own.
-        subroutine begin_rows()
-            call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
-        end subroutine begin_rows
-
-        !> Stores or restores the state of the search, or of the rows.
-        subroutine store_or_restore(archive)
-            type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-            call archive%store_or_restore(next)
-            call archive%store_or_restore(outcome%t)
-            call path%store_or_restore(archive)
-            if (present(recorder)) call recorder%store_or_restore(archive)
-            if (archive%restores .and. .not. archive%has_restored_all()) outcome%status = status_integrator
-        end subroutine store_or_restore
-
-        !> Keeps this state.
-        subroutine keep()
-            type(archive_t) :: archive
-            call writer%store_or_restore(archive)
-            call store_or_restore(archive)
-            call writer%keep(archive)
-        end subroutine keep
-
     end subroutine sample_exactly
-
-    !> Whether it is time to keep the state of the run.
-    logical function wants_state(self)
-        class(writer_t), intent(in) :: self
-        wants_state = self%table%wants_state()
-    end function wants_state
-
-    !> Stores or restores the rows so far, and the record of events.
-    subroutine store_or_restore(self, archive)
-        class(writer_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call archive%store_or_restore(self%rows)
-        call archive%store_or_restore(self%is_again)
-        call self%first%store_or_restore(archive)
-        call archive%store_or_restore(self%work)
-        call self%columns%store_or_restore(archive)
-        if (associated(self%recorder)) call self%recorder%store_or_restore_record(archive)
-    end subroutine store_or_restore
-
-    !> Keeps the state of the run with the rows so far.
-    subroutine keep(self, archive)
-        class(writer_t), intent(inout) :: self
-        type(archive_t), intent(in) :: archive !! the state
-        if (associated(self%recorder)) then
-            if (allocated(self%recorder%error)) self%error = self%recorder%error
-        end if
-        if (.not. allocated(self%error)) call self%table%keep_state(archive, self%error)
-        self%has_enough = allocated(self%error)
-    end subroutine keep
 
     !> Writes the row of a state of a formulation.
     subroutine observe(self, formulation, t, y, near)

@@ -1,14 +1,10 @@
-!> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended. From time to time the state of
-!> the run is written to one of two files in turn, of which the journal names the one that belongs to its rows.
+!> The table of a trajectory, as CSV or NetCDF: a row per sample, and how the motion ended. Nothing is kept of a run that
+!> is interrupted.
 module spintop_motion_table
-    use spintop_archive, only: archive_t
     use spintop_certificate, only: proof_words
-    use spintop_checksum, only: checksum_of
     use spintop_errors, only: error_t
-    use spintop_files, only: file_exists, read_file, replace_file
-    use spintop_resumable_table, only: resumable_table_t, refusal
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_job, only: job_t
-    use spintop_journal, only: journal_entry_t, journal_of, state_of
     use spintop_kinds, only: dp
     use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_grid, only: netcdf_axis_t
@@ -33,10 +29,6 @@ module spintop_motion_table
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
 
-    !> Seconds to the first entry of the journal: shorter runs have none.
-    real(dp), parameter :: first_pause = 0.5_dp
-    !> Bytes of a file that may be a state.
-    integer, parameter :: most_bytes = 1024 * 1024
 
     !> A table that is being written.
     type :: motion_table_t
@@ -48,13 +40,9 @@ module spintop_motion_table
         procedure :: describe
         procedure :: create
         procedure :: add_row
-        procedure :: wants_state
-        procedure :: keep_state
-        procedure :: recall_state
         procedure :: ended_with
         procedure :: finish
         procedure :: discard
-        procedure :: abandon
     end type motion_table_t
 
 contains
@@ -82,7 +70,7 @@ contains
             allocate (resumable_table_t :: self%rows_table)
             self%head = study_head(job, columns)
         end if
-        self%rows_table%has_states = .true.
+        self%rows_table%has_journal = .false.
         allocate (self%rows_table%columns, source=described)
         select type (table => self%rows_table)
         type is (netcdf_table_t)
@@ -116,17 +104,14 @@ contains
 
     end subroutine describe
 
-    !> Starts the table, or resumes one (`resume`); or starts it anew after `discard`. The rows of an interrupted run are
-    !> discarded only on request (`restart`).
+    !> Starts the table, unless it is to be left where it is complete (`resume`); or starts it anew after `discard`.
     subroutine create(self, resume, restart, error)
         class(motion_table_t), intent(inout) :: self
-        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
+        logical, intent(in) :: resume, restart !! the options of the command line
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%rows_table%counts = 0
         call self%block%reserve(size(self%rows_table%columns), rows_at_once)
         call self%rows_table%start(self%path, self%head, resume, restart, error)
-        if (allocated(error)) return
-        if (.not. self%rows_table%is_complete) call self%rows_table%set_pause(first_pause)
     end subroutine create
 
     !> Adds a row.
@@ -148,59 +133,6 @@ contains
         call self%rows_table%append(self%block, error)
         call self%block%clear()
     end subroutine append_block
-
-    !> Whether it is time to keep the state of the run.
-    logical function wants_state(self)
-        class(motion_table_t), intent(in) :: self
-        wants_state = self%rows_table%is_due()
-    end function wants_state
-
-    !> Keeps the state of the run with the rows so far.
-    subroutine keep_state(self, archive, error)
-        class(motion_table_t), intent(inout) :: self
-        type(archive_t), intent(in) :: archive !! the state
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(journal_entry_t) :: entry
-        character(:), allocatable :: path, bytes
-        logical :: due
-
-        call append_block(self, error)
-        call self%rows_table%make_entry_if_due(entry, due, error)
-        if (.not. due) return
-        call self%rows_table%begin_state(entry%state, path)
-        bytes = archive%bytes()
-        call replace_file(path, bytes, error)
-        entry%state_checksum = checksum_of(bytes)
-        if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
-        call self%rows_table%end_entry()
-    end subroutine keep_state
-
-    !> The state with which the kept rows end; not allocated where the motion starts from its beginning.
-    subroutine recall_state(self, archive, error)
-        class(motion_table_t), intent(in) :: self
-        type(archive_t), allocatable, intent(out) :: archive !! gives the state back
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        character(:), allocatable :: text
-
-        associate (entry => self%rows_table%resumed)
-            if (entry%state == 0 .and. self%rows_table%rows() == 0) return
-            if (entry%state == 0) then
-                error = refusal(self%path, 'its journal names no state of the motion')
-                return
-            end if
-            call read_file(state_of(self%path, entry%state), most_bytes, text, error)
-            if (allocated(error)) then
-                error = refusal(self%path, error%message)
-                return
-            end if
-            if (checksum_of(text) /= entry%state_checksum) then
-                error = refusal(self%path, state_of(self%path, entry%state) // ' was changed after it was written')
-                return
-            end if
-        end associate
-        allocate (archive)
-        call archive%load(text)
-    end subroutine recall_state
 
     !> How the motion of a complete table ended: a status.
     pure integer function ended_with(self)
@@ -231,18 +163,5 @@ contains
         class(motion_table_t), intent(inout) :: self
         call self%rows_table%discard()
     end subroutine discard
-
-    !> Keeps what a later run can resume, and adds that to the message of the error; if there is nothing, nothing is left.
-    subroutine abandon(self, is_kept, error)
-        class(motion_table_t), intent(inout) :: self
-        logical, intent(out) :: is_kept !! whether a later run can resume it
-        type(error_t), intent(inout) :: error !! its message is completed
-        is_kept = file_exists(journal_of(self%path))
-        if (is_kept) then
-            call self%rows_table%abandon(error)
-        else
-            call self%discard()
-        end if
-    end subroutine abandon
 
 end module spintop_motion_table

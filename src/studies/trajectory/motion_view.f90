@@ -1,7 +1,6 @@
 !> A motion as the columns of a trajectory see it: in the axes in which the body was given, beside the
 !> start and the exact motion. What several columns need is computed once per motion, when one of them asks.
 module spintop_motion_view
-    use spintop_archive, only: archive_t
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_phi, proof_of_psi, &
@@ -43,7 +42,6 @@ module spintop_motion_view
         procedure :: set
         procedure :: set_motion
         procedure :: set_angles
-        procedure :: store_or_restore
         procedure :: energies
         procedure :: energy_change
         procedure :: energy_error
@@ -104,19 +102,6 @@ contains
         self%has_energies = .false.
         self%has_force = .false.
     end subroutine forget
-
-    !> Stores or restores what the next motions take from those before.
-    subroutine store_or_restore(self, archive)
-        class(motion_view_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        integer :: i
-        call archive%store_or_restore(self%near)
-        call archive%store_or_restore(self%work)
-        call archive%store_or_restore(self%proof%first_unproved)
-        do i = lbound(self%proof%rows, 1), ubound(self%proof%rows, 1)
-            call archive%store_or_restore(self%proof%rows(i))
-        end do
-    end subroutine store_or_restore
 
     !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
     !> pole are not replaced.

@@ -1,6 +1,5 @@
 !> The rows of a trajectory table, and the quantities of events: values of chosen columns.
 module spintop_row_maker
-    use spintop_archive, only: archive_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_words
     use spintop_compare, only: is_finite
@@ -37,7 +36,6 @@ module spintop_row_maker
         procedure :: wants_angles_of
         procedure :: find_exact_row
         procedure :: is_defined
-        procedure :: store_or_restore
         procedure :: write_row
         procedure :: proof_summary
         procedure :: close
@@ -126,13 +124,6 @@ contains
         end do
         is_defined = .true.
     end function is_defined
-
-    !> Stores or restores what the next rows take from those before.
-    subroutine store_or_restore(self, archive)
-        class(row_maker_t), intent(inout) :: self
-        type(archive_t), intent(inout) :: archive !! stores the state, or restores it
-        call self%view%store_or_restore(archive)
-    end subroutine store_or_restore
 
     !> Adds the values of a row to a text, those of words as words.
     subroutine write_row(self, values, text)

@@ -12,9 +12,9 @@ module spintop_trajectory_columns
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
         kovalevskaya_integral, vertical_momentum
     use spintop_support_force, only: specific_force
-    use spintop_stop_lanes, only: passing_centre_height, passing_energy, passing_kinetic_energy, passing_nothing, &
-        passing_omega, passing_phi, passing_potential_energy, passing_psi, passing_spin_momentum, passing_theta, &
-        passing_turning, passing_vertical, passing_vertical_momentum
+    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, &
+        watch_omega, watch_phi, watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, &
+        watch_turning, watch_vertical, watch_vertical_momentum
     use spintop_study_column, only: chosen_column_t, place_of, proof_group, study_column_t
     use spintop_table_column, only: column_length
     implicit none
@@ -42,8 +42,8 @@ module spintop_trajectory_columns
     type, extends(study_column_t) :: trajectory_column_t
         !> The number of a vector (`vector_...`), and the component of it that is the value of the column.
         integer :: vector = 0, component = 1
-        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_stop_lanes).
-        integer :: passing = passing_nothing
+        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_watched_quantities).
+        integer :: passing = watch_nothing
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.
         !> It needs the exact motion; and compares the computed one with that.
@@ -71,12 +71,12 @@ module spintop_trajectory_columns
     type(trajectory_column_t), parameter :: registry(*) = [ &
         trajectory_column_t('t', 's', 'time', angle_group, vector_time, 1, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, 1, passing_phi, &
+        trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, 1, watch_phi, &
                             is_default=.true., varies_near_poles=.true.), &
         trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, vector_angles, 2, &
-                            passing_theta, &
+                            watch_theta, &
                             is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, 3, passing_psi, &
+        trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, 3, watch_psi, &
                             is_default=.true., varies_near_poles=.true.), &
         trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, vector_rates, 1, &
                             is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
@@ -84,41 +84,41 @@ module spintop_trajectory_columns
                             is_default=.true., varies_near_poles=.true.), &
         trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, vector_rates, 3, &
                             is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-        trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, passing_omega), &
-        trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, passing_omega), &
-        trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, passing_omega), &
+        trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, watch_omega), &
+        trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, watch_omega), &
+        trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, watch_omega), &
         trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion, 1), &
         trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 2), &
         trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 3), &
         trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', vector_quaternion, 4), &
         trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', vector_vertical, 1, &
-                            passing_vertical), &
+                            watch_vertical), &
         trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', vector_vertical, 2, &
-                            passing_vertical), &
+                            watch_vertical), &
         trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', vector_vertical, 3, &
-                            passing_vertical), &
+                            watch_vertical), &
         trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', vector_axis, 1), &
         trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', vector_axis, 2), &
-        trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', vector_axis, 3, passing_vertical), &
+        trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', vector_axis, 3, watch_vertical), &
         trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', vector_centre, 1, &
                             is_default=.true.), &
         trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', vector_centre, 2, &
                             is_default=.true.), &
         trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
-                            'attitude', vector_centre, 3, passing_centre_height, is_default=.true.), &
-        trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', vector_energies, 1, passing_kinetic_energy, &
+                            'attitude', vector_centre, 3, watch_centre_height, is_default=.true.), &
+        trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', vector_energies, 1, watch_kinetic_energy, &
                             is_default=.true.), &
         trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
                             &where the Earth turns (O its rate, h of a rotor)', &
-                            'energy', vector_energies, 2, passing_potential_energy, is_default=.true.), &
-        trajectory_column_t('energy', 'J', 'total energy', 'energy', vector_energies, 3, passing_energy, is_default=.true.), &
+                            'energy', vector_energies, 2, watch_potential_energy, is_default=.true.), &
+        trajectory_column_t('energy', 'J', 'total energy', 'energy', vector_energies, 3, watch_energy, is_default=.true.), &
         trajectory_column_t('energy_error', '', &
                             'change of energy since the start over (kinetic at start + m g |r|)', &
                             'energy', vector_energy_error, 1, needs_work=.true.), &
         trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', vector_momenta, 1, &
-                            passing_vertical_momentum), &
+                            watch_vertical_momentum), &
         trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', vector_momenta, 2, &
-                            passing_spin_momentum), &
+                            watch_spin_momentum), &
         trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
                             'residuals', vector_residuals, 1, is_default=.true.), &
         trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
@@ -149,7 +149,7 @@ module spintop_trajectory_columns
         trajectory_column_t('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 2), &
         trajectory_column_t('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 3), &
         trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                            'attitude', vector_axis_z_rate, 1, passing_turning), &
+                            'attitude', vector_axis_z_rate, 1, watch_turning), &
         trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
                             'centre of mass in body x y', 'momenta', vector_kovalevskaya, 1), &
         trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &

@@ -118,7 +118,7 @@ contains
         code = code_of(status)
     end subroutine run
 
-    !> Computes a trajectory, or the rest of one that was interrupted, and writes its table. A motion that fails has the rows
+    !> Computes a trajectory, and writes its table. A motion that fails has the rows
     !> up to the failure; `status` is the reason of its end.
     subroutine run_trajectory(job, options, summary, status, error)
         type(job_t), intent(inout) :: job !! the job
@@ -167,9 +167,8 @@ contains
         call writer%columns%close()
     end subroutine run_trajectory
 
-    !> Begins the table of the motion, and that of its events if there is to be one, or returns to those of an interrupted
-    !> run. `recorder` looks for the events; it is not allocated where there are none to look for. After an error there is no
-    !> table, or that of the interrupted run.
+    !> Begins the table of the motion, and that of its events if there is to be one. `recorder` looks for the events; it is not
+    !> allocated where there are none to look for. After an error there is no table.
     subroutine begin_tables(job, options, writer, recorder, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
@@ -193,17 +192,9 @@ contains
         call writer%table%describe(job, all_columns)
         call writer%table%create(options%resume, options%restart, error)
         if (allocated(error) .or. writer%table%rows_table%is_complete) return
-        ! The derivatives take longer than the rows, which are in memory until then.
-        writer%keeps_states = job%sensitivities%count == 0
-        writer%table%rows_table%is_resumable = writer%keeps_states
-        call writer%table%recall_state(writer%resumed, error)
-        if (.not. allocated(error)) call begin_events(job, columns, writer, recorder, error)
-        if (.not. allocated(error) .and. allocated(writer%resumed)) then
-            call writer%store_or_restore(writer%resumed)
-            if (allocated(recorder)) call move_alloc(recorder%error, error)
-        end if
+        call begin_events(job, columns, recorder, error)
         if (allocated(error)) then
-            call abandon_tables(writer, recorder, error)
+            call discard_tables(writer, recorder)
             return
         end if
         associate (table => writer%table%rows_table)
@@ -213,36 +204,27 @@ contains
     end subroutine begin_tables
 
     !> Begins the search for events, and their table.
-    subroutine begin_events(job, columns, writer, recorder, error)
+    subroutine begin_events(job, columns, recorder, error)
         type(job_t), intent(in) :: job
         type(trajectory_column_t), intent(in) :: columns(:)
-        type(writer_t), intent(inout) :: writer
         type(event_recorder_t), allocatable, target, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
 
         if (size(job%events) == 0) return
         allocate (recorder)
         call recorder%set(job%events, job%stop_after, job%case)
-        writer%recorder => recorder
         if (job%files%events == '') return
         call recorder%open_table(job%files%events, study_head(job, [event_columns, columns%column_t]), columns, &
-                                 job%case, job%input%scene, allocated(writer%resumed), error)
+                                 job%case, job%input%scene, error)
     end subroutine begin_events
 
-    !> Ends the tables after an error: they are kept where a later run can resume them, and discarded otherwise.
-    subroutine abandon_tables(writer, recorder, error)
+    !> Discards the tables after an error.
+    subroutine discard_tables(writer, recorder)
         type(writer_t), intent(inout) :: writer
         type(event_recorder_t), allocatable, intent(inout) :: recorder
-        type(error_t), intent(inout) :: error
-        logical :: is_kept
-        call writer%table%abandon(is_kept, error)
-        if (.not. allocated(recorder)) return
-        if (is_kept) then
-            call recorder%abandon_table()
-        else
-            call recorder%discard_table()
-        end if
-    end subroutine abandon_tables
+        call writer%table%discard()
+        if (allocated(recorder)) call recorder%discard_table()
+    end subroutine discard_tables
 
     !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
     subroutine sensitivity_columns(job, columns)
@@ -300,7 +282,7 @@ contains
         end if
     end subroutine check_events
 
-    !> Finishes the tables with a line on how the motion ended; after an error they are abandoned.
+    !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
     subroutine finish_tables(job, outcome, writer, recorder, error)
         type(job_t), intent(in) :: job
         type(outcome_t), intent(in) :: outcome
@@ -317,7 +299,7 @@ contains
             if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
         end if
         call stop_watching_signals()
-        if (allocated(error)) call abandon_tables(writer, recorder, error)
+        if (allocated(error)) call discard_tables(writer, recorder)
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.

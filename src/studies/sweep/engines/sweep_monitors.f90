@@ -5,11 +5,10 @@ module spintop_sweep_monitors
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_extreme_lanes, only: centre_height, extreme_lanes_t, nutation_rate, precession_rate, total_force, &
-        vertical_force
     use spintop_lyapunov_lanes, only: growth_lanes_t
     use spintop_inherent_lanes, only: inherent_lanes_t
     use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
+    use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t, stop_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
     use spintop_nutation_recorder, only: nutation_of
@@ -17,13 +16,13 @@ module spintop_sweep_monitors
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_sweep_stop, only: stop_monitor
-    use spintop_stop_lanes, only: stop_lanes_t
     use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation
     use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
         of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, sweep_result_t
-    use spintop_turning_lanes, only: turning_lanes_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
+    use spintop_watched_quantities, only: watch_centre_height, watch_nutation_rate, watch_precession_rate, watch_total_force, &
+        watch_turning, watch_vertical_force, watched_t
     implicit none
     private
     public :: sweep_monitors_t
@@ -47,19 +46,18 @@ contains
         integer, intent(in) :: stop_after !! number of events after which the motion ends
         type(growth_lanes_t) :: growth
         type(inherent_lanes_t) :: inherent
-        type(turning_lanes_t) :: turning
         type(energy_lanes_t) :: energy
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
         ! First, so that the others see the motion up to its end.
         if (size(events) > 0) call append(stop_monitor(events, stop_after))
         if (wanted(of_period)) call append(azimuth_lanes_t())
-        if (wanted(of_whole) .or. wanted(of_range)) call append(turning)
-        if (wanted(of_fastest) .or. wanted(of_class)) call append(extreme_lanes_t(quantity=precession_rate))
-        if (wanted(of_lowest)) call append(extreme_lanes_t(quantity=centre_height))
-        if (wanted(of_nutation_rate)) call append(extreme_lanes_t(quantity=nutation_rate))
-        if (wanted(of_vertical_force)) call append(extreme_lanes_t(quantity=vertical_force))
-        if (wanted(of_force)) call append(extreme_lanes_t(quantity=total_force))
+        if (wanted(of_whole) .or. wanted(of_range)) call append(lane_watch_t(watched_t(watch_turning), count_turns))
+        if (wanted(of_fastest) .or. wanted(of_class)) call keep_extremes_of(watch_precession_rate)
+        if (wanted(of_lowest)) call keep_extremes_of(watch_centre_height)
+        if (wanted(of_nutation_rate)) call keep_extremes_of(watch_nutation_rate)
+        if (wanted(of_vertical_force)) call keep_extremes_of(watch_vertical_force)
+        if (wanted(of_force)) call keep_extremes_of(watch_total_force)
         if (wanted(of_energy)) call append(energy)
         if (wanted(of_lyapunov) .or. wanted(of_singular)) then
             call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
@@ -76,6 +74,12 @@ contains
         end if
 
     contains
+
+        !> Appends a watch of the extremes of a quantity.
+        subroutine keep_extremes_of(quantity)
+            integer, intent(in) :: quantity
+            call append(lane_watch_t(watched_t(quantity), keep_extremes))
+        end subroutine keep_extremes_of
 
         !> Appends a monitor to the list.
         subroutine append(monitor)
@@ -112,21 +116,24 @@ contains
         rate = 0
         do k = size(self%slots), 1, -1 ! the order of the notes
             select type (monitor => self%slots(k)%monitor)
-            type is (stop_lanes_t)
-                if (.not. monitor%event_occurred(i)) call note%add(note_no_stop)
+            type is (lane_watch_t)
+                select case (monitor%action)
+                case (stop_motion)
+                    if (.not. monitor%event_occurred(i)) call note%add(note_no_stop)
+                case (keep_extremes)
+                    call set_extreme(monitor, i, values, rate)
+                case (count_turns)
+                    turns = monitor%turns(:, i)
+                end select
             type is (azimuth_lanes_t)
                 call set_azimuth(monitor%seen(i), monitor%azimuth(i), values, note)
             type is (energy_lanes_t)
                 values%energy_error_max = monitor%error_max(i)
-            type is (extreme_lanes_t)
-                call set_extreme(monitor, i, values, rate)
             type is (growth_lanes_t)
                 call store_growth(monitor)
             type is (inherent_lanes_t)
                 call store_or_explain(values%inherent_error, monitor%error(i), monitor%status(i), note_no_inherent)
                 if (allocated(monitor%growth)) call store_growth(monitor%growth)
-            type is (turning_lanes_t)
-                turns = monitor%turns(:, i)
             end select
         end do
         if (wanted(of_whole) .or. wanted(of_range)) then
@@ -170,21 +177,21 @@ contains
 
     !> Sets an extreme of a case of the last run; the precession rate is for the nutation.
     subroutine set_extreme(monitor, i, values, precession)
-        type(extreme_lanes_t), intent(in) :: monitor
+        type(lane_watch_t), intent(in) :: monitor
         integer, intent(in) :: i
         type(sweep_result_t), intent(inout) :: values
         real(dp), intent(inout) :: precession
-        select case (monitor%quantity)
-        case (precession_rate)
+        select case (monitor%of%quantity)
+        case (watch_precession_rate)
             precession = monitor%largest(i)
-        case (nutation_rate)
+        case (watch_nutation_rate)
             values%theta_rate_max = monitor%largest(i)
-        case (centre_height)
+        case (watch_centre_height)
             values%com_z_min = monitor%least(i)
-        case (vertical_force)
+        case (watch_vertical_force)
             values%force_z_min = monitor%least(i)
             values%force_z_max = monitor%largest(i)
-        case (total_force)
+        case (watch_total_force)
             values%force_max = monitor%largest(i)
         end select
     end subroutine set_extreme

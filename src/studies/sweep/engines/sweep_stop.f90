@@ -8,9 +8,10 @@ module spintop_sweep_stop
     use spintop_exact_path, only: exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: pi, dp
+    use spintop_lane_watch, only: lane_watch_t
     use spintop_status, only: is_ok, status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
-    use spintop_stop_lanes, only: passing_nothing, passing_spin_momentum, passing_theta, passing_turning, stop_lanes_t
+    use spintop_watched_quantities, only: watch_nothing, watch_spin_momentum, watch_theta, watch_turning, watched_t
     implicit none
     private
     public :: stop_exactly, ends_in_lanes, stop_monitor
@@ -68,14 +69,14 @@ contains
                 if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
                 if (.not. is_equal(event%level, events(1)%event%level)) return
                 select case (events(i)%column%passing)
-                case (passing_nothing)
+                case (watch_nothing)
                     return
-                case (passing_theta)
+                case (watch_theta)
                     ! Near a pole cos(theta) does not determine theta.
                     if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
-                case (passing_turning)
+                case (watch_turning)
                     if (.not. is_zero(event%level)) return
-                case (passing_spin_momentum:)
+                case (watch_spin_momentum:)
                     if (allocated(case%body%effects)) return
                 end select
             end associate
@@ -84,11 +85,11 @@ contains
     end function ends_in_lanes
 
     !> The monitor for events that end the motions at the n-th of them.
-    pure type(stop_lanes_t) function stop_monitor(events, n)
+    pure type(lane_watch_t) function stop_monitor(events, n)
         type(column_event_t), intent(in) :: events(:) !! the events, `ends_in_lanes`
         integer, intent(in) :: n !! number of events after which the motion ends
         associate (event => events(1)%event, column => events(1)%column)
-            stop_monitor = stop_lanes_t(passing=column%passing, component=column%component, level=event%level, wanted=n, &
+            stop_monitor = lane_watch_t(of=watched_t(column%passing, column%component, event%level), wanted=n, &
                                         rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
                                         every_turn=event%every_turn, turn_by_turn=event%turn_by_turn)
         end associate

@@ -6,7 +6,7 @@ module spintop_lane_azimuth
     use spintop_kinds, only: dp, pi
     use spintop_attitude, only: nearest_turn
     use spintop_lane_series, only: lanes, parts, rows
-    use spintop_lane_steps, only: terms_at
+    use spintop_lane_steps, only: states_at
     use spintop_motion, only: passages_t
     use spintop_pole_passages, only: settle_passage, way_t
     implicit none
@@ -89,8 +89,7 @@ contains
             do i = 1, lanes
                 part(i) = merge(0.5_dp, closest_to_pole(c(i, 4:5, 0), state(i, 4:5)), abs(change(i)) <= sharp)
             end do
-            call terms_at(order, c, part * duration, middle)
-            middle = middle * spread(part * duration, 2, parts) + c(:, :parts, 0)
+            call states_at(order, c, part * duration, middle)
             call changes_to(middle, other, first)
             between = other + first
             call changes_to(state, between, second)

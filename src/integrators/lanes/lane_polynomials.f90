@@ -1,4 +1,5 @@
-!> Polynomials of a step, one in each lane, over the step as the unit interval: where they pass zero.
+!> Polynomials of a step, one in each lane, as arrays (lane, term from 0 on): products, by lane_products.h, and over the step as
+!> the unit interval where they pass zero, by lane_roots.h.
 !>
 !> In Bernstein form a polynomial lies between its smallest and its largest coefficient, and passes zero in the
 !> interval as often as its coefficients change sign, or an even number of times less (Descartes; Farouki,
@@ -11,7 +12,7 @@ module spintop_lane_polynomials
     use spintop_series_shares, only: per_binomial
     implicit none
     private
-    public :: find_changes, refine_root, find_roots, most_roots, rounding
+    public :: find_changes, refine_root, find_roots, most_roots, rounding, multiply, square, multiply_slopes
 
     !> Rounding of a polynomial, in units of its terms.
     real(c_double), parameter :: rounding = 8 * epsilon(1.0_dp)
@@ -23,8 +24,31 @@ module spintop_lane_polynomials
     !> A root is bisected so often at most.
     integer, parameter :: most_halvings = 50
 
-    ! In lane_roots.h.
     interface
+        !> The product of two series.
+        pure subroutine multiply(degree, x, y, product) bind(C, name='spintop_multiply_lanes')
+            import :: c_double, c_int
+            integer(c_int), value :: degree !! last term of the product
+            real(c_double), intent(in) :: x(*), y(*) !! coefficients of the series
+            real(c_double), intent(inout) :: product(*) !! those of the product
+        end subroutine multiply
+
+        !> The square of a series.
+        pure subroutine square(degree, x, product) bind(C, name='spintop_square_lanes')
+            import :: c_double, c_int
+            integer(c_int), value :: degree !! last term of the square
+            real(c_double), intent(in) :: x(*) !! coefficients of the series
+            real(c_double), intent(inout) :: product(*) !! those of the square
+        end subroutine square
+
+        !> The series of x' y - x y'.
+        pure subroutine multiply_slopes(degree, x, y, product) bind(C, name='spintop_multiply_slopes')
+            import :: c_double, c_int
+            integer(c_int), value :: degree !! last term of the product
+            real(c_double), intent(in) :: x(*), y(*) !! coefficients of the series, up to one more term
+            real(c_double), intent(inout) :: product(*) !! those of the product
+        end subroutine multiply_slopes
+
         pure subroutine c_find_changes(n, share, rounding, a, noise, sign, changes, near) &
             bind(C, name='spintop_find_changes')
             import :: c_double, c_int

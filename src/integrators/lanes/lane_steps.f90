@@ -8,7 +8,7 @@ module spintop_lane_steps
     use spintop_taylor, only: safety, largest_growth, smallest_spacings, stretch
     implicit none
     private
-    public :: choose_durations, add_terms, terms_at, step_underflow, non_finite
+    public :: choose_durations, add_terms, states_at, step_underflow, non_finite
 
     !> Reasons for which a lane takes no step: its size underflows or no more steps are allowed; a number is
     !> not finite.
@@ -137,12 +137,26 @@ contains
         end do
     end subroutine add_terms
 
+    !> The states at the times t after the beginning of the step.
+    pure subroutine states_at(order, c, t, states)
+        integer, intent(in) :: order !! order of the series
+        real(dp), intent(in) :: c(lanes, rows, 0:order), t(lanes) !! Taylor coefficients; times, s
+        real(dp), intent(out) :: states(lanes, parts) !! states then
+        integer :: i, m
+        call terms_at(order, c, t, states)
+        do m = 1, parts
+            !$omp simd
+            do i = 1, lanes
+                states(i, m) = c(i, m, 0) + t(i) * states(i, m)
+            end do
+        end do
+    end subroutine states_at
+
     !> The change of the states after the times t, divided by these.
     pure subroutine terms_at(order, c, t, change)
-        integer, intent(in) :: order !! order of the series
+        integer, intent(in) :: order
         real(dp), intent(in) :: c(lanes, rows, 0:order), t(lanes)
-            !! Taylor coefficients; times since the beginning of the step, s
-        real(dp), intent(out) :: change(lanes, parts) !! changes of the states over the times
+        real(dp), intent(out) :: change(lanes, parts)
         real(dp) :: x1, x2, x3, x4, x5, x6, x7
         integer :: i, k
 

@@ -1,0 +1,358 @@
+!> Watches a quantity along the motions in lanes: ends a motion where it passes a level, keeps its extremes, or counts turning
+!> points.
+!>
+!> All are roots of a polynomial in each step (`spintop_watched_quantities`). One root in a lane is found by Newton's method in
+!> all lanes at once, several in the lanes that have them. A root at the end of a step is found once: the sign there is carried
+!> to the next.
+module spintop_lane_watch
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
+    use spintop_constancy, only: margin
+    use spintop_formulation, only: max_series_order
+    use spintop_instants, only: time_of_start
+    use spintop_kinds, only: dp, pi
+    use spintop_lane_monitor, only: lane_monitor_t
+    use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
+    use spintop_lane_series, only: parts
+    use spintop_lane_steps, only: states_at
+    use spintop_lane_turns, only: lane_turns_t
+    use spintop_motion, only: motion_t
+    use spintop_pole_passages, only: through_pole
+    use spintop_poles, only: polar_precession_rate, precession_is_lost
+    use spintop_quantities, only: angular_acceleration
+    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_turning_record, only: lower, turning_points_t, upper
+    use spintop_watched_quantities, only: watch_nutation_rate, watch_phi, watch_precession_rate, watch_psi, watched_t
+    implicit none
+    private
+    public :: lane_watch_t
+
+    !> What is done at a root: the n-th passage of the level ends the motion; the values that are extreme are kept; the turning
+    !> points, those of `watch_turning`, are counted.
+    integer, parameter, public :: stop_motion = 1, keep_extremes = 2, count_turns = 3
+
+    !> Sine of the inclination below which body z is near a pole.
+    real(dp), parameter :: near_pole = 0.03_dp
+
+    !> A watch. One that ends motions is handed over before other monitors, which then see no more than the motion up to there.
+    type, extends(lane_monitor_t) :: lane_watch_t
+        type(watched_t) :: of
+        integer :: action = stop_motion
+        !> Which passages count, those rising, those falling; number of the one that ends the motion.
+        logical :: rising = .true., falling = .true.
+        integer :: wanted = 1
+        !> An angle in any turn; full turns from the start instead of the angle, each of which is met once, either way.
+        logical :: every_turn = .false., turn_by_turn = .false.
+        !> Of each case: whether the n-th passage occurred; the least and the largest value, rad/s, m or N, of rates of angles only
+        !> `largest`, in magnitude, with its sign; the turning points of each kind.
+        logical, allocatable :: event_occurred(:)
+        real(dp), allocatable :: least(:), largest(:)
+        type(turning_points_t), allocatable :: turns(:, :)
+        !> Passages up to the end; times up to which a passage is the start itself, s; the level, which full turns count from the
+        !> start, and the full turns so far.
+        integer, private :: left(lanes) = 0
+        real(dp), dimension(lanes), private :: started = 0, goal = 0, full_turns = 0
+        !> Extremes up to now, of the case in each lane.
+        real(dp), dimension(lanes), private :: low = 0, high = 0
+        type(lane_turns_t), private :: counted
+        !> Sign of the polynomial at the end of the last step, or at the start; 0 where it is none.
+        real(dp), private :: sign(lanes) = 0
+        !> How large the polynomial was since the last root, where it was seen; whether it was within its noise before that root;
+        !> whether it is zero to rounding.
+        real(dp), private :: far(lanes) = 0
+        logical, private :: was_noise(lanes) = .false., is_constant(lanes) = .false.
+    contains
+        procedure :: prepare
+        procedure :: begin
+        procedure :: observe
+        procedure :: finish
+    end type lane_watch_t
+
+contains
+
+    !> Makes room for so many cases.
+    subroutine prepare(self, cases)
+        class(lane_watch_t), intent(inout) :: self
+        integer, intent(in) :: cases !! number of cases
+        if (allocated(self%turns)) deallocate (self%turns)
+        if (self%action == count_turns) allocate (self%turns(upper:lower, cases))
+        self%event_occurred = spread(.false., 1, cases)
+        self%least = spread(0.0_dp, 1, cases)
+        self%largest = self%least
+        self%sign = 0
+    end subroutine prepare
+
+    !> A case begins in a lane. The start itself is no passage.
+    subroutine begin(self, run, lane, body, start)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        type(motion_t) :: here
+        real(dp) :: value
+
+        self%goal(lane) = self%of%level
+        if (self%turn_by_turn) self%goal(lane) = start%angle(merge(1, 3, self%of%quantity == watch_phi))
+        call self%of%set_lane(lane, body, start, run%now%state(lane, :), self%goal(lane), value)
+        self%sign(lane) = merge(sign(1.0_dp, value), 0.0_dp, abs(value) > 0 .and. self%action /= keep_extremes)
+        select case (self%action)
+        case (stop_motion)
+            self%left(lane) = self%wanted
+            self%started(lane) = start%t + time_of_start(body, start)
+            self%full_turns(lane) = 0
+        case (count_turns)
+            call self%counted%begin(lane, body, start)
+        case (keep_extremes)
+            self%low(lane) = huge(value)
+            self%high(lane) = merge(0.0_dp, -huge(value), is_rate(self))
+            if (self%of%quantity == watch_precession_rate .and. norm2(run%now%state(lane, 4:5)) <= through_pole) then
+                here = start
+                here%omega_rate = angular_acceleration(body, start)
+                value = polar_precession_rate(here)
+                if (is_finite(value)) self%high(lane) = value
+            else
+                call keep_end(self, run, lane)
+            end if
+        end select
+    end subroutine begin
+
+    !> Whether the quantity is the rate of an angle.
+    pure logical function is_rate(self)
+        class(lane_watch_t), intent(in) :: self
+        is_rate = self%of%quantity == watch_precession_rate .or. self%of%quantity == watch_nutation_rate
+    end function is_rate
+
+    !> Finds the roots in the last step.
+    subroutine observe(self, run)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        real(dp) :: a(lanes, 0:max_series_order)
+        real(dp), dimension(lanes) :: noise, before, changes, u, doubt, slope, last
+        real(dp) :: roots(most_roots), signs(most_roots)
+        integer :: lane, k, found, degree
+
+        call self%of%find_polynomials(run, self%action == keep_extremes, degree, a, noise)
+        if (any(run%steps == 1)) call judge(self, run, degree, a, noise)
+        noise = merge(sqrt(huge(noise)), noise, self%is_constant)
+        before = self%sign
+        call find_changes(degree, a, noise, self%sign, changes, u)
+        self%far = max(self%far, abs(a(:, 0)))
+        if (.not. maxval(changes) > 0) return
+        call refine_root(degree, a, u, doubt)
+        slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
+        last = 0
+        call act(self, run, degree, a, noise, u, slope, last)
+        do lane = 1, lanes
+            if (.not. (changes(lane) > 1 .or. (changes(lane) > 0 .and. doubt(lane) > 0))) cycle
+            self%sign(lane) = before(lane)
+            call find_roots(a(lane, :degree), noise(lane), self%sign(lane), roots, signs, found)
+            do k = 1, found
+                u = 0
+                slope = 0
+                u(lane) = roots(k)
+                slope(lane) = signs(k)
+                call act(self, run, degree, a, noise, u, slope, last)
+            end do
+        end do
+    end subroutine observe
+
+    !> Judges, in lanes that took their first step, whether the polynomial is zero to rounding: over as much of the step as the
+    !> body turns by a radian.
+    pure subroutine judge(self, run, degree, a, noise)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes)
+        real(dp) :: radian, total
+        integer :: lane, k
+        do lane = 1, lanes
+            if (run%steps(lane) /= 1) cycle
+            radian = 1 / max(1.0_dp, sqrt(run%now%rate(lane)) * run%power(lane, 1))
+            total = 0
+            do k = degree, 0, -1
+                total = total * radian + abs(a(lane, k))
+            end do
+            self%is_constant(lane) = total <= margin * noise(lane)
+            self%far(lane) = 0
+            self%was_noise(lane) = .false.
+        end do
+    end subroutine judge
+
+    !> Does what is to be done at the roots `u`: where the polynomial rises `slope` is positive, where it falls negative, and where
+    !> there is no root zero. Those of a lane come in rising order; `last` is the one before in this step, or its beginning.
+    subroutine act(self, run, degree, a, noise, u, slope, last)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), noise(lanes), u(lanes), slope(lanes)
+        real(dp), intent(inout) :: last(lanes)
+        real(dp), dimension(lanes) :: before, behind
+        logical :: is_noise(lanes), is_root, is_near
+        integer :: i
+
+        ! A root is one of noise if since the one before, or before that one, the polynomial was within the noise of the method.
+        call find_values(degree, a, (last + u) / 2, before)
+        call find_values(degree, a, (u + 1) / 2, behind)
+        !$omp simd private(is_root, is_near)
+        do i = 1, lanes
+            is_root = abs(slope(i)) > 0
+            is_near = max(self%far(i), abs(before(i))) <= noise(i) * (run%method_noise / rounding)
+            is_noise(i) = is_root .and. (is_near .or. self%was_noise(i))
+            self%was_noise(i) = merge(is_near, self%was_noise(i), is_root)
+            self%far(i) = merge(abs(behind(i)), self%far(i), is_root)
+            last(i) = merge(u(i), last(i), is_root)
+        end do
+        select case (self%action)
+        case (stop_motion)
+            call pass(self, run, u, slope, is_noise)
+        case (keep_extremes)
+            call keep_roots(self, run, u, slope)
+        case (count_turns)
+            call self%counted%record(run, u, slope, is_noise)
+        end select
+    end subroutine act
+
+    !> Values of the polynomials: even and odd powers side by side.
+    pure subroutine find_values(degree, a, u, x)
+        integer, intent(in) :: degree
+        real(dp), intent(in) :: a(lanes, 0:max_series_order), u(lanes)
+        real(dp), intent(out) :: x(lanes)
+        real(dp) :: odd(lanes)
+        integer :: i, k
+        x = 0
+        odd = 0
+        if (mod(degree, 2) == 0) x = a(:, degree)
+        do k = degree - 1 - mod(degree + 1, 2), 0, -2
+            !$omp simd
+            do i = 1, lanes
+                x(i) = x(i) * u(i)**2 + a(i, k)
+                odd(i) = odd(i) * u(i)**2 + a(i, k + 1)
+            end do
+        end do
+        x = x + u * odd
+    end subroutine find_values
+
+    !> Counts passages, and ends the lanes that have enough.
+    subroutine pass(self, run, u, slope, is_noise)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run
+        real(dp), intent(in) :: u(lanes), slope(lanes)
+        logical, intent(in) :: is_noise(lanes)
+        real(dp) :: t
+        logical :: rises, falls
+        integer :: lane
+        ! Of full turns both senses count.
+        rises = self%rising .or. self%turn_by_turn
+        falls = self%falling .or. self%turn_by_turn
+        do lane = 1, lanes
+            if (.not. ((slope(lane) > 0 .and. rises) .or. (slope(lane) < 0 .and. falls))) cycle
+            t = run%now%t_last(lane) + u(lane) * (run%now%t(lane) - run%now%t_last(lane))
+            if (is_noise(lane) .or. self%left(lane) <= 0 .or. t <= self%started(lane)) cycle
+            if (.not. counts(self, run, lane, t)) cycle
+            self%left(lane) = self%left(lane) - 1
+            if (self%left(lane) == 0) call run%stop(lane, t)
+        end do
+    end subroutine pass
+
+    !> Whether a root at a time is a passage of the level: not by the opposite angle, or in another turn.
+    logical function counts(self, run, lane, t)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: t
+        real(dp) :: angles(2), distance, turns
+        counts = .true.
+        if (self%of%quantity /= watch_phi .and. self%of%quantity /= watch_psi) return
+        angles = run%angles_at(lane, t)
+        distance = angles(self%of%quantity) - self%goal(lane)
+        turns = anint(distance / (2 * pi))
+        counts = abs(distance - 2 * pi * turns) < pi / 2
+        if (.not. counts .or. self%every_turn) return
+        if (self%turn_by_turn) then
+            counts = nint(abs(turns) - self%full_turns(lane)) == 1
+            if (counts) self%full_turns(lane) = abs(turns)
+        else
+            counts = .not. abs(turns) > 0
+        end if
+    end function counts
+
+    !> Keeps extremes.
+    subroutine keep_roots(self, run, u, slope)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: u(lanes), slope(lanes)
+        real(dp) :: x(lanes, parts), h(lanes), t(lanes), sine2
+        logical :: is_near(lanes)
+        integer :: i
+        h = run%now%t - run%now%t_last
+        t = u * h
+        call states_at(run%order, run%c, t, x)
+        call keep(self, run, x, slope, abs(slope) > 0)
+        if (self%of%quantity /= watch_precession_rate) return
+        ! Near a pole the terms that the series leave out are large beside the distance. There the rate is largest where body z is
+        ! nearest, whose velocity is all but constant.
+        !$omp simd private(sine2)
+        do i = 1, lanes
+            sine2 = x(i, 4)**2 + x(i, 5)**2
+            is_near(i) = abs(slope(i)) > 0 .and. sine2 < near_pole**2
+            t(i) = t(i) + x(i, 6) * (x(i, 4) * x(i, 2) - x(i, 5) * x(i, 1)) / max(x(i, 1)**2 + x(i, 2)**2, tiny(sine2))
+            t(i) = min(max(t(i), 0.0_dp), h(i))
+        end do
+        if (.not. any(is_near)) return
+        call states_at(run%order, run%c, t, x)
+        call keep(self, run, x, slope, is_near)
+    end subroutine keep_roots
+
+    !> Keeps the values at states, in the lanes where they are wanted, if they are the least or the largest up to now: where the
+    !> slope rises the least, where it falls the largest, at an end of the motion, which has none, either.
+    pure subroutine keep(self, run, x, slope, is_wanted)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: x(lanes, parts), slope(lanes)
+        logical, intent(in) :: is_wanted(lanes)
+        real(dp) :: value(lanes)
+        integer :: i
+        call self%of%find_values(run%now%body, x, value)
+        do i = 1, lanes
+            if (.not. is_wanted(i)) cycle
+            if (.not. is_rate(self)) then
+                if (value(i) < self%low(i) .and. slope(i) >= 0) self%low(i) = value(i)
+                if (value(i) > self%high(i) .and. slope(i) <= 0) self%high(i) = value(i)
+            else if (abs(value(i)) > abs(self%high(i)) .and. abs(value(i)) <= huge(value)) then
+                if (self%of%quantity == watch_precession_rate) then
+                    if (precession_is_lost(x(i, 4:5), x(i, 1:2))) cycle
+                end if
+                self%high(i) = value(i)
+            end if
+        end do
+    end subroutine keep
+
+    !> Keeps the value at an end of the motion in a lane.
+    pure subroutine keep_end(self, run, lane)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: lane
+        real(dp), parameter :: none(lanes) = 0
+        integer :: i
+        call keep(self, run, run%now%state, none, [(i == lane, i=1, lanes)])
+    end subroutine keep_end
+
+    !> The case in a lane is at its end.
+    subroutine finish(self, run, lane, case)
+        class(lane_watch_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        select case (self%action)
+        case (stop_motion)
+            self%event_occurred(case) = self%left(lane) <= 0
+        case (keep_extremes)
+            call keep_end(self, run, lane)
+            self%least(case) = self%low(lane)
+            self%largest(case) = self%high(lane)
+        case (count_turns)
+            self%turns(:, case) = self%counted%turning_points(lane)
+        end select
+    end subroutine finish
+
+end module spintop_lane_watch

@@ -54,7 +54,7 @@ module spintop_lane_watch
         real(dp), dimension(lanes), private :: started = 0, goal = 0, full_turns = 0
         !> Extremes up to now, of the case in each lane.
         real(dp), dimension(lanes), private :: low = 0, high = 0
-        type(lane_turns_t), private :: counted
+        type(lane_turns_t), allocatable, private :: counted
         !> Sign of the polynomial at the end of the last step, or at the start; 0 where it is none.
         real(dp), private :: sign(lanes) = 0
         !> How large the polynomial was since the last root, where it was seen; whether it was within its noise before that root;
@@ -74,8 +74,8 @@ contains
     subroutine prepare(self, cases)
         class(lane_watch_t), intent(inout) :: self
         integer, intent(in) :: cases !! number of cases
-        if (allocated(self%turns)) deallocate (self%turns)
-        if (self%action == count_turns) allocate (self%turns(upper:lower, cases))
+        if (allocated(self%turns)) deallocate (self%turns, self%counted)
+        if (self%action == count_turns) allocate (self%turns(upper:lower, cases), self%counted)
         self%event_occurred = spread(.false., 1, cases)
         self%least = spread(0.0_dp, 1, cases)
         self%largest = self%least

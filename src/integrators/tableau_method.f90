@@ -2,8 +2,6 @@
 module spintop_tableau_method
     use spintop_arkode, only: arkode_t
     use spintop_butcher, only: max_stages
-    use spintop_implicit_runge_kutta, only: implicit_runge_kutta_t
-    use spintop_implicit_tables, only: max_implicit_stages, general_table
     use spintop_runge_kutta, only: runge_kutta_t
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_tableau, only: tableau_t
@@ -39,25 +37,14 @@ contains
         class(stepper_t), allocatable, intent(out) :: stepper !! not allocated if there is no such method
         character(:), allocatable, intent(out) :: problem !! why there is none; ''
         type(runge_kutta_t), allocatable :: explicit
-        type(implicit_runge_kutta_t), allocatable :: implicit
         type(arkode_t), allocatable :: arkode
-        logical :: is_regular
 
         problem = ''
         associate (n => tableau%stages)
             if (.not. tableau%is_triangular()) then
-                if (n > max_implicit_stages) then
-                    problem = 'an implicit method has at most ' // to_text(max_implicit_stages) // ' stages, unless each depends &
-                        &only on itself and on those before it'
-                    return
-                end if
-                allocate (implicit)
-                call general_table(tableau%a(:n, :n), tableau%b(:n), tableau%c(:n), implicit%table, is_regular)
-                if (.not. is_regular) then
-                    problem = 'the matrix A of an implicit method is singular, or has not as many eigenvectors as stages'
-                    return
-                end if
-                call move_alloc(implicit, stepper)
+                problem = 'stages depend on later ones; expected a table whose stages depend on those before them and on &
+                    &themselves only (of the others there are gauss_4, gauss_6 and gauss_8)'
+                return
             else if (tableau%is_explicit() .and. tableau%embedded_order == 0 .and. n <= max_stages) then
                 allocate (explicit)
                 explicit%table%stages = n

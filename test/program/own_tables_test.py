@@ -98,13 +98,14 @@ class OwnTablesTest(ProgramCase):
         """The message names the file, the line and what is wrong."""
         for old, new, message in (
             ("-1/3  1", "-1/2  1", "own.txt, line 5: the coefficients of stage 3 add up to 0.5"),
-            ("order 4", "order 5", "own.txt, the method does not have order 5"),
+            ("order 4", "order 5", "own.txt, line 2: the method does not have order 5"),
             ("1 -1  1", "1 -x  1", "own.txt, line 6: '-x' is not a number"),
             ("1/8 3/8 3/8", "3/8 3/8", "own.txt, line 7: this row has 3 weights"),
             ("order 4\n", "", "own.txt, there is no order"),
             ("order 4", "order 4 3", "own.txt, an embedded method has a second row"),
             (EIGHTHS, "hello\n", "own.txt, line 1: this is neither"),
-            (EIGHTHS, RADAU, "own.txt, stages depend on later ones; expected a table"),
+            (EIGHTHS, PAIR.replace("3 2", "3 3"), "line 1: the embedded method does not have order 3"),
+            (EIGHTHS, RADAU, "own.txt, line 2: stage 1 depends on a later one"),
         ):
             with self.subTest(message):
                 self.write(EIGHTHS.replace(old, new), "own.txt")

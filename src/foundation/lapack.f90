@@ -3,7 +3,7 @@ module spintop_lapack
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: dgetrf, dgetrs, zgetrf, zgetrs, dgeev, dgelsy, dgesvd, dpotrf
+    public :: dgetrf, dgetrs, dgeev, dgelsy, dgesvd, dpotrf
 
     interface
         !> LU factorisation with partial pivoting.
@@ -35,27 +35,6 @@ module spintop_lapack
             real(dp), intent(inout) :: a(lda, *) !! matrix on entry; its factor on return
             integer, intent(out) :: info !! 0 on success; the order of the first minor that is not positive
         end subroutine dpotrf
-
-        !> `dgetrf` of a complex matrix.
-        subroutine zgetrf(m, n, a, lda, ipiv, info)
-            import :: dp
-            integer, intent(in) :: m, n, lda !! numbers of rows and columns; leading dimension of `a`
-            complex(dp), intent(inout) :: a(lda, *) !! matrix on entry; overwritten
-            integer, intent(out) :: ipiv(*), info !! pivots; 0 on success
-        end subroutine zgetrf
-
-        !> `dgetrs` of a complex system.
-        subroutine zgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
-            import :: dp
-            character, intent(in) :: trans
-                !! 'N', 'T' or 'C': the system with A, its transpose or its conjugate transpose
-            integer, intent(in) :: n, nrhs, lda, ipiv(*), ldb
-                !! order; number of right-hand sides; leading dimension of `a`; pivots of the factorisation;
-                !! leading dimension of `b`
-            complex(dp), intent(in) :: a(lda, *) !! matrix
-            complex(dp), intent(inout) :: b(ldb, *) !! right-hand sides on entry, solutions on return
-            integer, intent(out) :: info !! 0 on success
-        end subroutine zgetrs
 
         !> Eigenvalues and eigenvectors of a general matrix.
         subroutine dgeev(jobvl, jobvr, n, a, lda, wr, wi, vl, ldvl, vr, ldvr, work, lwork, info)

@@ -4,8 +4,7 @@ module spintop_methods
     use spintop_stepper, only: stepper_t, method_info_t
     use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
     use spintop_runge_kutta, only: runge_kutta_t
-    use spintop_implicit_runge_kutta, only: implicit_runge_kutta_t
-    use spintop_implicit_tables, only: gauss_table, theta_table
+    use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
     use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
     use spintop_splitting, only: splitting_t
     use spintop_splitting_tables, only: strang_table, nystrom_4_table, nystrom_6_table, &

@@ -12,8 +12,7 @@ module spintop_own_butcher_tables
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, table_prefix
     use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_tableau, only: parse_tableau, tableau_t
-    use spintop_tableau_method, only: create_tableau_stepper, tableau_info
+    use spintop_tableau, only: create_tableau_stepper, parse_tableau, tableau_info, tableau_t
     use spintop_text, only: to_text
     implicit none
     private
@@ -51,7 +50,6 @@ contains
         type(problems_t), intent(inout) :: problems
         type(tableau_t) :: tableau
         type(error_t), allocatable :: error
-        class(stepper_t), allocatable :: stepper
         character(:), allocatable :: text, problem, path, form, given
         integer :: i
 
@@ -77,7 +75,6 @@ contains
             return
         end if
         call parse_tableau(text, tableau, problem)
-        if (problem == '') call create_tableau_stepper(tableau, stepper, problem)
         if (problem /= '') then
             call problems%add(key, path // ', ' // problem, 'doc/methods.md, "Own tables", has an example')
             return
@@ -136,12 +133,11 @@ contains
     subroutine create_method(scene, stepper)
         type(scene_t), intent(in) :: scene !! with its tables
         class(stepper_t), allocatable, intent(out) :: stepper !! with default settings
-        character(:), allocatable :: problem
         integer :: i
         if (allocated(scene%tableaus)) then
             do i = 1, size(scene%tableaus)
                 if (scene%method /= scene%tableaus(i)%key .and. scene%method /= scene%tableaus(i)%name) cycle
-                call create_tableau_stepper(scene%tableaus(i), stepper, problem)
+                call create_tableau_stepper(scene%tableaus(i), stepper)
                 return
             end do
         end if

@@ -62,17 +62,17 @@ SKIPPED = {
         "apptainer build spintop.sif packaging/container/spintop.def",
         "apptainer run spintop.sif input/map_spin_tilt.nml",
         "module load gcc/13 openblas sundials python/3.11",
-        "export SPINTOP_SUNDIALS_INCLUDE=$SUNDIALS_DIR/fortran"
+        "export SPINTOP_SUNDIALS_INCLUDE=$SUNDIALS_DIR/include"
         " SPINTOP_SUNDIALS_LIB=$SUNDIALS_DIR/lib",
         "scripts/setup",
         "scripts/run input/map_spin_tilt.nml",
         "scripts/install $HOME/.local",
         "cmake -S sundials-7.1.1 -B build_sundials -D CMAKE_INSTALL_PREFIX=$HOME/.local"
-        " -D BUILD_FORTRAN_MODULE_INTERFACE=ON -D EXAMPLES_INSTALL=OFF",
+        " -D EXAMPLES_INSTALL=OFF",
         "cmake --build build_sundials --target install --parallel 4",
         "gfortran -O2 -fPIC -shared -o $HOME/.local/lib/libminpack.so minpack/*.f",
         "export LIBRARY_PATH=$HOME/.local/lib LD_LIBRARY_PATH=$HOME/.local/lib",
-        "export SPINTOP_SUNDIALS_INCLUDE=$HOME/.local/fortran"
+        "export SPINTOP_SUNDIALS_INCLUDE=$HOME/.local/include"
         " SPINTOP_SUNDIALS_LIB=$HOME/.local/lib",
         "scripts/setup",
     ],

@@ -218,7 +218,6 @@ class Checkout:
             stem = "test-" if name.startswith("test") else ""
             shutil.copy(ROOT / name, venv / f"{stem}requirements.txt")
         (venv / "bin/activate").write_text("# for bash\n", encoding="utf-8")
-        (self.shims / "farkode_mod.mod").write_text("", encoding="utf-8")
         built, _ = self.call(["bash", "-c", "source scripts/setup; build release"], self.root)
         assert built.returncode == 0, built.stderr
 

@@ -1,30 +1,56 @@
-!> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with the Butcher table
-!> chosen by name, adaptive or with a fixed step size.
+!> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with a table of the library or of a user, adaptive
+!> or with a fixed step size. arkode.c calls the library; here are the equations, the weights of errors, and the end of a step.
 !>
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
-    use, intrinsic :: iso_c_binding, only: c_int
+    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_long, c_null_ptr, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_arkode_memory, only: arkode_memory_t
     use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
-    use spintop_tableau, only: tableau_t
-    use spintop_compare, only: is_equal
+    use spintop_compare, only: is_equal, is_finite
+    use spintop_dense_output, only: dense_output_t
     use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_kinds, only: dp
-    use spintop_status, only: is_ok, status_integrator, status_not_converged, status_ok, status_outside, status_step_too_small
-    use farkode_mod, only: ARK_CONV_FAILURE, ARK_ERR_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL, &
-        ARK_TOO_MUCH_ACC, ARK_TOO_MUCH_WORK
+    use spintop_status, only: is_ok, status_integrator, status_non_finite, status_not_converged, status_ok, status_outside, &
+        status_step_too_small
+    use spintop_stepper, only: run_state_t
     implicit none
     private
     public :: arkode_t
 
+    !> What the functions that ARKODE calls during a step need. It computes in the units of the state, `formulation_t%units`, so
+    !> that its linear equations do not depend on those of mass, length and time.
+    type :: step_t
+        type(run_state_t), pointer :: run => null()
+        class(formulation_t), pointer :: formulation => null()
+        integer :: states = 0
+        logical :: adaptive = .true.
+        real(dp) :: unit(max_states) = 1
+        !> Status of the last evaluation of the right-hand side.
+        integer :: status = status_ok
+    end type step_t
+
+    !> The run on the side of C. It has no default value: gfortran 14 takes the allocation of a finalizable type with default
+    !> values for a structure constructor, which Fortran 2008 would finalize.
+    type :: handle_t
+        ! allow(C101): this type must not have a default value
+        type(c_ptr) :: address
+    contains
+        final :: release
+    end type handle_t
+
     !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
     type, extends(grid_stepper_t) :: arkode_t
-        type(arkode_memory_t), pointer :: memory => null()
-        type(memory_owner_t), allocatable :: owner
         !> A table that is not of ARKODE's own.
-        type(tableau_t), allocatable :: own
+        type(arkode_table_t), allocatable :: own
+        type(handle_t), allocatable :: handle
+        type(step_t) :: current = step_t()
+        !> The state as ARKODE has it, and the costs before the run: it counts from there.
+        real(dp) :: y_known(max_states) = 0
+        integer(int64) :: earlier_rejected = 0, earlier_jacobians = 0
+        !> The polynomial over the last step, if dense output was needed.
+        type(dense_output_t) :: dense = dense_output_t()
+        logical :: dense_is_known = .false.
     contains
         procedure :: begin
         procedure :: advance
@@ -33,21 +59,54 @@ module spintop_arkode
         procedure :: order
     end type arkode_t
 
-    !> Owns the memory that ARKODE allocates for a run. It has no default values: gfortran 14 takes the
-    !> allocation of a finalizable type with default values for a structure constructor, which Fortran 2008
-    !> would finalize.
-    type :: memory_owner_t
-        ! allow(C101): this type must not have a default value
-        type(arkode_memory_t), pointer :: memory
-    contains
-        final :: release
-    end type memory_owner_t
-
     !> Factor of the step size after a failure of the right-hand side.
     real(dp), parameter :: cut = 0.25_dp
-    !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it
-    !> treats so close a stop time as reached.
+    !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it treats so close a stop
+    !> time as reached.
     real(dp), parameter :: smallest_spacings = 512
+    !> The tolerance for ARKODE with a fixed step size, where it has no effect.
+    real(dp), parameter :: fixed_step_tolerance = 1.0e-12_dp
+    !> Return values of the functions that ARKODE calls: continue, retry with a shorter step, fail.
+    integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
+    !> What its steps return.
+    integer, parameter :: status_of(0:3) = [status_ok, status_step_too_small, status_not_converged, status_integrator]
+
+    interface
+        type(c_ptr) function create_run(n, t, y, scale, cyclic, table, is_adaptive, by_insertion) &
+            bind(C, name='spintop_arkode_create')
+            import :: arkode_table_t, c_double, c_int, c_ptr
+            integer(c_int), value :: n, is_adaptive, by_insertion
+            real(c_double), value :: t
+            real(c_double), intent(in) :: y(*), scale(*)
+            integer(c_int), intent(in) :: cyclic(*)
+            type(arkode_table_t), intent(in) :: table
+        end function create_run
+
+        integer(c_int) function step_of_run(run, current, h, t_end, t_stop, rejected, jacobians) &
+            bind(C, name='spintop_arkode_step')
+            import :: c_double, c_int, c_long, c_ptr
+            type(c_ptr), value :: run, current
+            real(c_double), value :: h, t_end, t_stop
+            integer(c_long), intent(inout) :: rejected, jacobians
+        end function step_of_run
+
+        subroutine restart_run(run, t, y, h) bind(C, name='spintop_arkode_restart')
+            import :: c_double, c_ptr
+            type(c_ptr), value :: run
+            real(c_double), value :: t, h
+            real(c_double), intent(in) :: y(*)
+        end subroutine restart_run
+
+        real(c_double) function last_trial(run) bind(C, name='spintop_arkode_last_trial')
+            import :: c_double, c_ptr
+            type(c_ptr), value :: run
+        end function last_trial
+
+        subroutine destroy_run(run) bind(C, name='spintop_arkode_destroy')
+            import :: c_ptr
+            type(c_ptr), value :: run
+        end subroutine destroy_run
+    end interface
 
 contains
 
@@ -60,38 +119,57 @@ contains
         order = table%order
     end function order
 
-    !> The selected table, or what ARKODE has to know about one that is given.
+    !> The selected table, or the one that is given.
     subroutine find_table(self, table, found)
         class(arkode_t), intent(in) :: self
-        type(arkode_table_t), intent(out) :: table !! the table, if it was found
-        logical, intent(out) :: found !! whether it exists
-        if (allocated(self%own)) then
-            table = arkode_table_t(self%own%name, 0, self%info%implicit, self%own%stages, self%own%order, self%own%embedded_order)
-            found = .true.
+        type(arkode_table_t), intent(out) :: table
+        logical, intent(out) :: found
+        found = allocated(self%own)
+        if (found) then
+            table = self%own
         else
             call find_arkode_table(self%controls%table, self%info%implicit, table, found)
         end if
     end subroutine find_table
 
-    !> First slope, and a new memory of ARKODE. It is created for every run, because the result of a run must
-    !> not depend on earlier runs.
+    !> First slope, and a new run of ARKODE, because the result must not depend on earlier runs. A failure in the library is
+    !> reported by the first step.
     subroutine begin(self, formulation, status)
         class(arkode_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(arkode_table_t) :: table
+        type(formulation_info_t) :: info
+        real(dp) :: tolerances(2)
         logical :: found
 
         call begin_on_grid(self, formulation, status)
         if (.not. is_ok(status)) return
-        call find_table(self, table, found)
         status = status_integrator
+        call find_table(self, table, found)
         if (.not. found) return
-        if (allocated(self%owner)) deallocate (self%owner)
-        allocate (self%memory, self%owner)
-        self%owner%memory => self%memory
-        call self%memory%create(formulation, self%run_state_t, table, self%controls, self%own)
-        status = status_ok
+        info = formulation%info()
+        self%current = step_t(states=info%states, adaptive=self%controls%steps == 0, unit=formulation%units())
+        tolerances = fixed_step_tolerance
+        if (self%current%adaptive) then
+            ! ARKODE limits the root mean square of the errors of the components. With this factor no component exceeds its
+            ! tolerance, as with ode45.
+            tolerances = [self%controls%relative_tolerance, self%controls%absolute_tolerance] / sqrt(real(info%states, dp))
+        end if
+        call self%weight%set(formulation, tolerances(1), tolerances(2))
+        call self%dense%set_order(int(table%order))
+        self%dense_is_known = .false.
+        self%y_known = self%y
+        self%earlier_rejected = self%counts%rejected
+        self%earlier_jacobians = self%counts%jacobians
+        if (allocated(self%handle)) deallocate (self%handle)
+        allocate (self%handle)
+        associate (n => info%states, unit => self%current%unit)
+            self%handle%address = create_run(int(n, c_int), self%t, self%y(:n) / unit(:n), formulation%scale(:n) / unit(:n), &
+                merge(1_c_int, 0_c_int, formulation%cyclic(:n)), table, merge(1_c_int, 0_c_int, self%current%adaptive), &
+                merge(1_c_int, 0_c_int, self%controls%fixed_point))
+        end associate
+        if (c_associated(self%handle%address)) status = status_ok
     end subroutine begin
 
     !> One accepted step; rejected steps are counted.
@@ -101,30 +179,31 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = status_ok
-        call adopt_state(formulation, self, status)
+        if (.not. all(is_equal(self%y, self%y_known))) then
+            ! The caller has changed the state since the last step.
+            call self%evaluate(formulation, self%t, self%y, self%slope, status)
+            call restart(self)
+        end if
         if (.not. is_ok(status)) return
-        if (self%controls%steps > 0) then
-            call advance_on_grid(self, formulation, status)
-        else
+        if (self%current%adaptive) then
             call advance_adaptively(formulation, self, status)
+        else
+            call advance_on_grid(self, formulation, status)
         end if
     end subroutine advance
 
-    !> Continues from `y` if the caller has changed it since the last step.
-    subroutine adopt_state(formulation, self, status)
-        class(formulation_t), intent(in) :: formulation
+    !> Makes ARKODE go on from the state, with a first step of size `h` if given.
+    subroutine restart(self, h)
         class(arkode_t), intent(inout) :: self
-        integer, intent(out) :: status
-
-        status = status_ok
-        associate (now => self%memory%now)
-            if (all(is_equal(self%y, now%y))) return
-            now%t = self%t
-            now%y = self%y
-            call now%evaluate(formulation, now%t, now%y, now%slope, status)
+        real(dp), intent(in), optional :: h
+        real(dp) :: h_first
+        h_first = 0
+        if (present(h)) h_first = h
+        self%y_known = self%y
+        associate (n => self%current%states)
+            call restart_run(self%handle%address, self%t, self%y(:n) / self%current%unit(:n), h_first)
         end associate
-        call self%memory%restart()
-    end subroutine adopt_state
+    end subroutine restart
 
     !> A step on the grid of fixed step size, or where it ends.
     subroutine try_step(self, formulation, h, t_new, status)
@@ -132,15 +211,14 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        status = status_integrator
-        call self%memory%set_fixed_step(h)
-        call take_step(self, t_new, status)
-        if (is_ok(status)) call set_time(self, t_new)
-        if (status == status_outside) call self%memory%restart()
+        call take_step(formulation, self, h, t_new, t_new, status)
+        ! ARKODE sums its steps, with rounding errors.
+        if (is_ok(status)) self%t = t_new
+        if (status == status_outside) call restart(self)
     end subroutine try_step
 
-    !> A step whose size ARKODE chooses. With an explicit table ARKODE fails at once if the right-hand side
-    !> fails within the step; the step is then repeated with a smaller size.
+    !> A step whose size ARKODE chooses. With an explicit table ARKODE fails at once if the right-hand side fails within the
+    !> step; the step is then repeated with a smaller size.
     subroutine advance_adaptively(formulation, self, status)
         class(formulation_t), intent(in) :: formulation
         class(arkode_t), intent(inout) :: self
@@ -150,72 +228,53 @@ contains
         h_smallest = smallest_spacings * spacing(self%t_end)
         stop_time = min(self%t_end, self%t + longest_step(formulation, self%y))
         if (stop_time - self%t <= h_smallest) then
-            call take_tiny_step(self, stop_time, status)
+            ! Too short for step control.
+            status = status_step_too_small
+            if (stop_time <= self%t) return
+            call restart(self)
+            call take_step(formulation, self, stop_time - self%t, stop_time, stop_time, status)
+            if (is_ok(status)) self%t = stop_time
             return
         end if
         do
-            call self%memory%set_stop_time(stop_time)
-            call take_step(self, self%t_end, status)
-            if (is_ok(status) .or. is_ok(self%memory%status)) exit
-            h = cut * self%memory%last_step_tried()
+            call take_step(formulation, self, 0.0_dp, self%t_end, stop_time, status)
+            if (is_ok(status) .or. is_ok(self%current%status)) exit
+            h = cut * last_trial(self%handle%address)
             if (.not. h > 0) h = cut**2 * (stop_time - self%t)
             if (h <= h_smallest) exit
-            call self%memory%restart(h)
+            call restart(self, h)
         end do
     end subroutine advance_adaptively
 
-    !> A step that is too short for step control.
-    subroutine take_tiny_step(self, t_new, status)
-        class(arkode_t), intent(inout) :: self
-        real(dp), intent(in) :: t_new
+    !> One step of ARKODE, of the size `h` if that is not 0, and its status. After a failure the state is the one before.
+    subroutine take_step(formulation, self, h, t_end, t_stop, status)
+        class(formulation_t), intent(in), target :: formulation
+        class(arkode_t), intent(inout), target :: self
+        real(dp), intent(in) :: h, t_end, t_stop
         integer, intent(out) :: status
+        type(run_state_t) :: before
+        integer(c_long) :: rejected, jacobians
+        integer(int64) :: evaluations
 
-        status = status_step_too_small
-        if (t_new <= self%t) return
-        call self%memory%restart()
-        call self%memory%set_fixed_step(t_new - self%t)
-        call take_step(self, t_new, status)
-        call self%memory%set_fixed_step(0.0_dp)
-        if (is_ok(status)) call set_time(self, t_new)
-    end subroutine take_tiny_step
-
-    !> One step of ARKODE towards `t_end`, and its status.
-    subroutine take_step(self, t_end, status)
-        class(arkode_t), intent(inout) :: self
-        real(dp), intent(in) :: t_end
-        integer, intent(out) :: status
-        integer(c_int) :: flag
-
-        call self%memory%take_step(t_end, flag)
-        status = status_of(flag)
-        if (.not. is_ok(status) .and. .not. is_ok(self%memory%status)) status = self%memory%status
-        associate (now => self%memory%now)
-            call update_counts(self)
-            if (.not. is_ok(status)) return
-            self%t_last = self%t
-            self%y_last = self%y
-            self%t = now%t
-            self%y = now%y
-            self%slope = now%slope
-        end associate
+        before = self%run_state_t
+        rejected = 0
+        jacobians = 0
+        self%current%run => self%run_state_t
+        self%current%formulation => formulation
+        self%current%status = status_ok
+        status = status_of(step_of_run(self%handle%address, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
+        if (is_ok(status)) then
+            self%dense_is_known = .false.
+        else
+            evaluations = self%counts%evaluations
+            self%run_state_t = before
+            self%counts%evaluations = evaluations
+            if (.not. is_ok(self%current%status)) status = self%current%status
+        end if
+        self%y_known = self%y
+        self%counts%rejected = self%earlier_rejected + rejected
+        self%counts%jacobians = self%earlier_jacobians + jacobians
     end subroutine take_step
-
-    !> Updates the costs by those inside ARKODE. Evaluations within steps are counted outside.
-    subroutine update_counts(self)
-        class(arkode_t), intent(inout) :: self
-        integer(int64) :: looks
-        looks = self%counts%looks
-        self%counts = self%memory%now%counts
-        self%counts%looks = looks
-    end subroutine update_counts
-
-    !> Sets the end of a step to the intended time: ARKODE sums its steps, with rounding errors.
-    subroutine set_time(self, t)
-        class(arkode_t), intent(inout) :: self
-        real(dp), intent(in) :: t
-        self%t = t
-        self%memory%now%t = t
-    end subroutine set_time
 
     !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
     function state_within(self, formulation, t) result(y)
@@ -223,29 +282,85 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        y = self%memory%interpolate((t - self%t_last) / (self%t - self%t_last))
-        call update_counts(self)
+        if (.not. self%dense_is_known) call self%dense%fit(formulation, self%run_state_t, self%slope_last)
+        self%dense_is_known = .true.
+        y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
     end function state_within
 
-    !> Status for a return value of ARKODE.
-    pure integer function status_of(flag)
-        integer(c_int), intent(in) :: flag
-        select case (flag)
-        case (0:)
-            status_of = status_ok
-        case (ARK_ERR_FAILURE, ARK_TOO_MUCH_WORK, ARK_TOO_MUCH_ACC)
-            status_of = status_step_too_small
-        case (ARK_CONV_FAILURE, ARK_LSETUP_FAIL, ARK_LSOLVE_FAIL)
-            status_of = status_not_converged
-        case default
-            status_of = status_integrator
-        end select
-    end function status_of
-
     subroutine release(self)
-        type(memory_owner_t), intent(inout) :: self
-        call self%memory%destroy()
-        deallocate (self%memory)
+        type(handle_t), intent(inout) :: self
+        call destroy_run(self%address)
+        self%address = c_null_ptr
     end subroutine release
+
+    !> The state of a vector of ARKODE.
+    pure function state_of(current, y) result(state)
+        type(step_t), intent(in) :: current
+        real(c_double), intent(in) :: y(current%states)
+        real(dp) :: state(max_states)
+        state = 0
+        state(:current%states) = y * current%unit(:current%states)
+    end function state_of
+
+    !> y' = f(t, y), called by ARKODE. The slope at the state reached is known and costs nothing.
+    integer(c_int) function find_slope(current, t, y, slope) bind(C, name='spintop_arkode_rhs') result(verdict)
+        type(c_ptr), value :: current
+        real(c_double), value :: t
+        real(c_double), intent(in) :: y(*)
+        real(c_double), intent(inout) :: slope(*)
+        type(step_t), pointer :: now
+        real(dp) :: state(max_states), rate(max_states)
+        logical :: known
+
+        call c_f_pointer(current, now)
+        state = state_of(now, y)
+        known = all(is_equal(state, now%run%y))
+        if (now%formulation%depends_on_time) known = known .and. is_equal(t, now%run%t)
+        if (known) then
+            now%status = status_ok
+            rate = now%run%slope
+        else
+            call now%run%evaluate(now%formulation, t, state, rate, now%status)
+        end if
+        slope(1:now%states) = rate(:now%states) / now%unit(:now%states)
+        verdict = go_on
+        if (is_ok(now%status)) return
+        verdict = give_up
+        if (now%adaptive .or. now%status == status_outside) verdict = retry
+    end function find_slope
+
+    !> The weights by which errors are multiplied in a norm, called by ARKODE.
+    integer(c_int) function find_weights(current, y, weights) bind(C, name='spintop_arkode_weights') result(verdict)
+        type(c_ptr), value :: current
+        real(c_double), intent(in) :: y(*)
+        real(c_double), intent(inout) :: weights(*)
+        type(step_t), pointer :: now
+        real(dp) :: allowed(max_states)
+
+        call c_f_pointer(current, now)
+        allowed = now%run%weight%allowed(state_of(now, y), state_of(now, y))
+        weights(1:now%states) = now%unit(:now%states) / allowed(:now%states)
+        verdict = merge(go_on, give_up, all(allowed(:now%states) > 0))
+    end function find_weights
+
+    !> After an accepted step to `t`, called by ARKODE, which continues from the state that the formulation makes of it.
+    integer(c_int) function finish_step(current, t, y) bind(C, name='spintop_arkode_finish') result(verdict)
+        type(c_ptr), value :: current
+        real(c_double), value :: t
+        real(c_double), intent(inout) :: y(*)
+        type(step_t), pointer :: now
+        real(dp) :: state(max_states)
+        logical :: changed
+
+        call c_f_pointer(current, now)
+        state = state_of(now, y)
+        verdict = give_up
+        now%status = status_non_finite
+        if (.not. all(is_finite(state))) return
+        call now%run%accept_step(now%formulation, t, state, changed)
+        if (changed) y(1:now%states) = now%run%y(:now%states) / now%unit(:now%states)
+        call now%run%evaluate(now%formulation, t, now%run%y, now%run%slope, now%status)
+        if (is_ok(now%status)) verdict = go_on
+    end function finish_step
 
 end module spintop_arkode

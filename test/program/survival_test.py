@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -43,16 +44,18 @@ class SurvivalCase(ProgramCase):
     """Runs that end before their time."""
 
     text = SLOW
-    reference: bytes = b""  # the table of the text, from a run that nothing stopped
+    references: ClassVar[dict[str, bytes]] = {}
+    """The table of a text, from a run that nothing stopped."""
 
     def setUp(self) -> None:
         """The slow sweep and its table."""
         super().setUp()
         self.slow = self.write(self.text, "slow.nml")
-        if not SurvivalCase.reference:
+        if self.text not in self.references:
             self.run_sweep("-o", "reference", "--threads", "1")
-            SurvivalCase.reference = self.read("reference/slow.csv")
+            self.references[self.text] = self.read("reference/slow.csv")
             shutil.rmtree(self.folder / "reference")
+        self.reference = self.references[self.text]
 
     def run_sweep(self, *arguments: str | Path, code: int = 0, **options: object) -> str:
         """Run the slow sweep to its end; returns all that it said."""

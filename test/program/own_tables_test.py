@@ -104,7 +104,7 @@ class OwnTablesTest(ProgramCase):
             ("order 4\n", "", "own.txt, there is no order"),
             ("order 4", "order 4 3", "own.txt, an embedded method has a second row"),
             (EIGHTHS, "hello\n", "own.txt, line 1: this is neither"),
-            (EIGHTHS, PAIR.replace("3 2", "3 3"), "line 1: the embedded method does not have order 3"),
+            (EIGHTHS, PAIR.replace("3 2", "3 3"), "1: the embedded method does not have order 3"),
             (EIGHTHS, RADAU, "own.txt, line 2: stage 1 depends on a later one"),
         ):
             with self.subTest(message):

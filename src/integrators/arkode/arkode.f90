@@ -33,7 +33,6 @@ module spintop_arkode
     !> The run on the side of C. It has no default value: gfortran 14 takes the allocation of a finalizable type with default
     !> values for a structure constructor, which Fortran 2008 would finalize.
     type :: handle_t
-        ! allow(C101): this type must not have a default value
         type(c_ptr) :: address
     contains
         final :: release

@@ -246,7 +246,7 @@ contains
         do i = 2, 1, -1
             if (found(i) >= min(given(i), highest_checked)) cycle
             problem = trim(merge('the method         ', 'the embedded method', i == 1)) // ' does not have order ' // &
-                      to_text(int(given(i))) // ": its coefficients fulfil the conditions of order " // &
+                      to_text(int(given(i))) // ': its coefficients fulfil the conditions of order ' // &
                       to_text(int(found(i))) // '; correct them, or give that order'
         end do
     end subroutine check_orders

@@ -23,7 +23,6 @@ TYPE = re.compile(r"^typedef struct (\w+)_t \{\n(.*?)^\} \w+;\n", re.M | re.S)
 CONSTANTS = {
     "instants": ("top/motions.f90", "instants"),
     "components": ("formulations/series/lane_tangents.f90", "components"),
-    "by_rotor + 1": ("top/loads.f90", "work_rotor"),
     "quotient + 1": ("formulations/series/lane_series.f90", "quotient"),
     "numerator + 1": ("formulations/series/lane_series.f90", "numerator"),
     "frame + 1": ("formulations/effects/lane_effects.f90", "row_frame"),

@@ -147,8 +147,8 @@ contains
         end associate
     end subroutine add_work
 
-    !> The integral over the unit interval of the product of two series of this degree. A few terms of the product behind that count:
-    !> what is left out is then less than what the series leave out.
+    !> The integral over the unit interval of the product of two series of this degree. A few terms of the product behind that
+    !> count: what is left out is then less than what the series leave out.
     pure function integral(degree, x, y)
         integer, intent(in) :: degree
         real(dp), intent(in) :: x(lanes, 0:max_series_order), y(lanes, 0:max_series_order)

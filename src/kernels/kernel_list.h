@@ -49,12 +49,10 @@ PROCEDURE(propagate_tangents, (order, b, c, duration, pace, number, which, free,
           const struct lane_body *b, const double *c, const double *duration, const double *pace, int number, const int *which,
           int free, const struct lane_body *change, const double *before, double *after, double *whole, double *last)
 
-// lane_effects.h, lane_work.h: the same with effects, and their work.
+// lane_effects.h: the same with effects.
 PROCEDURE(expand_affected_lanes, (order, has, e, t, side, state, share, share_rest, c, x), int order,
           const struct lane_kinds *has, const struct lane_constants *e, const double *t, const double *side,
           const double *state, const double *share, const double *share_rest, double *c, double *x)
-PROCEDURE(add_lane_work, (order, has, acts, of, duration, c, x, done), int order, const struct lane_kinds *has, const int *acts,
-          const struct lane_work *of, const double *duration, const double *c, const double *x, double *done)
 
 // lane_products.h: products of series in lanes.
 PROCEDURE(multiply_lanes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)

@@ -7,7 +7,7 @@ module spintop_kernel_types
     private
     public :: numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
     public :: body_products_t, stage_factors_t, symmetric_top_t, drag_t, series_effects_t, stage_effects_t
-    public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t, lane_work_t
+    public :: lane_body_t, lane_kinds_t, lane_drag_t, lane_constants_t
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -69,7 +69,7 @@ module spintop_kernel_types
 
     !> Which effects the bodies of all lanes have.
     type, bind(C) :: lane_kinds_t
-        integer(c_int) :: turns = 0, twists = 0, vibrates = 0, drags = 0, uniform = 0
+        integer(c_int) :: turns = 0, twists = 0, vibrates = 0, drags = 0
     end type lane_kinds_t
 
     !> Drags in lanes: Q as 11, 22, 33, 23, 31, 12; D, the coefficients over I; and b.
@@ -91,14 +91,5 @@ module spintop_kernel_types
         real(c_double) :: rate(lanes) = 1
         type(lane_drag_t) :: drag(most_drags) = lane_drag_t()
     end type lane_constants_t
-
-    !> Constants of the power of effects, over the scale of the energy: coefficients of the parts, m r, the constant torque in
-    !> body axes, the drive of the rotor, and 1/scale.
-    type, bind(C) :: lane_work_t
-        real(c_double), dimension(lanes, 3) :: damping = 0, linear_drag = 0
-        real(c_double) :: drag(lanes, 3, most_drags) = 0
-        real(c_double), dimension(lanes, 3) :: arm = 0, torque = 0, drive = 0
-        real(c_double) :: per_scale(lanes) = 0
-    end type lane_work_t
 
 end module spintop_kernel_types

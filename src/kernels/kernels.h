@@ -57,9 +57,9 @@ struct lane_body {
     double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes];
 };
 
-// Which effects there are, the same in all lanes; and whether each drag has one coefficient for all axes, and none is linear.
+// Which effects there are, the same in all lanes.
 struct lane_kinds {
-    int turns, twists, vibrates, drags, uniform;
+    int turns, twists, vibrates, drags;
 };
 
 // Drag of the air in lanes: the moment -moment v.
@@ -75,12 +75,6 @@ struct lane_constants {
     double frame_rate[3][lanes], torque_space[3][lanes];
     double amplitude[3][lanes], phase[3][lanes], rate[lanes];
     struct lane_drag drag[most_drags];
-};
-
-// What the work of effects takes of them, all over the scale of the energy.
-struct lane_work {
-    double damping[3][lanes], linear_drag[3][lanes], drag[most_drags][3][lanes], arm[3][lanes], torque[3][lanes];
-    double drive[3][lanes], per_scale[lanes];
 };
 
 // As Fortran calls them.

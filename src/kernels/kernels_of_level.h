@@ -30,7 +30,6 @@
 #include "many_bodies/lane_products.h"
 #include "many_bodies/lane_roots.h"
 #include "many_bodies/lane_series.h"
-#include "many_bodies/lane_work.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

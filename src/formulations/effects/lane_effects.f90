@@ -20,7 +20,7 @@ module spintop_lane_effects
     use spintop_series_shares, only: share_rest, short_share
     implicit none
     private
-    public :: lane_effects_t, kinds_of, has_drag_force, has_drag_moment
+    public :: lane_effects_t, kinds_of
     public :: row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
 
     !> The first of some further rows of a term: rotation of the frame, torque in space axes, acceleration of
@@ -59,8 +59,6 @@ contains
             kinds%twists = merge(0, 1, all(is_zero(effects%torque_space)))
             kinds%vibrates = merge(0, 1, all(is_zero(effects%vibration_amplitude)))
             kinds%drags = merge(1, 0, has_drag_moment(effects)) + merge(1, 0, has_drag_force(body))
-            if (kinds%drags == 0 .or. .not. is_zero(maxval(effects%drag_moment) - minval(effects%drag_moment))) return
-            kinds%uniform = merge(1, 0, has_drag_moment(effects) .or. all(is_zero(effects%drag_moment)))
         end associate
     end function kinds_of
 

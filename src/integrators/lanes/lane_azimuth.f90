@@ -139,7 +139,7 @@ contains
         real(dp), intent(in) :: c(lanes, rows, 0:order), h(lanes), change(lanes)
         real(dp), intent(out) :: circling(lanes), bend(lanes), strays(lanes)
         !> A step is divided into so many at most.
-        real(dp), parameter :: share = largest_turn**2, most_parts = 16
+        real(dp), parameter :: largest_turn2 = largest_turn**2, most_parts = 16
         real(dp) :: k, x0, y0, x1, y1, x2, y2, x3, y3
         integer :: i
         !$omp simd private(k, x0, y0, x1, y1, x2, y2, x3, y3)
@@ -157,7 +157,7 @@ contains
             ! A path that leaves zero, or that begins to turn the way that its ends suggest (z turns against the other
             ! angle), has not turned round zero the other way.
             strays(i) = merge(bend(i), 0.0_dp, x0 * x1 + y0 * y1 < 0 .and. change(i) * (x0 * y1 - y0 * x1) > 0)
-            circling(i) = share * ((abs(x2) + abs(y2)) + h(i) * (abs(x3) + abs(y3))) &
+            circling(i) = largest_turn2 * ((abs(x2) + abs(y2)) + h(i) * (abs(x3) + abs(y3))) &
                 / max((abs(x0) + abs(y0)) + h(i) * (abs(x1) + abs(y1)), tiny(k))
             circling(i) = min(circling(i), (most_parts * largest_turn / max(h(i), sqrt(tiny(k))))**2)
         end do

@@ -8,7 +8,6 @@ module spintop_lane_polynomials
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
-    use spintop_lane_series, only: lanes
     use spintop_series_shares, only: per_binomial
     implicit none
     private
@@ -18,9 +17,6 @@ module spintop_lane_polynomials
     real(c_double), parameter :: rounding = 8 * epsilon(1.0_dp)
     !> Roots of one lane in one step that are found at most.
     integer, parameter :: most_roots = 32
-    !> Newton's iterations in lanes, and the length of the last from which on the root is right to rounding.
-    integer(c_int), parameter :: iterations = 3
-    real(c_double), parameter :: still = 1.0e-6_dp
     !> A root is bisected so often at most.
     integer, parameter :: most_halvings = 50
 
@@ -49,46 +45,32 @@ module spintop_lane_polynomials
             real(c_double), intent(inout) :: product(*) !! those of the product
         end subroutine multiply_slopes
 
-        pure subroutine c_find_changes(n, share, rounding, a, noise, sign, changes, near) &
+        !> Changes of sign among the Bernstein coefficients of the polynomials sum of a_k u^k, k = 0..n, for u from 0 to 1. Those up
+        !> to `noise` have no sign.
+        pure subroutine find_changes(n, per_binomial, rounding, a, noise, sign_before, changes, near) &
             bind(C, name='spintop_find_changes')
             import :: c_double, c_int
-            integer(c_int), value :: n
-            real(c_double), value :: rounding
-            real(c_double), intent(in) :: share(*), a(*)
-            real(c_double), intent(inout) :: noise(*), sign(*), changes(*), near(*)
-        end subroutine c_find_changes
+            integer(c_int), value :: n !! degree
+            real(c_double), intent(in) :: per_binomial(*), a(*) !! 1 over the binomial coefficients; coefficients of the powers of u
+            real(c_double), value :: rounding !! rounding of a polynomial, in units of its terms
+            real(c_double), intent(inout) :: noise(*) !! bounds of the errors, to which the rounding of the terms is added
+            real(c_double), intent(inout) :: sign_before(*)
+                !! sign before the interval (1, -1, or 0 if unknown), replaced by the sign at its end
+            real(c_double), intent(inout) :: changes(*), near(*)
+                !! numbers of changes of sign; fractions of the interval at which a single one is
+        end subroutine find_changes
 
-        pure subroutine c_refine_root(n, iterations, still, a, u, doubt) bind(C, name='spintop_refine_root')
+        !> Refines roots by Newton's method.
+        pure subroutine refine_root(n, iterations, still, a, u, doubt) bind(C, name='spintop_refine_root')
             import :: c_double, c_int
-            integer(c_int), value :: n, iterations
-            real(c_double), value :: still
-            real(c_double), intent(in) :: a(*)
-            real(c_double), intent(inout) :: u(*), doubt(*)
-        end subroutine c_refine_root
+            integer(c_int), value :: n, iterations !! degree; number of iterations
+            real(c_double), value :: still !! length of the last from which on the root is right to rounding
+            real(c_double), intent(in) :: a(*) !! coefficients of the powers of u
+            real(c_double), intent(inout) :: u(*), doubt(*) !! approximate roots; positive where the iteration did not converge
+        end subroutine refine_root
     end interface
 
 contains
-
-    !> Changes of sign among the Bernstein coefficients of the polynomials sum of a_k u^k, k = 0..n, for u from 0 to 1. Those up
-    !> to `noise` have no sign. The first is preceded by `sign_before`, of the end of the last step (1, -1, or 0 if unknown).
-    pure subroutine find_changes(n, a, noise, sign_before, changes, near)
-        integer, intent(in) :: n !! degree
-        real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
-        real(dp), intent(inout) :: noise(lanes) !! bounds of the errors, to which the rounding of the terms is added
-        real(dp), intent(inout) :: sign_before(lanes) !! sign before the interval, replaced by the sign at its end
-        real(dp), intent(out) :: changes(lanes), near(lanes)
-            !! numbers of changes of sign; fractions of the interval at which a single one is
-        call c_find_changes(int(n, c_int), per_binomial(:, n), rounding, a, noise, sign_before, changes, near)
-    end subroutine find_changes
-
-    !> Refines roots by Newton's method.
-    pure subroutine refine_root(n, a, u, doubt)
-        integer, intent(in) :: n !! degree
-        real(dp), intent(in) :: a(lanes, 0:n) !! coefficients of the powers of u
-        real(dp), intent(inout) :: u(lanes) !! approximate roots, which are refined
-        real(dp), intent(out) :: doubt(lanes) !! positive where the iteration did not converge
-        call c_refine_root(int(n, c_int), iterations, still, a, u, doubt)
-    end subroutine refine_root
 
     !> All roots of the polynomial of one lane in rising order, by halving; `sign_before` as in `find_changes`.
     !> At most `most_roots` are found.

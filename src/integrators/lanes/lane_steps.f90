@@ -4,17 +4,21 @@ module spintop_lane_steps
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_lane_series, only: lanes, parts, rows
+    use spintop_motions, only: instants
     use spintop_stepper, only: controls_t
     use spintop_taylor, only: safety, largest_growth, smallest_spacings, stretch
     implicit none
     private
-    public :: choose_durations, add_terms, states_at, step_underflow, non_finite
+    public :: choose_durations, end_before_reversals, add_terms, states_at, step_underflow, non_finite
 
     !> Reasons for which a lane takes no step: its size underflows or no more steps are allowed; a number is
     !> not finite.
     integer(int64), parameter :: step_underflow = 1, non_finite = 2
     !> No reason. As wide as the numbers beside which they are found, so that both are in one vector.
     integer(int64), parameter :: no_reason = 0
+
+    !> A step is halved so often before a drag reverses, at the most; and once more.
+    integer, parameter :: most_halvings = 30
 
 contains
 
@@ -105,6 +109,72 @@ contains
         x = transfer(shiftl(whole - 1, mantissa), x) * (root * (1 + f * (1 + f * (1.0_dp / 2 + f * (1.0_dp / 6 &
             + f * (1.0_dp / 24 + f * (1.0_dp / 120 + f * (1.0_dp / 720))))))))
     end function power_of_two
+
+    !> Ends the coming steps before a drag reverses, as its series would go on with the drag of the old direction: where the
+    !> angular velocity turns by more than a right angle in half of the step there is none; where the velocity of a dragged centre
+    !> of mass does in an eighth of it, the step is halved. A motion that passes such a point at a distance goes on by short steps.
+    pure subroutine end_before_reversals(order, c, has_cusps, r, duration, reverses)
+        integer, intent(in) :: order !! order of the series
+        real(dp), intent(in) :: c(lanes, rows, 0:order) !! their coefficients: lane, variable, order
+        logical, intent(in) :: has_cusps(lanes) !! lanes with a drag that turns with the angular velocity at once
+        real(dp), intent(in) :: r(lanes, 3) !! centre of mass that is dragged, m; 0 if none is
+        real(dp), intent(inout) :: duration(lanes) !! coming step, s
+        logical, intent(out) :: reverses(lanes) !! lanes in which no step is short enough
+        real(dp), dimension(lanes, parts) :: middle, last
+        logical :: turns(lanes), is_halved(lanes)
+        integer :: i
+
+        call states_at(order, c, duration / 2, middle)
+        call states_at(order, c, duration, last)
+        reverses = has_cusps .and. (product_of(middle, c(:, 1:3, 0)) < 0 .or. product_of(middle, last) < 0)
+        if (.not. any(abs(r) > 0)) return
+        is_halved = .false.
+        do i = 0, most_halvings
+            call find_turns(order, c, duration, r, turns)
+            if (.not. any(turns)) exit
+            is_halved = is_halved .or. turns
+            where (turns) duration = duration / 2
+        end do
+        where (is_halved) duration = duration / 2
+        reverses = reverses .or. turns
+    end subroutine end_before_reversals
+
+    !> Whether the velocity of a dragged centre of mass turns so much.
+    pure subroutine find_turns(order, c, duration, r, turns)
+        integer, intent(in) :: order
+        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), r(lanes, 3)
+        logical, intent(out) :: turns(lanes)
+        !> Square of the sine of an angle between angular velocity and centre of mass that is lost in rounding.
+        real(dp), parameter :: lost = 1.0e-26_dp
+        real(dp) :: x(lanes, parts), v(lanes, 3), before(lanes, 3), least(lanes)
+        integer :: k
+        x(:, 1:3) = c(:, 1:3, 0)
+        before = cross_of(x, r)
+        least = -lost * product_of(x, x) * product_of(r, r)
+        turns = .false.
+        do k = 1, instants
+            call states_at(order, c, duration * k / instants, x)
+            v = cross_of(x, r)
+            turns = turns .or. product_of(v, before) < least
+            before = v
+        end do
+    end subroutine find_turns
+
+    !> Scalar products of the first three numbers in each lane.
+    pure function product_of(a, b) result(product)
+        real(dp), intent(in) :: a(lanes, 3), b(lanes, 3)
+        real(dp) :: product(lanes)
+        product = a(:, 1) * b(:, 1) + a(:, 2) * b(:, 2) + a(:, 3) * b(:, 3)
+    end function product_of
+
+    !> Vector products of these.
+    pure function cross_of(a, b) result(product)
+        real(dp), intent(in) :: a(lanes, 3), b(lanes, 3)
+        real(dp) :: product(lanes, 3)
+        product(:, 1) = a(:, 2) * b(:, 3) - a(:, 3) * b(:, 2)
+        product(:, 2) = a(:, 3) * b(:, 1) - a(:, 1) * b(:, 3)
+        product(:, 3) = a(:, 1) * b(:, 2) - a(:, 2) * b(:, 1)
+    end function cross_of
 
     !> Adds to the states their change over the steps, by Horner's rule, summed with compensation
     !> (Kahan, Comm. ACM 8, 1965). Lanes whose step has no length stay as they are.

@@ -5,23 +5,25 @@
 !> all lanes at once, several in the lanes that have them. A root at the end of a step is found once: the sign there is carried
 !> to the next.
 module spintop_lane_watch
+    use spintop_attitude, only: nearest_turn
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_constancy, only: margin
     use spintop_formulation, only: max_series_order
     use spintop_instants, only: time_of_start
     use spintop_kinds, only: dp, pi
+    use spintop_lane_azimuth, only: changes_to, largest_turn, sharp
     use spintop_lane_monitor, only: lane_monitor_t
     use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: states_at
-    use spintop_lane_turns, only: lane_turns_t
-    use spintop_motion, only: motion_t
-    use spintop_pole_passages, only: through_pole
+    use spintop_motion, only: motion_t, passages_t
+    use spintop_pole_passages, only: half_turns, through_pole
     use spintop_poles, only: polar_precession_rate, precession_is_lost
     use spintop_quantities, only: angular_acceleration
+    use spintop_series_shares, only: per_binomial
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
-    use spintop_turning_record, only: lower, turning_points_t, upper
+    use spintop_turning_record, only: interrupt, lower, turning_points_t, turns_at, upper
     use spintop_watched_quantities, only: watch_nutation_rate, watch_phi, watch_precession_rate, watch_psi, watched_t
     implicit none
     private
@@ -31,8 +33,16 @@ module spintop_lane_watch
     !> points, those of `watch_turning`, are counted.
     integer, parameter, public :: stop_motion = 1, keep_extremes = 2, count_turns = 3
 
+    !> Rates of angles: of these the largest value in magnitude is kept.
+    integer, parameter :: rates(2) = [watch_precession_rate, watch_nutation_rate]
+    !> Newton's iterations in lanes, and the length of the last from which on the root is right to rounding.
+    integer, parameter :: iterations = 3
+    real(dp), parameter :: still = 1.0e-6_dp
     !> Sine of the inclination below which body z is near a pole.
     real(dp), parameter :: near_pole = 0.03_dp
+
+    !> What an end of a motion has in place of slopes at roots.
+    real(dp), parameter :: no_slope(lanes) = 0
 
     !> A watch. One that ends motions is handed over before other monitors, which then see no more than the motion up to there.
     type, extends(lane_monitor_t) :: lane_watch_t
@@ -54,7 +64,11 @@ module spintop_lane_watch
         real(dp), dimension(lanes), private :: started = 0, goal = 0, full_turns = 0
         !> Extremes up to now, of the case in each lane.
         real(dp), dimension(lanes), private :: low = 0, high = 0
-        type(lane_turns_t), allocatable, private :: counted
+        !> Turning points up to now, with a measure in place of theta: tan(theta/2) up to a right angle, and then 2 - cot(theta/2).
+        !> Whether the start is one, and what it was.
+        type(turning_points_t), private :: counted(upper:lower, lanes) = turning_points_t()
+        logical, private :: starts_turning(lanes) = .false.
+        type(motion_t), private :: start(lanes) = motion_t()
         !> Sign of the polynomial at the end of the last step, or at the start; 0 where it is none.
         real(dp), private :: sign(lanes) = 0
         !> How large the polynomial was since the last root, where it was seen; whether it was within its noise before that root;
@@ -74,8 +88,8 @@ contains
     subroutine prepare(self, cases)
         class(lane_watch_t), intent(inout) :: self
         integer, intent(in) :: cases !! number of cases
-        if (allocated(self%turns)) deallocate (self%turns, self%counted)
-        if (self%action == count_turns) allocate (self%turns(upper:lower, cases), self%counted)
+        if (allocated(self%turns)) deallocate (self%turns)
+        if (self%action == count_turns) allocate (self%turns(upper:lower, cases))
         self%event_occurred = spread(.false., 1, cases)
         self%least = spread(0.0_dp, 1, cases)
         self%largest = self%least
@@ -91,6 +105,7 @@ contains
         type(motion_t), intent(in) :: start !! the motion at the start
         type(motion_t) :: here
         real(dp) :: value
+        integer :: i
 
         self%goal(lane) = self%of%level
         if (self%turn_by_turn) self%goal(lane) = start%angle(merge(1, 3, self%of%quantity == watch_phi))
@@ -102,26 +117,22 @@ contains
             self%started(lane) = start%t + time_of_start(body, start)
             self%full_turns(lane) = 0
         case (count_turns)
-            call self%counted%begin(lane, body, start)
+            self%counted(:, lane) = turning_points_t()
+            self%starts_turning(lane) = turns_at(start, angular_acceleration(body, start))
+            self%start(lane) = start
         case (keep_extremes)
             self%low(lane) = huge(value)
-            self%high(lane) = merge(0.0_dp, -huge(value), is_rate(self))
+            self%high(lane) = merge(0.0_dp, -huge(value), any(self%of%quantity == rates))
             if (self%of%quantity == watch_precession_rate .and. norm2(run%now%state(lane, 4:5)) <= through_pole) then
                 here = start
                 here%omega_rate = angular_acceleration(body, start)
                 value = polar_precession_rate(here)
                 if (is_finite(value)) self%high(lane) = value
             else
-                call keep_end(self, run, lane)
+                call keep(self, run, run%now%state, no_slope, [(i == lane, i=1, lanes)])
             end if
         end select
     end subroutine begin
-
-    !> Whether the quantity is the rate of an angle.
-    pure logical function is_rate(self)
-        class(lane_watch_t), intent(in) :: self
-        is_rate = self%of%quantity == watch_precession_rate .or. self%of%quantity == watch_nutation_rate
-    end function is_rate
 
     !> Finds the roots in the last step.
     subroutine observe(self, run)
@@ -136,10 +147,10 @@ contains
         if (any(run%steps == 1)) call judge(self, run, degree, a, noise)
         noise = merge(sqrt(huge(noise)), noise, self%is_constant)
         before = self%sign
-        call find_changes(degree, a, noise, self%sign, changes, u)
+        call find_changes(degree, per_binomial(:, degree), rounding, a, noise, self%sign, changes, u)
         self%far = max(self%far, abs(a(:, 0)))
         if (.not. maxval(changes) > 0) return
-        call refine_root(degree, a, u, doubt)
+        call refine_root(degree, iterations, still, a, u, doubt)
         slope = merge(self%sign, 0.0_dp, changes > 0 .and. changes < 2 .and. .not. doubt > 0)
         last = 0
         call act(self, run, degree, a, noise, u, slope, last)
@@ -209,7 +220,7 @@ contains
         case (keep_extremes)
             call keep_roots(self, run, u, slope)
         case (count_turns)
-            call self%counted%record(run, u, slope, is_noise)
+            call count_roots(self, run, u, slope, is_noise)
         end select
     end subroutine act
 
@@ -316,7 +327,7 @@ contains
         call self%of%find_values(run%now%body, x, value)
         do i = 1, lanes
             if (.not. is_wanted(i)) cycle
-            if (.not. is_rate(self)) then
+            if (all(self%of%quantity /= rates)) then
                 if (value(i) < self%low(i) .and. slope(i) >= 0) self%low(i) = value(i)
                 if (value(i) > self%high(i) .and. slope(i) <= 0) self%high(i) = value(i)
             else if (abs(value(i)) > abs(self%high(i)) .and. abs(value(i)) <= huge(value)) then
@@ -328,30 +339,129 @@ contains
         end do
     end subroutine keep
 
-    !> Keeps the value at an end of the motion in a lane.
-    pure subroutine keep_end(self, run, lane)
+    !> Counts turning points: a lower one where Gamma3' rises, an upper one where it falls. One of noise interrupts the count.
+    pure subroutine count_roots(self, run, u, slope, is_noise)
         class(lane_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
-        integer, intent(in) :: lane
-        real(dp), parameter :: none(lanes) = 0
+        real(dp), intent(in) :: u(lanes), slope(lanes)
+        logical, intent(in) :: is_noise(lanes)
+        real(dp) :: t(lanes), other(lanes), x(lanes, parts), across, measure
+        type(passages_t) :: passed(lanes)
         integer :: i
-        call keep(self, run, run%now%state, none, [(i == lane, i=1, lanes)])
-    end subroutine keep_end
+
+        t = u * (run%now%t - run%now%t_last)
+        call states_at(run%order, run%c, t, x)
+        call find_other(run, t, slope, x, other, passed)
+        do i = 1, lanes
+            if (.not. abs(slope(i)) > 0) cycle
+            associate (turns => self%counted(merge(lower, upper, slope(i) > 0), i))
+                across = x(i, 4)**2 + x(i, 5)**2
+                measure = sqrt(across) / (1 + abs(x(i, 6)))
+                call widen(turns%theta, merge(measure, 2 - measure, x(i, 6) >= 0))
+                call widen(turns%rate, (x(i, 1) * x(i, 4) + x(i, 2) * x(i, 5)) / across)
+                if (is_noise(i)) then
+                    self%starts_turning(i) = .false.
+                    call interrupt(self%counted(:, i))
+                else if (.not. turns%has_ended) then
+                    turns%last = time_and_angles(run%now%t_last(i) + t(i), run%now%side_last(i), x(i, :), other(i), passed(i))
+                    if (turns%n == 0) turns%first = turns%last
+                    turns%n = turns%n + 1
+                end if
+            end associate
+        end do
+    end subroutine count_roots
+
+    !> Widens a range to a value; what is not finite and comes first stays.
+    pure subroutine widen(range, value)
+        real(dp), intent(inout) :: range(2)
+        real(dp), intent(in) :: value
+        logical :: is_first
+        is_first = range(1) > range(2)
+        if (is_first .or. value < range(1)) range(1) = value
+        if (is_first .or. value > range(2)) range(2) = value
+    end subroutine widen
+
+    !> Time, phi and psi without the half turns at poles. Where a state is in a pole, only the other angle is known.
+    pure function time_and_angles(t, side, state, other, passed) result(values)
+        real(dp), intent(in) :: t, side, state(parts), other
+        type(passages_t), intent(in) :: passed
+        real(dp) :: values(3), half, known
+        half = state(7) / 2
+        known = other
+        if (.not. passed%arrived) known = nearest_turn(half - atan2(state(4), state(5)), other)
+        values = [t, [side * (half + known), half - known] - pi * half_turns(passed)]
+    end function time_and_angles
+
+    !> The other angle and the passages through poles at the times t after the beginning of the step, where they are wanted:
+    !> from the nearer end that it is followed from with certainty, or else by a walk.
+    pure subroutine find_other(run, t, wanted, state, other, passed)
+        type(taylor_lanes_t), intent(in) :: run
+        real(dp), intent(in) :: t(lanes), wanted(lanes), state(lanes, parts)
+        real(dp), intent(out) :: other(lanes)
+        type(passages_t), intent(out) :: passed(lanes)
+        real(dp), dimension(lanes) :: from_last, from_then, doubt
+        integer :: i
+
+        associate (now => run%now)
+            call changes_to(state, now%other_last, from_last)
+            call changes_to(state, now%other_then, from_then)
+            !$omp simd
+            do i = 1, lanes
+                other(i) = now%other_then(i) + from_then(i)
+                doubt(i) = merge(0.0_dp, 1.0_dp, .not. abs(wanted(i)) > 0 .or. (abs(from_then(i)) <= sharp &
+                                 .and. (now%t(i) - now%t_last(i) - t(i))**2 * now%rate(i) <= largest_turn**2))
+                other(i) = merge(other(i), now%other_last(i) + from_last(i), doubt(i) < 1)
+                doubt(i) = merge(0.0_dp, doubt(i), abs(from_last(i)) <= sharp &
+                                 .and. t(i)**2 * now%rate(i) <= largest_turn**2)
+            end do
+            passed = run%passed
+            do i = 1, lanes
+                if (.not. abs(wanted(i)) > 0) cycle
+                if (doubt(i) > 0 .or. run%is_in_pole(i, state(i, 4:5))) then
+                    call run%find_other_angle(i, now%t_last(i) + t(i), other(i), passed(i))
+                end if
+            end do
+        end associate
+    end subroutine find_other
+
+    !> The turning points of the case in a lane, which is at its end.
+    pure function turning_points(self, lane) result(turns)
+        class(lane_watch_t), intent(in) :: self
+        integer, intent(in) :: lane
+        type(turning_points_t) :: turns(upper:lower)
+        integer :: kind
+        turns = self%counted(:, lane)
+        do kind = upper, lower
+            if (.not. turns(kind)%theta(1) > turns(kind)%theta(2)) turns(kind)%theta = inclined(turns(kind)%theta)
+        end do
+        ! A start at a turning point is one of the other kind than the first.
+        if (.not. self%starts_turning(lane) .or. all(turns%n == 0)) return
+        kind = merge(lower, upper, turns(upper)%n == 0)
+        if (all(turns%n > 0) .and. turns(lower)%first(1) < turns(upper)%first(1)) kind = lower
+        call turns(upper + lower - kind)%add_before(self%start(lane))
+    end function turning_points
+
+    !> theta of the measure of it.
+    elemental real(dp) function inclined(measure) result(theta)
+        real(dp), intent(in) :: measure
+        theta = merge(2 * atan(measure), pi - 2 * atan(2 - measure), measure <= 1)
+    end function inclined
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, case)
         class(lane_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
         integer, intent(in) :: lane, case !! index of the lane, and of its case
+        integer :: i
         select case (self%action)
         case (stop_motion)
             self%event_occurred(case) = self%left(lane) <= 0
         case (keep_extremes)
-            call keep_end(self, run, lane)
+            call keep(self, run, run%now%state, no_slope, [(i == lane, i=1, lanes)])
             self%least(case) = self%low(lane)
             self%largest(case) = self%high(lane)
         case (count_turns)
-            self%turns(:, case) = self%counted%turning_points(lane)
+            self%turns(:, case) = turning_points(self, lane)
         end select
     end subroutine finish
 

@@ -38,7 +38,7 @@ contains
     !> body reverses (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
     !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
     !> the sizes of the arrays differ.
-    subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
+    recursive subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
         type(controls_t), intent(in) :: controls !! settings of the method
         type(body_t), intent(in) :: bodies(:) !! mass properties, one for each case
         type(motion_t), intent(in) :: starts(:) !! starts, one for each case
@@ -46,19 +46,22 @@ contains
         type(motion_t), intent(out) :: ends(:) !! motions at the end of the span, one for each case
         type(outcome_t), intent(out) :: outcomes(:) !! status, time reached and cost of each case
         type(monitor_slot_t), intent(inout), optional :: monitors(:) !! measure quantities along the motions
+        type(monitor_slot_t) :: nobody(0)
         integer :: kind(size(bodies)), i
 
+        if (.not. present(monitors)) then
+            call integrate_many(controls, bodies, starts, t_end, ends, outcomes, nobody)
+            return
+        end if
         outcomes%status = controls_status(taylor_info, controls)
         if (any([size(starts), size(t_end), size(ends), size(outcomes)] /= size(bodies))) then
             outcomes%status = status_bad_input
             return
         end if
         if (any(.not. is_ok(outcomes%status))) return
-        if (present(monitors)) then
-            do i = 1, size(monitors)
-                call monitors(i)%monitor%prepare(size(bodies))
-            end do
-        end if
+        do i = 1, size(monitors)
+            call monitors(i)%monitor%prepare(size(bodies))
+        end do
         do i = 1, size(bodies)
             outcomes(i)%status = case_status(bodies(i), starts(i), t_end(i))
             kind(i) = kind_of(bodies(i))
@@ -69,7 +72,7 @@ contains
         do while (any(kind /= refused))
             i = maxval(kind)
             call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, &
-                outcomes, monitors)
+                                outcomes, monitors)
             where (kind == i) kind = refused
         end do
     end subroutine integrate_many
@@ -95,7 +98,7 @@ contains
         kind = plain
         if (.not. allocated(body%effects)) return
         kinds = kinds_of(body)
-        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * (kinds%uniform + 2 * kinds%drags)))
+        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * kinds%drags))
     end function kind_of
 
     !> Integrates the cases with the same effects.
@@ -107,12 +110,10 @@ contains
         real(dp), intent(in) :: t_end(:)
         type(motion_t), intent(inout) :: ends(:)
         type(outcome_t), intent(inout) :: outcomes(:)
-        type(monitor_slot_t), intent(inout), optional :: monitors(:)
+        type(monitor_slot_t), intent(inout) :: monitors(:)
         type(taylor_lanes_t), target :: run
-        integer :: case_in(lanes), next, lane, i, monitor_count
+        integer :: case_in(lanes), next, lane, i
 
-        monitor_count = 0
-        if (present(monitors)) monitor_count = size(monitors)
         if (allocated(bodies(cases(1))%effects)) then
             call run%set(controls, kinds_of(bodies(cases(1))))
         else
@@ -125,7 +126,7 @@ contains
                 do while (.not. run%now%t(lane) < run%now%t_end(lane))
                     if (case_in(lane) > 0) then
                         call unload(run, lane, bodies(case_in(lane)), ends(case_in(lane)), outcomes(case_in(lane)))
-                        do i = 1, monitor_count
+                        do i = 1, size(monitors)
                             call monitors(i)%monitor%finish(run, lane, case_in(lane))
                         end do
                     end if
@@ -133,7 +134,7 @@ contains
                     if (next > size(cases)) exit
                     associate (case => cases(next))
                         call run%load(lane, bodies(case), starts(case), t_end(case))
-                        do i = 1, monitor_count
+                        do i = 1, size(monitors)
                             call monitors(i)%monitor%begin(run, lane, bodies(case), starts(case))
                         end do
                         case_in(lane) = case
@@ -147,8 +148,8 @@ contains
                 cycle
             end if
             call run%advance()
-            if (monitor_count > 0) call run%find_powers()
-            do i = 1, monitor_count
+            if (size(monitors) > 0) call run%find_powers()
+            do i = 1, size(monitors)
                 call monitors(i)%monitor%observe(run)
             end do
         end do

@@ -108,10 +108,16 @@ contains
     !> Finds the perturbations that are not zero in all lanes for ever.
     subroutine find_moving(self)
         class(tangent_lanes_t), intent(inout) :: self
-        integer :: v, free
-        free = size(self%z, 3) - size(self%change)
-        self%moving = pack([(v, v=1, size(self%z, 3))], [(.not. is_idle(self%z(:, :, v), v - free, self%change), &
-                                                          v=1, size(self%z, 3))])
+        logical :: moves(size(self%z, 3))
+        integer :: v
+        do v = 1, size(moves)
+            moves(v) = any(abs(self%z(:, :, v)) > 0)
+            if (v <= size(moves) - size(self%change)) cycle
+            associate (by => self%change(v - size(moves) + size(self%change)))
+                moves(v) = moves(v) .or. any(abs(by%coupling) + abs(by%decay) + abs(by%pull) + abs(by%swing) > 0)
+            end associate
+        end do
+        self%moving = pack([(v, v=1, size(moves))], moves)
         self%next = 0
         self%is_new = .false.
     end subroutine find_moving
@@ -135,18 +141,6 @@ contains
         excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
         excess = merge(excess, 0.0_dp, duration > 0 .and. is_ok(self%status))
     end subroutine try
-
-    !> Whether a perturbation is zero in all lanes and stays so. `forced` is its number among the forced ones.
-    pure logical function is_idle(z, forced, change)
-        real(dp), intent(in) :: z(:, :)
-        integer, intent(in) :: forced
-        type(lane_body_t), intent(in) :: change(:)
-        is_idle = .not. any(abs(z) > 0)
-        if (.not. is_idle .or. forced < 1) return
-        associate (by => change(forced))
-            is_idle = .not. any(abs(by%coupling) + abs(by%decay) + abs(by%pull) + abs(by%swing) > 0)
-        end associate
-    end function is_idle
 
     !> Propagates the perturbations over the last step in parts, in the lanes that need it; the others take `next`.
     subroutine divide(self, run, duration, excess)
@@ -205,17 +199,17 @@ contains
     pure subroutine settle(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
-        real(dp) :: along, share(lanes)
+        real(dp) :: along, per_square(lanes)
         integer :: i, v
         associate (x => run%now%state, z => self%z)
             !$omp simd
             do i = 1, lanes
-                share(i) = 1 / max(x(i, 4)**2 + x(i, 5)**2 + x(i, 6)**2, tiny(along))
+                per_square(i) = 1 / max(x(i, 4)**2 + x(i, 5)**2 + x(i, 6)**2, tiny(along))
             end do
             do v = 1, size(z, 3)
                 !$omp simd private(along)
                 do i = 1, lanes
-                    along = (x(i, 4) * z(i, 4, v) + x(i, 5) * z(i, 5, v) + x(i, 6) * z(i, 6, v)) * share(i)
+                    along = (x(i, 4) * z(i, 4, v) + x(i, 5) * z(i, 5, v) + x(i, 6) * z(i, 6, v)) * per_square(i)
                     z(i, 4, v) = z(i, 4, v) - along * x(i, 4)
                     z(i, 5, v) = z(i, 5, v) - along * x(i, 5)
                     z(i, 6, v) = z(i, 6, v) - along * x(i, 6)

@@ -15,9 +15,8 @@ module spintop_taylor_lanes
     use spintop_kernel_types, only: lane_body_t, lane_kinds_t, more_rows
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
     use spintop_lane_effects, only: lane_effects_t
-    use spintop_lane_reversals, only: end_before_reversals, find_reversals
     use spintop_lane_series, only: expand, lanes, parts, rows
-    use spintop_lane_steps, only: add_terms, choose_durations, non_finite
+    use spintop_lane_steps, only: add_terms, choose_durations, end_before_reversals, non_finite
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_pole_passages, only: in_pole, through_pole
@@ -30,7 +29,7 @@ module spintop_taylor_lanes
     public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order
 
     !> By how much of the tolerance a motion is off within some steps: measured.
-    real(dp), parameter :: share = 0.004_dp
+    real(dp), parameter :: share_of_tolerance = 0.004_dp
 
     !> Numbers per cache line.
     integer, parameter :: line = 8
@@ -114,7 +113,7 @@ contains
         integer :: first, terms, others
 
         self%controls = controls
-        self%method_noise = noise_of_tolerance(controls%relative_tolerance, share)
+        self%method_noise = noise_of_tolerance(controls%relative_tolerance, share_of_tolerance)
         self%order = lane_order(controls%relative_tolerance)
         terms = lanes * rows * (self%order + 1)
         others = 0
@@ -203,7 +202,6 @@ contains
     subroutine advance(self)
         class(taylor_lanes_t), intent(inout) :: self
         integer(int64) :: trouble(lanes), doubt(lanes), worst
-        type(lane_step_t) :: step
         logical :: reverses(lanes)
         integer :: lane
 
@@ -216,12 +214,8 @@ contains
             call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
                                   now%h, now%duration, trouble, worst)
             if (any(self%has_cusps)) then
-                call find_reversals(self%order, c, now%duration, reverses)
-                where (self%has_cusps .and. reverses) trouble = max(trouble, non_finite)
-                if (any(abs(self%dragged) > 0)) then
-                    call end_before_reversals(self%order, c, self%dragged, now%duration, reverses)
-                    where (reverses) trouble = max(trouble, non_finite)
-                end if
+                call end_before_reversals(self%order, c, self%has_cusps, self%dragged, now%duration, reverses)
+                where (reverses) trouble = max(trouble, non_finite)
                 worst = max(worst, maxval(trouble))
             end if
             if (worst > 0) call end_lanes(self, trouble)
@@ -234,8 +228,7 @@ contains
             now%other_then = now%other
             do lane = 1, merge(0, lanes, worst == 0)
                 if (doubt(lane) >= turns_far) then
-                    step = step_of(self, lane)
-                    call step%follow(c(lane, :, :), now%t(lane), now%other(lane), self%passed(lane))
+                    call self%find_other_angle(lane, now%t(lane), now%other(lane), self%passed(lane))
                     now%other_then(lane) = now%other(lane)
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
@@ -299,16 +292,6 @@ contains
         end associate
     end subroutine end_lanes
 
-    !> The last step in a lane, along which the other angle is followed.
-    pure type(lane_step_t) function step_of(self, lane) result(step)
-        class(taylor_lanes_t), intent(in) :: self
-        integer, intent(in) :: lane !! index of the lane
-        associate (now => self%now)
-            step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
-                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane))
-        end associate
-    end function step_of
-
     !> The other angle in a lane at a time within the last step, and the passages through poles up to there.
     pure subroutine find_other_angle(self, lane, t, other, passed)
         class(taylor_lanes_t), intent(in) :: self
@@ -317,9 +300,12 @@ contains
         real(dp), intent(out) :: other !! the other angle, (s phi - psi)/2, rad
         type(passages_t), intent(out) :: passed !! the passages
         type(lane_step_t) :: step
-        other = self%now%other_last(lane)
-        passed = self%passed_last(lane)
-        step = step_of(self, lane)
+        associate (now => self%now)
+            other = now%other_last(lane)
+            passed = self%passed_last(lane)
+            step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
+                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane))
+        end associate
         call step%follow(self%c(lane, :, :), t, other, passed)
     end subroutine find_other_angle
 

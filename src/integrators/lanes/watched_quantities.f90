@@ -46,6 +46,7 @@ module spintop_watched_quantities
         integer, private :: row = 4
         real(dp), dimension(lanes, 3), private :: linear = 0, squares = 0, products = 0
         real(dp), private :: threshold(lanes) = 0
+        logical, private :: is_linear = .true.
         !> What its rounding is relative to, by powers of the angular velocity; what the weight adds to that in a radian
         !> (`driven_rate`), rad/s.
         real(dp), private :: sizes(lanes, 0:2) = 0, driven(lanes) = 0
@@ -109,6 +110,7 @@ contains
             linear = body%centre_of_mass
         end select
         if (any(self%quantity == [watch_kinetic_energy, watch_energy])) squares = body%inertia / 2
+        self%is_linear = .not. any([squares, products] > 0)
         self%row = merge(1, 4, any(self%quantity == [watch_omega, watch_spin_momentum]))
         self%linear(lane, :) = linear
         self%squares(lane, :) = squares
@@ -225,39 +227,48 @@ contains
         end select
     end subroutine find_noise
 
-    !> The form, or of lower degree its derivatives. Here and below the series come as an array of known shape: behind a pointer
-    !> they would be read number by number.
+    !> The form, or of lower degree its derivatives.
     pure subroutine find_form(self, order, c, degree, power, a)
         class(watched_t), intent(in) :: self
         integer, intent(in) :: order, degree
         real(dp), intent(in) :: c(lanes, rows, 0:order), power(lanes, 0:order)
         real(dp), intent(out) :: a(lanes, 0:max_series_order)
-        real(dp) :: x(lanes, 0:max_series_order), factor
-        integer :: i, k, n
-        associate (r => self%linear, m => self%row)
-            do k = 0, order
-                !$omp simd
-                do i = 1, lanes
-                    x(i, k) = r(i, 1) * c(i, m, k) + r(i, 2) * c(i, m + 1, k) + r(i, 3) * c(i, m + 2, k)
-                end do
+        real(dp), parameter :: ones(lanes, 0:max_series_order) = 1
+        integer :: m
+        if (self%is_linear) then
+            call find_linear(order, c, self%row, self%linear, degree, power, a)
+        else
+            call find_linear(order, c, self%row, self%linear, order, ones, a)
+            do m = 1, 3
+                call add_product(order, self%squares(:, m), c, m, m, a)
+                call add_product(order, self%products(:, m), c, m, 3 + m, a)
             end do
-        end associate
-        if (any(self%squares > 0) .or. any(self%products > 0)) then
-            do i = 1, 3
-                call add_product(order, self%squares(:, i), c, i, i, x)
-                call add_product(order, self%products(:, i), c, i, 3 + i, x)
-            end do
+            a(:, :order) = a(:, :order) * power
         end if
+        if (degree == order) a(:, 0) = a(:, 0) - self%threshold
+    end subroutine find_form
+
+    !> A linear form of three rows, times powers. Here and below the series come as an array of known shape: behind a pointer they
+    !> would be read number by number.
+    pure subroutine find_linear(order, c, row, factor, degree, power, a)
+        integer, intent(in) :: order, row, degree
+        real(dp), intent(in) :: c(lanes, rows, 0:order), factor(lanes, 3), power(lanes, 0:order)
+        real(dp), intent(out) :: a(lanes, 0:max_series_order)
+        real(dp) :: of_derivative
+        integer :: i, k, m, n
         n = order - degree
-        if (n == 0) x(:, 0) = x(:, 0) - self%threshold
         do k = 0, degree
-            factor = product([(real(k + i, dp), i=1, n)])
+            of_derivative = 1
+            do m = 1, n
+                of_derivative = of_derivative * (k + m)
+            end do
             !$omp simd
             do i = 1, lanes
-                a(i, k) = factor * x(i, k + n) * power(i, k)
+                a(i, k) = of_derivative * (factor(i, 1) * c(i, row, k + n) + factor(i, 2) * c(i, row + 1, k + n) &
+                                           + factor(i, 3) * c(i, row + 2, k + n)) * power(i, k)
             end do
         end do
-    end subroutine find_form
+    end subroutine find_linear
 
     !> Adds the product of two rows of series.
     pure subroutine add_product(degree, factor, c, x, y, a)
@@ -287,7 +298,7 @@ contains
         real(dp), intent(out) :: a(lanes, 0:max_series_order)
         !> The rows of factors: xi', cos(xi), sin(xi), and what they are multiplied with.
         integer, parameter :: xi_rate = 1, with_cosine = 2, with_sine = 3, of_cosine = 4, of_sine = 5
-        real(dp) :: z(lanes, rows, 0:order), first, second, one(lanes)
+        real(dp) :: z(lanes, rows, 0:max_series_order), first, second, one(lanes)
         integer :: i, j, k
         one = 1
         z(:, with_cosine, 0) = cos(c(:, 7, 0))

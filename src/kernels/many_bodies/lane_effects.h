@@ -200,7 +200,7 @@ static void expand_affected_lanes(int order, const struct lane_kinds *which, con
                                   double *c, double *x) {
 #define try_kinds(...)                                                                                  \
     do {                                                                                                \
-        const struct lane_kinds has = {__VA_ARGS__, 0};                                                 \
+        const struct lane_kinds has = {__VA_ARGS__};                                                    \
         if (has.turns == which->turns && has.twists == which->twists && has.vibrates == which->vibrates \
             && has.drags == which->drags) {                                                             \
             expand_affected_with(&has, order, e, t, side, state, share, share_rest, c, x);              \

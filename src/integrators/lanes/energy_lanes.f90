@@ -9,7 +9,7 @@ module spintop_energy_lanes
     use spintop_kinds, only: dp, no_number
     use spintop_lane_effects, only: lane_effects_t, row_drags, row_frame, row_moment, row_push, row_torque, rows_of_drag
     use spintop_lane_monitor, only: lane_monitor_t
-    use spintop_lane_polynomials, only: multiply
+    use spintop_lane_polynomials, only: multiply, square
     use spintop_lane_series, only: rows
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
@@ -20,6 +20,13 @@ module spintop_energy_lanes
 
     !> Parts of the work: of what is linear in the angular velocity, of other drags, of the vibration, of torques, of the rotor.
     integer, parameter :: by_damping = 1, by_drag = 2, by_vibration = 3, by_torque = 4, by_rotor = 5, works = 5
+
+    !> Terms of a product of series that are taken behind the degree of both: what is left out is then less than what these
+    !> leave out.
+    integer, parameter :: further = 2
+    !> Integrals of the powers over the unit interval.
+    integer, private :: k
+    real(dp), parameter :: of_power(0:max_series_order + further) = [(1.0_dp / (k + 1), k=0, max_series_order + further)]
 
     !> Watches the energy, of bodies with effects less their work; `error_max` is the largest relative error of each case.
     type, extends(lane_monitor_t) :: energy_lanes_t
@@ -109,9 +116,9 @@ contains
         integer, intent(in) :: order
         type(lane_effects_t), intent(in) :: effects
         real(dp), intent(in) :: power(lanes, 0:order), c(lanes, rows, 0:order), more(lanes, more_rows, 0:order)
-        real(dp), dimension(lanes, 0:max_series_order) :: w, a ! of known size, on the stack
+        real(dp), dimension(lanes, 0:max_series_order + further) :: w, a ! of known size, on the stack
         real(dp) :: inertia(lanes, 3), work(lanes, works), drive(lanes)
-        integer :: m, n, next, last, d, k
+        integer :: m, n, next, last, d, i
 
         n = order - 1
         inertia = 2 * self%half_inertia
@@ -120,60 +127,82 @@ contains
                 next = 1 + mod(m, 3)
                 last = 1 + mod(next, 3)
                 work = 0
-                w(:, :n) = c(:, m, :n) * power(:, :n)
-                if (any(of%decay(:, m) > 0)) work(:, by_damping) = -of%decay(:, m) * inertia(:, m) * integral(n, w, w)
+                call take_row(n, rows, m, c, power, w)
+                if (any(of%decay(:, m) > 0)) then
+                    call square(n + further, w, a)
+                    work(:, by_damping) = -of%decay(:, m) * inertia(:, m) * mean(n + further, a)
+                end if
                 do d = 1, has%drags
-                    a(:, :n) = more(:, row_drags + rows_of_drag * (d - 1) + row_moment + m - 1, :n) * power(:, :n)
+                    call take_row(n, more_rows, row_drags + rows_of_drag * (d - 1) + row_moment + m - 1, more, power, a)
                     work(:, by_drag) = work(:, by_drag) - of%drag(d)%moment(:, m) * inertia(:, m) * integral(n, a, w)
                 end do
                 if (has%vibrates > 0) then
-                    do k = 0, n
-                        a(:, k) = (of%pull(:, m) * more(:, row_push + next - 1, k) &
-                                   - of%swing(:, m) * more(:, row_push + last - 1, k)) * power(:, k)
+                    do i = 0, n
+                        a(:, i) = (of%pull(:, m) * more(:, row_push + next - 1, i) &
+                                   - of%swing(:, m) * more(:, row_push + last - 1, i)) * power(:, i)
                     end do
+                    a(:, n + 1:n + further) = 0
                     work(:, by_vibration) = inertia(:, m) * integral(n, a, w)
                 end if
                 if (has%twists > 0) then
-                    a(:, :n) = more(:, row_torque + m - 1, :n) * power(:, :n)
+                    call take_row(n, more_rows, row_torque + m - 1, more, power, a)
                     work(:, by_torque) = of%inverse_inertia(:, m) * inertia(:, m) * integral(n, a, w)
                 end if
                 ! The constant torque is less that of the rotor, which the motion of the frame meets, too.
                 drive = of%drive(:, last, 1) * inertia(:, last)
-                work(:, by_torque) = work(:, by_torque) + (of%torque(:, m) * inertia(:, m) + drive) * mean(n, w)
-                if (has%turns > 0) w(:, :n) = w(:, :n) + more(:, row_frame + m - 1, :n) * power(:, :n)
-                work(:, by_rotor) = -drive * mean(n, w)
-                self%done = self%done + spread(power(:, 1), 2, works) * work
+                if (any(abs(of%torque(:, m)) + abs(drive) > 0)) then
+                    work(:, by_torque) = work(:, by_torque) + (of%torque(:, m) * inertia(:, m) + drive) * mean(n, w)
+                    work(:, by_rotor) = -drive * mean(n, w)
+                    if (has%turns > 0) then
+                        call take_row(n, more_rows, row_frame + m - 1, more, power, a)
+                        work(:, by_rotor) = work(:, by_rotor) - drive * mean(n, a)
+                    end if
+                end if
+                do i = 1, works
+                    self%done(:, i) = self%done(:, i) + power(:, 1) * work(:, i)
+                end do
             end do
         end associate
     end subroutine add_work
 
-    !> The integral over the unit interval of the product of two series of this degree. A few terms of the product behind that
-    !> count: what is left out is then less than what the series leave out.
+    !> The integral over the unit interval of the product of two series of this degree, behind which zeros follow.
     pure function integral(degree, x, y)
         integer, intent(in) :: degree
-        real(dp), intent(in) :: x(lanes, 0:max_series_order), y(lanes, 0:max_series_order)
-        integer, parameter :: further = 4
-        real(dp), dimension(lanes, 0:max_series_order + further) :: a, b, terms
-        real(dp) :: integral(lanes)
-        a(:, :degree) = x(:, :degree)
-        b(:, :degree) = y(:, :degree)
-        a(:, degree + 1:degree + further) = 0
-        b(:, degree + 1:degree + further) = 0
-        call multiply(degree + further, a, b, terms)
+        real(dp), dimension(lanes, 0:max_series_order + further), intent(in) :: x, y
+        real(dp) :: integral(lanes), terms(lanes, 0:max_series_order + further)
+        call multiply(degree + further, x, y, terms)
         integral = mean(degree + further, terms)
     end function integral
 
     !> The integral of a series over the unit interval.
     pure function mean(degree, x)
         integer, intent(in) :: degree
-        real(dp), intent(in) :: x(lanes, 0:degree)
+        real(dp), intent(in) :: x(lanes, 0:max_series_order + further)
         real(dp) :: mean(lanes)
-        integer :: k
+        integer :: i, n
         mean = 0
-        do k = degree, 0, -1
-            mean = mean + x(:, k) / (k + 1)
+        do n = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                mean(i) = mean(i) + of_power(n) * x(i, n)
+            end do
         end do
     end function mean
+
+    !> A row of a series over the step as the unit interval, with zeros behind it.
+    pure subroutine take_row(degree, all, row, c, power, x)
+        integer, intent(in) :: degree, all, row
+        real(dp), intent(in) :: c(lanes, all, 0:degree), power(lanes, 0:degree)
+        real(dp), intent(out) :: x(lanes, 0:max_series_order + further)
+        integer :: i, n
+        do n = 0, degree
+            !$omp simd
+            do i = 1, lanes
+                x(i, n) = c(i, row, n) * power(i, n)
+            end do
+        end do
+        x(:, degree + 1:degree + further) = 0
+    end subroutine take_row
 
     !> Adds the potential energies of the motion of the frame at the ends of the last step, -O.IO/2 - O.h.
     pure subroutine add_frame(self, order, effects, t, power, more, energy)

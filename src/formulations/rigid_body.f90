@@ -7,7 +7,7 @@ module spintop_rigid_body
     use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
-    use spintop_effects_series_quadruple, only: body_quadruple_t
+    use spintop_effects_series, only: body_quadruple_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states, structure_group, structure_split
     use spintop_motion, only: motion_t, motion_from_quaternion

@@ -8,9 +8,12 @@ PROCEDURE(expand_body, (order, body, state, share, share_rest, c), int order, co
 PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, const struct symmetric_top *top,
           const double *state, const double *share, const double *share_rest, double *c)
 
-// effects_series.h: the same with effects. `state` has q, U, G, X, Y and the momentum of the rotor.
-PROCEDURE(expand_effects, (order, e, state, pivot, share, share_rest, c, exists), int order, const struct series_effects *e,
-          const double *state, const double *pivot, const double *share, const double *share_rest, double *c, int *exists)
+// series/motion_series.h: the same of one body with effects, whose constants are set first. `table` has the terms of a torque
+// over time, `law` those of friction by a table towards smaller and larger angular velocities, after the one they are about.
+PROCEDURE(set_one, (body, constants), const struct body_numbers *body, double *constants)
+PROCEDURE(expand_effects, (order, has, constants, t, state, table, law, share, share_rest, c, exists), int order,
+          const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
+          const double *law, const double *share, const double *share_rest, double *c, int *exists)
 
 // series_terms.h: the time at which the larger of the last two terms reaches the admissible error, not finite if they are not;
 // the change after a time h, the sum of all terms but the first; the changes after several times, of one variable after the
@@ -49,10 +52,11 @@ PROCEDURE(propagate_tangents, (order, b, c, duration, pace, number, which, free,
           const struct lane_body *b, const double *c, const double *duration, const double *pace, int number, const int *which,
           int free, const struct lane_body *change, const double *before, double *after, double *whole, double *last)
 
-// lane_effects.h: the same with effects.
-PROCEDURE(expand_affected_lanes, (order, has, e, t, side, state, share, share_rest, c, x), int order,
-          const struct lane_kinds *has, const struct lane_constants *e, const double *t, const double *side,
-          const double *state, const double *share, const double *share_rest, double *c, double *x)
+// series/motion_series.h: the same with effects, whose constants are set lane by lane.
+PROCEDURE(set_lane, (body, lane, constants), const struct body_numbers *body, int lane, double *constants)
+PROCEDURE(expand_affected_lanes, (order, has, constants, t, side, state, share, share_rest, c, x), int order,
+          const struct motion_kinds *has, const double *constants, const double *t, const double *side, const double *state,
+          const double *share, const double *share_rest, double *c, double *x)
 
 // lane_products.h: products of series in lanes.
 PROCEDURE(multiply_lanes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)

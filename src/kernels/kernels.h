@@ -26,22 +26,17 @@ struct symmetric_top {
     double inertia, pull, turn_rate;
 };
 
-// Drag y z of the air, with y = (x.x)^b.
-struct drag {
-    double speed[3][half], moment[3][half]; // columns of the matrices that make x and z of the angular velocity
-    double power;                           // b
+// A body and what acts on it, for the constants of its series (top/effects.f90). Of what vibrates, in this order: the pivot,
+// and a torque in space axes and one in body axes.
+struct body_numbers {
+    double inertia[3], centre[3], damping[3], axis[3], drag_moment[3], rotor[3], drive[3], torque_body[3], torque_space[3];
+    double frame[3], amplitude[3][3], phase[3][3], rate[3];
+    double mass, gravity, friction_torque, friction_arm, smoothing, drag_exponent, drag_force, earth_rate, latitude;
 };
 
-// Constants of the equations of one body with effects.
-struct series_effects {
-    double first[numbers], second[numbers], third[numbers], turn_first[numbers], turn_second[numbers];
-    double frame[3][half];         // factors of the quaternion in its rate
-    double side_frame[2][numbers]; // factors of (Y, X) and of (G, G) in the rates of (X, Y)
-    double coupling[half], is_steady[half], inverse_inertia[half], damping[half], arm[half], frame_rate[half];
-    double torque_body[half], torque_space[half], rotor_torque[half];
-    struct drag drag[most_drags];
-    double gravity, circle; // of (X, Y), which turn by this rate beside the body where they are the motion of the pivot
-    int drags, has_sides, turns, is_driven, vibrates;
+// Which parts of the equations there are, the same in all lanes: see kernel_types.f90 and series/motion_kinds.h.
+struct motion_kinds {
+    int rotor, frame, torque, push, drags, harmonic, table, friction, law;
 };
 
 // The same for stages. The pivot's acceleration in space axes is `swing[0] cos(rate t) + swing[1] sin(rate t)`.
@@ -55,26 +50,6 @@ struct stage_effects {
 // Bodies in lanes, or changes of them: the numbers by which their motions are expanded.
 struct lane_body {
     double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes];
-};
-
-// Which effects there are, the same in all lanes.
-struct lane_kinds {
-    int turns, twists, vibrates, drags;
-};
-
-// Drag of the air in lanes: the moment -moment v.
-struct lane_drag {
-    double speed[6][lanes], moment[3][lanes], power[lanes];
-};
-
-// Constants of the equations of bodies with effects, a row of lanes for each number.
-struct lane_constants {
-    double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes], gravity[lanes];
-    double inverse_inertia[3][lanes], torque[3][lanes];
-    double rotor[2][3][lanes], drive[2][3][lanes];
-    double frame_rate[3][lanes], torque_space[3][lanes];
-    double amplitude[3][lanes], phase[3][lanes], rate[lanes];
-    struct lane_drag drag[most_drags];
 };
 
 // As Fortran calls them.

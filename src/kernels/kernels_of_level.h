@@ -15,9 +15,12 @@
 
 #include "one_body/body_series.h"
 #include "one_body/body_stages.h"
-#include "one_body/effects_series.h"
 #include "one_body/effects_stages.h"
 #include "one_body/top_series.h"
+
+#include "series/motion_kinds.h"
+#include "series/one_motion_of_level.h"
+#include "series/lane_motion_of_level.h"
 
 #include "binary_powers.h"
 
@@ -26,7 +29,6 @@
 
 #include "many_bodies/lane_vectors.h"
 
-#include "many_bodies/lane_effects.h"
 #include "many_bodies/lane_products.h"
 #include "many_bodies/lane_roots.h"
 #include "many_bodies/lane_series.h"

@@ -10,8 +10,7 @@ module spintop_body_with_effects
     use spintop_capabilities, only: max_states
     use spintop_effects, only: effects_t, timeless_effects
     use spintop_effects_action, only: effects_action_t
-    use spintop_effects_series, only: effects_series_t
-    use spintop_effects_series_quadruple, only: body_quadruple_t
+    use spintop_effects_series, only: body_quadruple_t, effects_series_t
     use spintop_effects_stages, only: effects_stages_t
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_group
     use spintop_kinds, only: dp

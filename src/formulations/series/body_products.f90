@@ -1,4 +1,4 @@
-!> Factors of the products of vectors in which the series of one body are written: body_series.h, effects_series.h.
+!> Factors of the products of vectors in which the series of one body are written: body_series.h.
 module spintop_body_products
     use spintop_body, only: body_t
     use spintop_euler_poisson, only: momentum_coupling

@@ -10,8 +10,8 @@ module spintop_many_bodies
     use spintop_effects, only: kernel_effects
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
-    use spintop_kernel_types, only: lane_kinds_t
-    use spintop_lane_effects, only: kinds_of
+    use spintop_kernel_types, only: motion_kinds_t
+    use spintop_effects_series, only: kinds_of
     use spintop_lane_monitor, only: monitor_slot_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration
@@ -94,11 +94,11 @@ contains
     !> integrated together, so that no sum of a body depends on the effects on others.
     pure integer function kind_of(body) result(kind)
         type(body_t), intent(in) :: body
-        type(lane_kinds_t) :: kinds
+        type(motion_kinds_t) :: kinds
         kind = plain
         if (.not. allocated(body%effects)) return
         kinds = kinds_of(body)
-        kind = plain + 1 + kinds%turns + 2 * (kinds%twists + 2 * (kinds%vibrates + 2 * kinds%drags))
+        kind = plain + 1 + kinds%frame + 3 * (kinds%torque + 3 * (kinds%push + 3 * (kinds%rotor + 2 * kinds%drags)))
     end function kind_of
 
     !> Integrates the cases with the same effects.

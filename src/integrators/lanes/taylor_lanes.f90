@@ -12,7 +12,7 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
-    use spintop_kernel_types, only: lane_body_t, lane_kinds_t, more_rows
+    use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
     use spintop_lane_effects, only: lane_effects_t
     use spintop_lane_series, only: expand, lanes, parts, rows
@@ -107,7 +107,7 @@ contains
     subroutine set(self, controls, kinds)
         class(taylor_lanes_t), target, intent(inout) :: self
         type(controls_t), intent(in) :: controls !! tolerances and maximum number of steps
-        type(lane_kinds_t), intent(in), optional :: kinds !! which effects all bodies have; without it they have none
+        type(motion_kinds_t), intent(in), optional :: kinds !! which effects all bodies have; without it they have none
         type(lane_numbers_t) :: empty
         integer, parameter :: bits = storage_size(1.0_dp), numbers = storage_size(empty) / bits
         integer :: first, terms, others

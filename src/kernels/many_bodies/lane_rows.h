@@ -1,7 +1,7 @@
 // The rows of the terms of motions in lanes, one number of each lane in a row, as lane_series.f90 and lane_effects.f90 have
 // them.
 
-enum { lanes = 8, rows = 9, term = lanes * rows, more_rows = 33, more = lanes * more_rows };
+enum { lanes = 8, rows = 9, term = lanes * rows, more_rows = 36, more = lanes * more_rows };
 
 // The rows of a term of the series.
 enum { w1, w2, w3, g1, g2, g3, angle, quotient, numerator };

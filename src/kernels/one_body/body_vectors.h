@@ -1,4 +1,4 @@
-// Vectors for the Taylor series of one body (body_series.h, effects_series.h): the arrangements of a term, and sums of products
+// Vectors for the Taylor series of one body (body_series.h): the arrangements of a term, and sums of products
 // of terms.
 
 // A term as the factors of its products with other terms (P momentum, G vertical, q quaternion):

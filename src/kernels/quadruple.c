@@ -1,0 +1,44 @@
+// The series of one body in quadruple precision, which no processor of today has vectors for: one build for all levels.
+
+#include <float.h>
+#include <math.h>
+
+#include "kernels.h"
+
+#if LDBL_MANT_DIG == 113
+typedef long double quadruple;
+#define of_quadruple(name) name##l
+#else
+__extension__ typedef __float128 quadruple;
+#define of_quadruple(name) name##q
+// Of libquadmath, a part of the library of gfortran, whose header not every compiler has.
+quadruple cosq(quadruple), sinq(quadruple), sqrtq(quadruple), powq(quadruple, quadruple);
+#endif
+
+#define inlined static inline
+#define for_all(i, n) for (int i = 0; i < (n); ++i)
+#define unrolled_for for
+
+// 1/k has no second number here.
+enum { exact_shares = 0 };
+struct share {
+    quadruple first, rest;
+    int is_sum;
+};
+
+#include "series/algebra_quadruple.h"
+#include "series/motion_kinds.h"
+#include "series/motion_series.h"
+#include "series/one_motion.h"
+
+void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
+                              const void *state, const double *table, const double *law, void *c, int *exists);
+
+void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
+                              const void *state, const double *table, const double *law, void *c, int *exists) {
+    struct quadruple_constants e;
+    quadruple share[highest_order], none[highest_order] = {0};
+    for_all(k, highest_order) share[k] = 1 / (quadruple)(k + 1);
+    quadruple_set(body, 0, &e);
+    *exists = quadruple_expand_with(has, 0, order, &e, t, state, table, law, share, none, c);
+}

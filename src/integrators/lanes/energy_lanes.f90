@@ -4,10 +4,11 @@
 !> of two series.
 module spintop_energy_lanes
     use spintop_body, only: body_t
+    use spintop_effects_series, only: has_drag_moment, numbers_of
     use spintop_formulation, only: max_series_order
-    use spintop_kernel_types, only: more_rows
+    use spintop_kernel_types, only: body_numbers_t, more_rows, most_drags, motion_kinds_t
     use spintop_kinds, only: dp, no_number
-    use spintop_lane_effects, only: lane_effects_t, row_drags, row_frame, row_moment, row_push, row_torque, rows_of_drag
+    use spintop_lane_effects, only: row_drags, row_frame, row_moment, row_push, row_torque, rows_of_drag
     use spintop_lane_monitor, only: lane_monitor_t
     use spintop_lane_polynomials, only: multiply, square
     use spintop_lane_series, only: rows
@@ -32,9 +33,13 @@ module spintop_energy_lanes
     type, extends(lane_monitor_t) :: energy_lanes_t
         real(dp), allocatable :: error_max(:)
         !> Half the moments of inertia, and the torque of gravity, both over the scale of the energy; the energy at the start,
-        !> likewise.
+        !> and 1, likewise.
         real(dp), dimension(lanes, 3), private :: half_inertia = 0, moment = 0
-        real(dp), dimension(lanes), private :: at_start = 0, largest = 0
+        real(dp), dimension(lanes), private :: at_start = 0, largest = 0, per_scale = 0
+        !> Of effects, likewise: the coefficients of damping and of drags, m r, the torque in body axes, the angular momentum of
+        !> the rotor at the start and its rate.
+        real(dp), dimension(lanes, 3), private :: damping = 0, arm = 0, torque = 0, rotor = 0, drive = 0
+        real(dp), private :: drag(lanes, 3, most_drags) = 0
         !> The work so far by its parts, likewise.
         real(dp), private :: done(lanes, works) = 0
     contains
@@ -64,6 +69,7 @@ contains
         scale = energy_scale(body, start)
         self%half_inertia(lane, :) = body%inertia / 2 / scale
         self%moment(lane, :) = body%weight_moment() / scale
+        if (allocated(body%effects)) call set_effects(self, lane, body, scale)
         self%done(lane, :) = 0
         self%largest(lane) = 0
         call find_energies(self, run, energy)
@@ -71,6 +77,25 @@ contains
         ! That of the frame counts with effects.
         if (allocated(body%effects)) self%at_start(lane) = (kinetic_energy(body, start) + potential_energy(body, start)) / scale
     end subroutine begin
+
+    !> Sets the constants of effects.
+    subroutine set_effects(self, lane, body, scale)
+        class(energy_lanes_t), intent(inout) :: self
+        integer, intent(in) :: lane
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: scale !! of the energy, J
+        type(body_numbers_t) :: of
+        of = numbers_of(body)
+        self%per_scale(lane) = 1 / scale
+        self%damping(lane, :) = of%damping / scale
+        if (.not. has_drag_moment(body%effects)) self%damping(lane, :) = (of%damping + of%drag_moment) / scale
+        self%drag(lane, :, 1) = of%drag_moment / scale
+        self%drag(lane, :, 2) = of%drag_force / scale
+        self%arm(lane, :) = of%mass * of%centre / scale
+        self%torque(lane, :) = of%torque_body / scale
+        self%rotor(lane, :) = of%rotor / scale
+        self%drive(lane, :) = of%drive / scale
+    end subroutine set_effects
 
     !> Records the errors at the ends of the last step.
     subroutine observe(self, run)
@@ -80,8 +105,8 @@ contains
         integer :: i
         call find_energies(self, run, energy)
         if (allocated(run%effects)) then
-            call add_work(self, run%order, run%effects, run%power, run%c, run%more)
-            if (run%effects%kinds%turns > 0) call add_frame(self, run%order, run%effects, run%now%t, run%power, run%more, energy)
+            call add_work(self, run%order, run%effects%kinds, run%power, run%c, run%more)
+            if (run%effects%kinds%frame > 0) call add_frame(self, run%order, run%now%t, run%power, run%more, energy)
             work = sum(self%done, dim=2)
             energy = self%at_start + (energy - self%at_start - work) / max(1.0_dp, sum(abs(self%done), dim=2))
         end if
@@ -109,60 +134,57 @@ contains
         end associate
     end subroutine find_energies
 
-    !> Adds the work over the last step: that of what makes the angular acceleration a is the integral of I a.omega. `more` has the
-    !> rows of effects.
-    pure subroutine add_work(self, order, effects, power, c, more)
+    !> Adds the work over the last step, the integral of the moments times omega. `more` has the rows of effects.
+    pure subroutine add_work(self, order, has, power, c, more)
         class(energy_lanes_t), intent(inout) :: self
         integer, intent(in) :: order
-        type(lane_effects_t), intent(in) :: effects
+        type(motion_kinds_t), intent(in) :: has
         real(dp), intent(in) :: power(lanes, 0:order), c(lanes, rows, 0:order), more(lanes, more_rows, 0:order)
         real(dp), dimension(lanes, 0:max_series_order + further) :: w, a ! of known size, on the stack
-        real(dp) :: inertia(lanes, 3), work(lanes, works), drive(lanes)
+        real(dp) :: work(lanes, works), turn(lanes)
         integer :: m, n, next, last, d, i
 
         n = order - 1
-        inertia = 2 * self%half_inertia
-        associate (of => effects%of, has => effects%kinds)
-            do m = 1, 3
-                next = 1 + mod(m, 3)
-                last = 1 + mod(next, 3)
-                work = 0
-                call take_row(n, rows, m, c, power, w)
-                if (any(of%decay(:, m) > 0)) then
-                    call square(n + further, w, a)
-                    work(:, by_damping) = -of%decay(:, m) * inertia(:, m) * mean(n + further, a)
-                end if
-                do d = 1, has%drags
-                    call take_row(n, more_rows, row_drags + rows_of_drag * (d - 1) + row_moment + m - 1, more, power, a)
-                    work(:, by_drag) = work(:, by_drag) - of%drag(d)%moment(:, m) * inertia(:, m) * integral(n, a, w)
-                end do
-                if (has%vibrates > 0) then
-                    do i = 0, n
-                        a(:, i) = (of%pull(:, m) * more(:, row_push + next - 1, i) &
-                                   - of%swing(:, m) * more(:, row_push + last - 1, i)) * power(:, i)
-                    end do
-                    a(:, n + 1:n + further) = 0
-                    work(:, by_vibration) = inertia(:, m) * integral(n, a, w)
-                end if
-                if (has%twists > 0) then
-                    call take_row(n, more_rows, row_torque + m - 1, more, power, a)
-                    work(:, by_torque) = of%inverse_inertia(:, m) * inertia(:, m) * integral(n, a, w)
-                end if
-                ! The constant torque is less that of the rotor, which the motion of the frame meets, too.
-                drive = of%drive(:, last, 1) * inertia(:, last)
-                if (any(abs(of%torque(:, m)) + abs(drive) > 0)) then
-                    work(:, by_torque) = work(:, by_torque) + (of%torque(:, m) * inertia(:, m) + drive) * mean(n, w)
-                    work(:, by_rotor) = -drive * mean(n, w)
-                    if (has%turns > 0) then
-                        call take_row(n, more_rows, row_frame + m - 1, more, power, a)
-                        work(:, by_rotor) = work(:, by_rotor) - drive * mean(n, a)
-                    end if
-                end if
-                do i = 1, works
-                    self%done(:, i) = self%done(:, i) + power(:, 1) * work(:, i)
-                end do
+        do m = 1, 3
+            next = 1 + mod(m, 3)
+            last = 1 + mod(next, 3)
+            work = 0
+            call take_row(n, rows, m, c, power, w)
+            if (any(self%damping(:, m) > 0)) then
+                call square(n + further, w, a)
+                work(:, by_damping) = -self%damping(:, m) * mean(n + further, a)
+            end if
+            do d = 1, most_drags
+                if (.not. btest(has%drags, d - 1)) cycle
+                call take_row(n, more_rows, row_drags + rows_of_drag * (d - 1) + row_moment + m - 1, more, power, a)
+                work(:, by_drag) = work(:, by_drag) - self%drag(:, m, d) * integral(n, a, w)
             end do
-        end associate
+            if (has%push > 0) then
+                do i = 0, n
+                    a(:, i) = (self%arm(:, last) * more(:, row_push + next - 1, i) &
+                               - self%arm(:, next) * more(:, row_push + last - 1, i)) * power(:, i)
+                end do
+                a(:, n + 1:n + further) = 0
+                work(:, by_vibration) = integral(n, a, w)
+            end if
+            if (has%torque > 0) then
+                call take_row(n, more_rows, row_torque + m - 1, more, power, a)
+                work(:, by_torque) = self%per_scale * integral(n, a, w)
+            end if
+            if (has%rotor > 0) then
+                turn = mean(n, w)
+                work(:, by_torque) = work(:, by_torque) + self%torque(:, m) * turn
+                ! The drive of the rotor meets the motion of the frame, too.
+                if (has%frame > 0) then
+                    call take_row(n, more_rows, row_frame + m - 1, more, power, a)
+                    turn = turn + mean(n, a)
+                end if
+                work(:, by_rotor) = -self%drive(:, m) * turn
+            end if
+            do i = 1, works
+                self%done(:, i) = self%done(:, i) + power(:, 1) * work(:, i)
+            end do
+        end do
     end subroutine add_work
 
     !> The integral over the unit interval of the product of two series of this degree, behind which zeros follow.
@@ -205,20 +227,16 @@ contains
     end subroutine take_row
 
     !> Adds the potential energies of the motion of the frame at the ends of the last step, -O.IO/2 - O.h.
-    pure subroutine add_frame(self, order, effects, t, power, more, energy)
+    pure subroutine add_frame(self, order, t, power, more, energy)
         class(energy_lanes_t), intent(in) :: self
         integer, intent(in) :: order
-        type(lane_effects_t), intent(in) :: effects
         real(dp), intent(in) :: t(lanes), power(lanes, 0:order), more(lanes, more_rows, 0:order)
         real(dp), intent(inout) :: energy(lanes)
         real(dp) :: frame(lanes)
-        integer :: m, last
+        integer :: m
         do m = 1, 3
-            last = 1 + mod(m + 1, 3)
             frame = sum(more(:, row_frame + m - 1, :) * power, dim=2)
-            associate (h => effects%of%rotor(:, last, 1), rate => effects%of%drive(:, last, 1))
-                energy = energy - frame * (self%half_inertia(:, m) * frame + 2 * self%half_inertia(:, last) * (h + t * rate))
-            end associate
+            energy = energy - frame * (self%half_inertia(:, m) * frame + self%rotor(:, m) + t * self%drive(:, m))
         end do
     end subroutine add_frame
 

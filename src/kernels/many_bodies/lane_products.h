@@ -94,7 +94,7 @@ static void multiply_slopes(int degree, const double *x, const double *y, double
 }
 
 // The component of a vector along an axis.
-inlined vector along(const double *axis, const double *x) {
+inlined vector inner(const double *axis, const double *x) {
     return get(axis, 0) * get(x, 0) + get(axis, 1) * get(x, 1) + get(axis, 2) * get(x, 2);
 }
 
@@ -111,14 +111,14 @@ static void find_force_slopes(int degree, const double *axes, const double *arm,
         const double *const across[] = {w[0] + lane, w[1] + lane}, *const force[] = {f[0] + lane, f[1] + lane, f[2] + lane};
         vector rate[3], now[2], next[2];
 
-        for_all(m, 3) rate[m] = along(axis[m], c + lane + lanes * w1);
+        for_all(m, 3) rate[m] = inner(axis[m], c + lane + lanes * w1);
         for (int k = 0; k <= last; ++k) {
             const double *const here = c + term * k + lane;
             const vector scale = get(power + lane, k);
             vector vertical[3], ahead[3];
             for_all(m, 3) {
-                vertical[m] = weight * along(axis[m], here + lanes * g1);
-                ahead[m] = along(axis[m], here + term + lanes * w1);
+                vertical[m] = weight * inner(axis[m], here + lanes * g1);
+                ahead[m] = inner(axis[m], here + term + lanes * w1);
             }
             put(f[0] + lane, k, scale * (vertical[0] + (k + 1) * length * ahead[1]));
             put(f[1] + lane, k, scale * (vertical[1] - (k + 1) * length * ahead[0]));

@@ -6,7 +6,7 @@
 !> 12, 1986). Up to level m this takes m(m+1)/2 function evaluations per step, for any number of samples.
 module spintop_dense_output
     use spintop_kinds, only: dp
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_lapack, only: dgetrf, dgetrs
     use spintop_motions, only: instants
     use spintop_status, only: is_ok
@@ -73,9 +73,8 @@ contains
 
     !> Computes the polynomial of the last step of `run`, which began with the slope `slope_last`. If a slope
     !> inside does not exist, the degree reached so far is kept.
-    subroutine fit(self, formulation, run, slope_last)
+    subroutine fit(self, run, slope_last)
         class(dense_output_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(run_state_t), intent(inout) :: run !! state of the run
         real(dp), intent(in) :: slope_last(max_states) !! slope at the beginning of the step
         real(dp) :: h, slope(max_states), conditions(max_unknowns, max_states)
@@ -89,7 +88,7 @@ contains
             conditions(1, :) = run%y - run%y_last - h * slope_last
             conditions(2, :) = h * (run%slope - slope_last)
             do node = 1, level
-                call run%evaluate(formulation, run%t_last + h * place(node, level), &
+                call run%evaluate(run%t_last + h * place(node, level), &
                                    self%at(place(node, level)), slope, status)
                 if (.not. is_ok(status)) return
                 conditions(node + 2, :) = h * (slope - slope_last)

@@ -39,19 +39,17 @@ module spintop_fixed_step
     abstract interface
         !> A step of the size `h` to the time `t_new`. After `status_outside`, which leaves the state as it is,
         !> a shorter one is tried.
-        subroutine try_step(self, formulation, h, t_new, status)
+        subroutine try_step(self, h, t_new, status)
             import :: grid_stepper_t, formulation_t, dp
             class(grid_stepper_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             real(dp), intent(in) :: h, t_new !! size of the step, and the time at its end, s
             integer, intent(out) :: status !! `status_ok`, or why there is no such step
         end subroutine try_step
 
         !> Change of the state over a time `h`. `slope` is the slope for methods whose steps start from it.
-        subroutine step(self, formulation, h, change, status)
+        subroutine step(self, h, change, status)
             import :: fixed_step_t, formulation_t, dp, max_states
             class(fixed_step_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             real(dp), intent(in) :: h !! step size, s
             real(dp), intent(out) :: change(max_states) !! change of the state
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -67,23 +65,21 @@ contains
     end function starts_from_slope
 
     !> Evaluates the first slope and, for a fixed step size, sets the size.
-    subroutine begin_on_grid(self, formulation, status)
+    subroutine begin_on_grid(self, status)
         class(grid_stepper_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         if (self%controls%steps > 0) self%h = (self%t_end - self%t_begin) / self%controls%steps
-        call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        call self%evaluate(self%t, self%y, self%slope, status)
     end subroutine begin_on_grid
 
     !> One step: on the grid, or ever shorter ones where the equations end.
-    subroutine advance_on_grid(self, formulation, status)
+    subroutine advance_on_grid(self, status)
         class(grid_stepper_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, t_new
 
-        h = min(self%h, longest_step(formulation, self%y))
+        h = min(self%h, longest_step(self%formulation, self%y))
         if (h < self%h) self%grid = off_grid
         do
             if (self%grid == off_grid) then
@@ -93,7 +89,7 @@ contains
                 self%grid = self%grid + 1
                 t_new = grid_time(self)
             end if
-            call self%try_step(formulation, h, t_new, status)
+            call self%try_step(h, t_new, status)
             if (status /= status_outside) return
             self%grid = off_grid
             h = h / 2
@@ -111,26 +107,25 @@ contains
     end function longest_step
 
     !> A step by the formula of the method. A method that starts from the slope needs one at the end, too.
-    subroutine try_formula(self, formulation, h, t_new, status)
+    subroutine try_formula(self, h, t_new, status)
         class(fixed_step_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: change(max_states), slope(max_states)
         logical :: changed, sloped
 
         sloped = starts_from_slope(self)
-        call self%step(formulation, h, change, status)
+        call self%step(h, change, status)
         ! Not with is_finite, as in `evaluate`.
         if (is_ok(status) .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
         if (is_ok(status) .and. sloped) then
-            call self%evaluate(formulation, t_new, self%y + (change + self%rest), slope, status)
+            call self%evaluate(t_new, self%y + (change + self%rest), slope, status)
         end if
         if (status == status_outside) self%counts%rejected = self%counts%rejected + 1
         if (.not. is_ok(status)) return
-        call self%accept_change(formulation, t_new, change, changed)
+        call self%accept_change(t_new, change, changed)
         if (.not. sloped) return
-        if (changed) call self%evaluate(formulation, t_new, self%y, slope, status)
+        if (changed) call self%evaluate(t_new, self%y, slope, status)
         self%slope = slope
     end subroutine try_formula
 
@@ -145,41 +140,38 @@ contains
     end function grid_time
 
     !> The state within the last step, to the order of the method (at least 4, at most 8).
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(fixed_step_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
 
         y = self%y
-        call fit_step(self, formulation)
+        call fit_step(self)
         y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
     end function state_within
 
     !> The states at several times within the last step, all by the same instructions.
-    subroutine states_within(self, formulation, t, y)
+    subroutine states_within(self, t, y)
         class(fixed_step_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
 
         y = 0
-        call fit_step(self, formulation)
+        call fit_step(self)
         call self%dense%at_several((t - self%t_last) / (self%t - self%t_last), y)
     end subroutine states_within
 
     !> Fits the polynomial of the last step, if this was not done yet.
-    subroutine fit_step(self, formulation)
+    subroutine fit_step(self)
         class(fixed_step_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         integer :: status
         if (is_equal(self%t_fitted, self%t)) return
         if (.not. starts_from_slope(self)) then
-            call self%evaluate(formulation, self%t_last, self%y_last, self%slope_last, status)
-            call self%evaluate(formulation, self%t, self%y, self%slope, status)
+            call self%evaluate(self%t_last, self%y_last, self%slope_last, status)
+            call self%evaluate(self%t, self%y, self%slope, status)
         end if
         call self%dense%set_order(self%order())
-        call self%dense%fit(formulation, self%run_state_t, self%slope_last)
+        call self%dense%fit(self%run_state_t, self%slope_last)
         self%t_fitted = self%t
     end subroutine fit_step
 

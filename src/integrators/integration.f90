@@ -70,6 +70,7 @@ contains
         if (.not. is_ok(outcome%status)) return
         ends = .false.
         allocate (method, source=stepper)
+        method%formulation => formulation
         method%t_end = t_end
         run%formulation => formulation
         run%method => method
@@ -85,9 +86,9 @@ contains
                 exit
             end if
             if (allocated(run%segments)) then
-                call run%segments%advance(formulation, method, run%stepper, status)
+                call run%segments%advance(method, run%stepper, status)
             else
-                call method%advance(formulation, status)
+                call method%advance(status)
             end if
             if (is_ok(status) .and. present(search)) then
                 call run%find_events_in_step(status, ends)

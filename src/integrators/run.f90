@@ -78,7 +78,7 @@ contains
 
         associate (formulation => self%formulation, stepper => self%method)
             call formulation%prepare(body, start, stepper%y, status)
-            if (is_ok(status)) call check_start(formulation, stepper, status)
+            if (is_ok(status)) call check_start(stepper, status)
             if (.not. is_ok(status)) return
             call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
             if (allocated(formulation%action)) then
@@ -87,6 +87,7 @@ contains
             is_idle = .not. self%observer%counts_turns
             if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
+            self%follower%formulation => formulation
             if (.not. is_idle) self%follower%reach = reach_of(body, start)
             if (stepper%controls%steps > 0) then
                 self%error_of_step = margin * noise_of_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
@@ -98,14 +99,13 @@ contains
             if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
             call self%observe_until(0.0_dp)
             call self%leave_rest()
-            call stepper%begin(formulation, status)
+            call stepper%begin(status)
             call self%observe_until(stepper%t)
             if (is_ok(status) .and. allocated(formulation%action)) then
                 allocate (self%segments)
-                call self%segments%begin(formulation, stepper, self%stepper, status)
+                call self%segments%begin(stepper, self%stepper, status)
             end if
             if (.not. associated(self%search)) return
-            self%path%formulation => self%formulation
             if (self%account%is_open) self%path%account => self%account
             if (stepper%controls%steps > 0) then
                 self%search%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, &
@@ -113,7 +113,7 @@ contains
             else
                 self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
             end if
-            call self%search%begin(body, self%follower%motion(formulation))
+            call self%search%begin(body, self%follower%motion())
             call self%search%judge(body, start)
         end associate
     end subroutine begin_run
@@ -133,8 +133,8 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of an end (spintop_status)
         logical, intent(out) :: ends !! whether the run ends here
         ends = .false.
-        if (self%account%is_open) call self%account%go_to(self%formulation, self%stepper, self%stepper%t)
-        call self%segments%end_step(self%formulation, self%method, self%stepper, status)
+        if (self%account%is_open) call self%account%go_to(self%stepper, self%stepper%t)
+        call self%segments%end_step(self%method, self%stepper, status)
         ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
         self%account%t = max(self%account%t, self%stepper%t)
         if (is_ok(status) .and. self%segments%passes_jump) call self%observe_until(self%stepper%t)
@@ -148,7 +148,7 @@ contains
         type(motion_t) :: motion
         ends = .false.
         associate (stepper => self%stepper)
-            if (stepper%t > self%follower%t) call self%follower%go_to(self%formulation, stepper%t, stepper%y)
+            if (stepper%t > self%follower%t) call self%follower%go_to(stepper%t, stepper%y)
             if (associated(self%search)) then
                 motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
@@ -204,14 +204,14 @@ contains
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
                 if (abs(samples(next) - t) <= self%slack) then
-                    call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
+                    call self%follower%walk_to(stepper, stepper%t, stepper%y)
                     call self%observe()
                 else if (steps == 0) then
                     call self%observe_within(samples(next))
                 end if
                 next = next + 1
             end do
-            call self%follower%walk_to(self%formulation, stepper, stepper%t, stepper%y)
+            call self%follower%walk_to(stepper, stepper%t, stepper%y)
             if (self%observer%sees_steps .and. self%shown < stepper%t) call self%observe()
         end associate
         call self%set_due()
@@ -233,8 +233,8 @@ contains
     subroutine observe_within(self, t)
         class(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        call self%follower%walk_to(self%formulation, self%stepper, t, &
-                                   self%stepper%interpolate(self%formulation, t))
+        call self%follower%walk_to(self%stepper, t, &
+                                   self%stepper%interpolate(t))
         call self%observe()
     end subroutine observe_within
 
@@ -242,7 +242,7 @@ contains
     subroutine observe(self)
         class(run_t), intent(inout) :: self
         if (self%account%is_open) then
-            call self%account%go_to(self%formulation, self%stepper, self%follower%t)
+            call self%account%go_to(self%stepper, self%follower%t)
             self%observer%work = self%account%total
         end if
         self%observer%given_angle = self%follower%given_angle
@@ -251,12 +251,11 @@ contains
     end subroutine observe
 
     !> Checks that the derivative exists at the start.
-    subroutine check_start(formulation, stepper, status)
-        class(formulation_t), intent(in) :: formulation
+    subroutine check_start(stepper, status)
         class(stepper_t), intent(inout) :: stepper
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: slope(max_states)
-        call stepper%evaluate(formulation, stepper%t, stepper%y, slope, status)
+        call stepper%evaluate(stepper%t, stepper%y, slope, status)
     end subroutine check_start
 
     !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
@@ -299,7 +298,7 @@ contains
         time = t
         y_then = self%stepper%y
         call self%formulation%depart(y_then, time, unused)
-        call self%follower%go_to(self%formulation, t, y_then)
+        call self%follower%go_to(t, y_then)
         call self%observe()
     end subroutine observe_departure
 
@@ -325,7 +324,7 @@ contains
             stepper%y = y
             stepper%t = stepper%t + left
             status = status_turning_point
-            call self%follower%go_to(formulation, stepper%t, stepper%y)
+            call self%follower%go_to(stepper%t, stepper%y)
             call self%observe()
         end associate
     end subroutine check_arrival

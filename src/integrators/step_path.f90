@@ -25,6 +25,7 @@ module spintop_step_path
         !> How far off the motion may be, rad.
         real(dp) :: error = 0
         type(passages_t) :: passed = passages_t(), given_passed = passages_t()
+        class(formulation_t), pointer :: formulation => null()
     contains
         procedure :: go_to
         procedure :: walk_to
@@ -33,7 +34,6 @@ module spintop_step_path
 
     !> The motion within the last step, by dense output.
     type, extends(path_t) :: step_path_t
-        class(formulation_t), pointer :: formulation => null()
         class(stepper_t), pointer :: stepper => null()
         !> The work of effects up to the start of the step, if it is wanted.
         type(work_account_t), pointer :: account => null()
@@ -62,8 +62,8 @@ contains
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        call follower%walk_to(self%formulation, self%stepper, t, self%stepper%interpolate(self%formulation, t))
-        motion = follower%motion(self%formulation)
+        call follower%walk_to(self%stepper, t, self%stepper%interpolate(t))
+        motion = follower%motion()
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
 
@@ -73,7 +73,7 @@ contains
         real(dp), intent(in) :: t !! time within the last step, s
         type(motion_t), intent(out) :: motion !! the motion at that time
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        motion = self%formulation%motion_without_angles(t, self%stepper%interpolate(self%formulation, t))
+        motion = self%stepper%formulation%motion_without_angles(t, self%stepper%interpolate(t))
         motion%given_angle = self%seen(1)%given_angle
     end subroutine attitude_in_step
 
@@ -85,8 +85,8 @@ contains
         type(motions_t), intent(out) :: motions !! the motion at these times
         real(dp) :: y(instants, max_states)
         self%stepper%counts%looks = self%stepper%counts%looks + used
-        call self%stepper%states_within(self%formulation, t, y)
-        call self%formulation%find_motions(t, y, motions)
+        call self%stepper%states_within(t, y)
+        call self%stepper%formulation%find_motions(t, y, motions)
     end subroutine attitudes_in_step
 
     !> Begins with the last step, at the beginning of which the angles are known. Where it is a series its terms bound the
@@ -100,10 +100,10 @@ contains
         self%seen = follower
         change = stepper%bound_of_changes()
         self%greatest_rate = 0
-        associate (first => self%formulation%momentum)
+        associate (first => stepper%formulation%momentum)
             if (first == 0 .or. .not. all(change < huge(change))) return
             self%greatest_rate = sqrt(sum(((abs(stepper%y_last(first:first + 2)) + change(first:first + 2)) &
-                                           / self%formulation%body%inertia)**2))
+                                           / stepper%formulation%body%inertia)**2))
         end associate
     end subroutine begin_step
 
@@ -116,7 +116,7 @@ contains
         work = 0
         if (.not. associated(self%account)) return
         account = self%account
-        call account%go_to(self%formulation, self%stepper, t)
+        call account%go_to(self%stepper, t)
         work = account%total
     end function work_in_step
 
@@ -127,13 +127,12 @@ contains
     end function step_is_spent
 
     !> Moves to a later time and state.
-    subroutine go_to(self, formulation, t, y)
+    subroutine go_to(self, t, y)
         class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
         logical :: sure
-        call try(self, formulation, t, y, there, sure)
+        call try(self, t, y, there, sure)
         call copy_from(self, there)
     end subroutine go_to
 
@@ -151,9 +150,8 @@ contains
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
-    recursive subroutine walk_to(self, formulation, stepper, t, y)
+    recursive subroutine walk_to(self, stepper, t, y)
         class(follower_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
@@ -165,7 +163,7 @@ contains
             self%y = y
             return
         end if
-        call try(self, formulation, t, y, there, sure)
+        call try(self, t, y, there, sure)
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
                                .or. stepper%is_spent()
         if (sure) then
@@ -173,15 +171,14 @@ contains
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
-            call self%walk_to(formulation, stepper, middle, stepper%interpolate(formulation, middle))
-            call self%walk_to(formulation, stepper, t, y)
+            call self%walk_to(stepper, middle, stepper%interpolate(middle))
+            call self%walk_to(stepper, t, y)
         end if
     end subroutine walk_to
 
     !> The follower at a later time and state.
-    subroutine try(self, formulation, t, y, there, sure)
+    subroutine try(self, t, y, there, sure)
         class(follower_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
         type(follower_t), intent(out) :: there
         logical, intent(out) :: sure  !! whether the turns are certain
@@ -194,32 +191,31 @@ contains
         there%y = y
         sure = .true.
         if (self%is_idle) return
-        call formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
+        call self%formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
         if (is_at_pole(sure, beside, self%passed, self%reach(1))) then
-            call settle_angles(formulation%motion_without_angles(self%t, self%y), &
-                               formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
+            call settle_angles(self%formulation%motion_without_angles(self%t, self%y), &
+                               self%formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
                                there%angle, sure)
         end if
         ! Coordinates that are singular there keep their side of a pole. A plane motion passes through it.
-        if (formulation%attitude > 0 .and. self%reach(1) <= through_pole) then
-            call there%passed%watch(square_to_pole(y(formulation%attitude:formulation%attitude + 3)), self%error)
+        if (self%formulation%attitude > 0 .and. self%reach(1) <= through_pole) then
+            call there%passed%watch(square_to_pole(y(self%formulation%attitude:self%formulation%attitude + 3)), self%error)
         end if
-        if (formulation%body%given%differ) call try_given(self, formulation, there, sure)
+        if (self%formulation%body%given%differ) call try_given(self, there, sure)
     end subroutine try
 
     !> The same for the angles in the axes of the input.
-    subroutine try_given(self, formulation, there, sure)
+    subroutine try_given(self, there, sure)
         class(follower_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation
         type(follower_t), intent(inout) :: there
         logical, intent(inout) :: sure
         type(motion_t) :: last, next
         logical :: also_sure
-        last = formulation%motion_without_angles(self%t, self%y)
+        last = self%formulation%motion_without_angles(self%t, self%y)
         last%given_angle = self%given_angle
         last%given_passed = self%given_passed
-        next = formulation%motion_without_angles(there%t, there%y)
-        call formulation%body%given%follow(last, next, self%reach(2), also_sure, &
+        next = self%formulation%motion_without_angles(there%t, there%y)
+        call self%formulation%body%given%follow(last, next, self%reach(2), also_sure, &
                                            merge(self%error, 0.0_dp, self%reach(2) <= through_pole))
         there%given_angle = next%given_angle
         there%given_passed = next%given_passed
@@ -227,10 +223,9 @@ contains
     end subroutine try_given
 
     !> The motion at the time of the follower.
-    type(motion_t) function motion_of_follower(self, formulation) result(motion)
+    type(motion_t) function motion_of_follower(self) result(motion)
         class(follower_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        motion = formulation%motion(self%t, self%y, self%angle)
+        motion = self%formulation%motion(self%t, self%y, self%angle)
         ! In a pole the attitude does not tell phi and psi.
         if (self%passed%arrived) motion%angle(1:3:2) = self%angle(1:3:2)
         motion%given_angle = self%given_angle

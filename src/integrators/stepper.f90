@@ -92,6 +92,8 @@ module spintop_stepper
 
     !> The state of a run.
     type :: run_state_t
+        !> The equations of motion, prepared for body and start.
+        class(formulation_t), pointer :: formulation => null()
         !> The span, s.
         real(dp) :: t_begin = 0, t_end = 0
         !> Current time and state, and the slope y' there.
@@ -137,26 +139,23 @@ module spintop_stepper
 
     abstract interface
         !> Begins a run at the time `t` in the state `y`, set by the caller with the span.
-        subroutine begin(self, formulation, status)
-            import :: stepper_t, formulation_t
+        subroutine begin(self, status)
+            import :: stepper_t
             class(stepper_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine begin
 
         !> Takes one step, never beyond `t_end`. On failure the state is the last valid one.
-        subroutine advance(self, formulation, status)
-            import :: stepper_t, formulation_t
+        subroutine advance(self, status)
+            import :: stepper_t
             class(stepper_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         end subroutine advance
 
         !> The state at a time before the end of the last step.
-        function state_within(self, formulation, t) result(y)
-            import :: stepper_t, formulation_t, dp, max_states
+        function state_within(self, t) result(y)
+            import :: stepper_t, dp, max_states
             class(stepper_t), intent(inout) :: self
-            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
             real(dp), intent(in) :: t !! time, s
             real(dp) :: y(max_states)
         end function state_within
@@ -177,27 +176,25 @@ contains
     end subroutine add
 
     !> The state at a time within the last step.
-    function interpolate(self, formulation, t) result(y)
+    function interpolate(self, t) result(y)
         class(stepper_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         if (t < self%t) then
-            y = self%state_within(formulation, t)
+            y = self%state_within(t)
         else
             y = self%y
         end if
     end function interpolate
 
     !> The states at several times within the last step.
-    subroutine states_within(self, formulation, t, y)
+    subroutine states_within(self, t, y)
         class(stepper_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         integer :: i
         do i = 1, instants
-            y(i, :) = self%interpolate(formulation, t(i))
+            y(i, :) = self%interpolate(t(i))
         end do
     end subroutine states_within
 
@@ -222,21 +219,19 @@ contains
     end function order
 
     !> Prepares the error control of the run for the tolerances.
-    pure subroutine set_weight(self, formulation)
+    pure subroutine set_weight(self)
         class(stepper_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        call self%weight%set(formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
+        call self%weight%set(self%formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
 
     !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
-    subroutine evaluate(self, formulation, t, y, dy, status)
+    subroutine evaluate(self, t, y, dy, status)
         class(run_state_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! that of the right-hand side, or `status_non_finite`
         self%counts%evaluations = self%counts%evaluations + 1
-        call formulation%derivative(t, y, dy, status)
+        call self%formulation%derivative(t, y, dy, status)
         ! Not with is_finite: a call for each component would cost as much as an RHS evaluation.
         if (is_ok(status) .and. .not. all(abs(dy) <= huge(1.0_dp))) status = status_non_finite
     end subroutine evaluate
@@ -249,9 +244,8 @@ contains
 
     !> Accepts the state `y_new` at `t_new` after the reset of the formulation and the projection; `changed` reports whether
     !> they changed it. The caller renews the slope.
-    subroutine accept_step(self, formulation, t_new, y_new, changed)
+    subroutine accept_step(self, t_new, y_new, changed)
         class(run_state_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, y_new(max_states) !! time, s, and state
         logical, intent(out) :: changed !! whether the state was changed
         logical :: clipped, projected
@@ -262,27 +256,26 @@ contains
         self%t = t_new
         self%y = y_new
         self%counts%steps = self%counts%steps + 1
-        changed = formulation%resets_speed
+        changed = self%formulation%resets_speed
         if (changed) then
-            call formulation%reset_speed(self%y, clipped)
+            call self%formulation%reset_speed(self%y, clipped)
             if (clipped) self%counts%clipped = self%counts%clipped + 1
         end if
         if (self%projection%kind /= project_nothing) then
-            call self%projection%apply(formulation, self%y, projected)
+            call self%projection%apply(self%formulation, self%y, projected)
             changed = changed .or. projected
         end if
         if (changed) self%rest = 0
     end subroutine accept_step
 
     !> Accepts the state reached by a change, summed with compensation.
-    subroutine accept_change(self, formulation, t_new, change, changed)
+    subroutine accept_change(self, t_new, change, changed)
         class(run_state_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
         logical, intent(out) :: changed !! whether the state was changed
         real(dp) :: y_new(max_states)
         call add_change(self%y, change, self%rest, y_new)
-        call self%accept_step(formulation, t_new, y_new, changed)
+        call self%accept_step(t_new, y_new, changed)
     end subroutine accept_change
 
     !> Goes on from where another stepper is; after that it must begin.

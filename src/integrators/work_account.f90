@@ -1,7 +1,7 @@
 !> The work of effects along a motion: integrals of their power over the steps, by Gauss quadrature of the dense output.
 !> They have the order of the method, and stand outside its error control.
 module spintop_work_account
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motions, only: instants
@@ -34,9 +34,8 @@ module spintop_work_account
 contains
 
     !> Counts the work up to a time within the last step.
-    subroutine go_to(self, formulation, stepper, t)
+    subroutine go_to(self, stepper, t)
         class(work_account_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! the method, after the step
         real(dp), intent(in) :: t !! time within the last step, s
         real(dp) :: half, times(instants), y(instants, max_states), power(instants, works), sum, change, new
@@ -45,8 +44,8 @@ contains
         if (.not. t > self%t) return
         half = (t - self%t) / 2
         times = self%t + half + node * half
-        call stepper%states_within(formulation, times, y)
-        call formulation%action%find_powers(times, y, power)
+        call stepper%states_within(times, y)
+        call stepper%formulation%action%find_powers(times, y, power)
         do part = 1, works
             sum = dot_product(weight, power(:pairs, part) + power(pairs + 1:, part))
             change = half * sum + self%rest(part)

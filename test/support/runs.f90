@@ -81,7 +81,7 @@ contains
     !> Propagates the state `y` over `t_end` seconds, back if that is negative, or until it fails.
     type(run_t) function propagate(stepper, formulation, y, t_end) result(run)
         class(stepper_t), intent(in) :: stepper
-        class(formulation_t), intent(in) :: formulation
+        class(formulation_t), target, intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
         class(stepper_t), allocatable :: running
         allocate (running, source=stepper)
@@ -91,20 +91,21 @@ contains
     !> The same in a workspace that may have been used before.
     subroutine propagate_from(stepper, formulation, y, t_end, running, run)
         class(stepper_t), intent(in) :: stepper
-        class(formulation_t), intent(in) :: formulation
+        class(formulation_t), target, intent(in) :: formulation
         real(dp), intent(in) :: y(max_states), t_end
         class(stepper_t), intent(inout) :: running
         type(run_t), intent(out) :: run
         real(dp) :: grid_time
 
+        running%formulation => formulation
         running%t = 0
         running%y = y
         running%t_end = t_end
         running%grid = 0
         running%counts = counts_t()
-        call running%begin(formulation, run%status)
+        call running%begin(run%status)
         do while (run%status == status_ok .and. abs(running%t) < abs(t_end))
-            call running%advance(formulation, run%status)
+            call running%advance(run%status)
             if (run%status /= status_ok .or. stepper%controls%steps == 0) cycle
             grid_time = t_end * running%counts%steps / stepper%controls%steps
             if (abs(running%t - grid_time) > 2 * spacing(grid_time)) run%off_grid = run%off_grid + 1

@@ -133,29 +133,28 @@ contains
 
     !> First slope, and a new run of ARKODE, because the result must not depend on earlier runs. A failure in the library is
     !> reported by the first step.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(arkode_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(arkode_table_t) :: table
         type(formulation_info_t) :: info
         real(dp) :: tolerances(2)
         logical :: found
 
-        call begin_on_grid(self, formulation, status)
+        call begin_on_grid(self, status)
         if (.not. is_ok(status)) return
         status = status_integrator
         call find_table(self, table, found)
         if (.not. found) return
-        info = formulation%info()
-        self%current = step_t(states=info%states, adaptive=self%controls%steps == 0, unit=formulation%units())
+        info = self%formulation%info()
+        self%current = step_t(states=info%states, adaptive=self%controls%steps == 0, unit=self%formulation%units())
         tolerances = fixed_step_tolerance
         if (self%current%adaptive) then
             ! ARKODE limits the root mean square of the errors of the components. With this factor no component exceeds its
             ! tolerance, as with ode45.
             tolerances = [self%controls%relative_tolerance, self%controls%absolute_tolerance] / sqrt(real(info%states, dp))
         end if
-        call self%weight%set(formulation, tolerances(1), tolerances(2))
+        call self%weight%set(self%formulation, tolerances(1), tolerances(2))
         call self%dense%set_order(int(table%order))
         self%dense_is_known = .false.
         self%y_known = self%y
@@ -164,30 +163,29 @@ contains
         if (allocated(self%handle)) deallocate (self%handle)
         allocate (self%handle)
         associate (n => info%states, unit => self%current%unit)
-            self%handle%address = create_run(int(n, c_int), self%t, self%y(:n) / unit(:n), formulation%scale(:n) / unit(:n), &
-                merge(1_c_int, 0_c_int, formulation%cyclic(:n)), table, merge(1_c_int, 0_c_int, self%current%adaptive), &
+            self%handle%address = create_run(int(n, c_int), self%t, self%y(:n) / unit(:n), self%formulation%scale(:n) / unit(:n), &
+                merge(1_c_int, 0_c_int, self%formulation%cyclic(:n)), table, merge(1_c_int, 0_c_int, self%current%adaptive), &
                 merge(1_c_int, 0_c_int, self%controls%fixed_point))
         end associate
         if (c_associated(self%handle%address)) status = status_ok
     end subroutine begin
 
     !> One accepted step; rejected steps are counted.
-    subroutine advance(self, formulation, status)
+    subroutine advance(self, status)
         class(arkode_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         status = status_ok
         if (.not. all(is_equal(self%y, self%y_known))) then
             ! The caller has changed the state since the last step.
-            call self%evaluate(formulation, self%t, self%y, self%slope, status)
+            call self%evaluate(self%t, self%y, self%slope, status)
             call restart(self)
         end if
         if (.not. is_ok(status)) return
         if (self%current%adaptive) then
-            call advance_adaptively(formulation, self, status)
+            call advance_adaptively(self, status)
         else
-            call advance_on_grid(self, formulation, status)
+            call advance_on_grid(self, status)
         end if
     end subroutine advance
 
@@ -205,12 +203,11 @@ contains
     end subroutine restart
 
     !> A step on the grid of fixed step size, or where it ends.
-    subroutine try_step(self, formulation, h, t_new, status)
+    subroutine try_step(self, h, t_new, status)
         class(arkode_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h, t_new !! step size, s, and time at its end, s
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call take_step(formulation, self, h, t_new, t_new, status)
+        call take_step(self, h, t_new, t_new, status)
         ! ARKODE sums its steps, with rounding errors.
         if (is_ok(status)) self%t = t_new
         if (status == status_outside) call restart(self)
@@ -218,25 +215,24 @@ contains
 
     !> A step whose size ARKODE chooses. With an explicit table ARKODE fails at once if the right-hand side fails within the
     !> step; the step is then repeated with a smaller size.
-    subroutine advance_adaptively(formulation, self, status)
-        class(formulation_t), intent(in) :: formulation
+    subroutine advance_adaptively(self, status)
         class(arkode_t), intent(inout) :: self
         integer, intent(out) :: status
         real(dp) :: stop_time, h, h_smallest
 
         h_smallest = smallest_spacings * spacing(self%t_end)
-        stop_time = min(self%t_end, self%t + longest_step(formulation, self%y))
+        stop_time = min(self%t_end, self%t + longest_step(self%formulation, self%y))
         if (stop_time - self%t <= h_smallest) then
             ! Too short for step control.
             status = status_step_too_small
             if (stop_time <= self%t) return
             call restart(self)
-            call take_step(formulation, self, stop_time - self%t, stop_time, stop_time, status)
+            call take_step(self, stop_time - self%t, stop_time, stop_time, status)
             if (is_ok(status)) self%t = stop_time
             return
         end if
         do
-            call take_step(formulation, self, 0.0_dp, self%t_end, stop_time, status)
+            call take_step(self, 0.0_dp, self%t_end, stop_time, status)
             if (is_ok(status) .or. is_ok(self%current%status)) exit
             h = cut * last_trial(self%handle%address)
             if (.not. h > 0) h = cut**2 * (stop_time - self%t)
@@ -246,8 +242,7 @@ contains
     end subroutine advance_adaptively
 
     !> One step of ARKODE, of the size `h` if that is not 0, and its status. After a failure the state is the one before.
-    subroutine take_step(formulation, self, h, t_end, t_stop, status)
-        class(formulation_t), intent(in), target :: formulation
+    subroutine take_step(self, h, t_end, t_stop, status)
         class(arkode_t), intent(inout), target :: self
         real(dp), intent(in) :: h, t_end, t_stop
         integer, intent(out) :: status
@@ -259,7 +254,7 @@ contains
         rejected = 0
         jacobians = 0
         self%current%run => self%run_state_t
-        self%current%formulation => formulation
+        self%current%formulation => self%formulation
         self%current%status = status_ok
         status = status_of(step_of_run(self%handle%address, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
         if (is_ok(status)) then
@@ -276,12 +271,11 @@ contains
     end subroutine take_step
 
     !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(arkode_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        if (.not. self%dense_is_known) call self%dense%fit(formulation, self%run_state_t, self%slope_last)
+        if (.not. self%dense_is_known) call self%dense%fit(self%run_state_t, self%slope_last)
         self%dense_is_known = .true.
         y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
     end function state_within
@@ -319,7 +313,7 @@ contains
             now%status = status_ok
             rate = now%run%slope
         else
-            call now%run%evaluate(now%formulation, t, state, rate, now%status)
+            call now%run%evaluate(t, state, rate, now%status)
         end if
         slope(1:now%states) = rate(:now%states) / now%unit(:now%states)
         verdict = go_on
@@ -356,9 +350,9 @@ contains
         verdict = give_up
         now%status = status_non_finite
         if (.not. all(is_finite(state))) return
-        call now%run%accept_step(now%formulation, t, state, changed)
+        call now%run%accept_step(t, state, changed)
         if (changed) y(1:now%states) = now%run%y(:now%states) / now%unit(:now%states)
-        call now%run%evaluate(now%formulation, t, now%run%y, now%run%slope, now%status)
+        call now%run%evaluate(t, now%run%y, now%run%slope, now%status)
         if (is_ok(now%status)) verdict = go_on
     end function finish_step
 

@@ -3,7 +3,7 @@
 !> method that leads across a row is wrong as a whole, and is taken again.
 module spintop_friction_rows
     use spintop_effects_action, only: row_interval_t
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_reversals, only: end_step_at
@@ -21,8 +21,7 @@ module spintop_friction_rows
 contains
 
     !> Ends a step just after the first instant at which the angular velocity is beyond a row.
-    subroutine end_at_row(formulation, stepper, is_series, status)
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+    subroutine end_at_row(stepper, is_series, status)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         logical, intent(in) :: is_series !! whether the step is by series
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -31,32 +30,31 @@ contains
         integer :: row
         logical :: passes
 
-        rows = formulation%action%interval_of_rows(stepper%t_last, stepper%y_last)
+        rows = stepper%formulation%action%interval_of_rows(stepper%t_last, stepper%y_last)
         if (.not. is_series) then
             ! States within a step cost evaluations of f, and few steps come near a row.
-            spin(1) = formulation%action%spin_of_rows(stepper%t_last, stepper%y_last)
-            spin(2) = formulation%action%spin_of_rows(stepper%t, stepper%y)
+            spin(1) = stepper%formulation%action%spin_of_rows(stepper%t_last, stepper%y_last)
+            spin(2) = stepper%formulation%action%spin_of_rows(stepper%t, stepper%y)
             if (min(rows%upper - maxval(spin), minval(spin) - rows%lower) > abs(spin(2) - spin(1))) return
         end if
         t = stepper%t_last
         ! One row may be passed at the beginning.
         do row = 1, 2
-            call find_row(formulation, stepper, rows, t, y, passes)
+            call find_row(stepper, rows, t, y, passes)
             if (.not. passes) return
             if (is_series) then
-                call end_step_at(formulation, stepper, t, y, status)
+                call end_step_at(stepper, t, y, status)
                 return
             else if (t - stepper%t_last > shortest * (stepper%t - stepper%t_last)) then
-                call take_again(formulation, stepper, t, status)
+                call take_again(stepper, t, status)
                 return
             end if
-            rows = formulation%action%interval_of_rows(t, y)
+            rows = stepper%formulation%action%interval_of_rows(t, y)
         end do
     end subroutine end_at_row
 
     !> Finds the first instant from `t` on at which the angular velocity is beyond the rows, and the state then.
-    subroutine find_row(formulation, stepper, rows, t, y, passes)
-        class(formulation_t), intent(in) :: formulation
+    subroutine find_row(stepper, rows, t, y, passes)
         class(stepper_t), intent(inout) :: stepper
         type(row_interval_t), intent(in) :: rows
         real(dp), intent(inout) :: t
@@ -72,10 +70,10 @@ contains
         do while (upper - lower > spacings * spacing(upper))
             times = lower + (upper - lower) * [(real(i, dp) / instants, i=0, instants)]
             times(instants) = upper
-            states(0, :) = stepper%state_within(formulation, lower)
-            call stepper%states_within(formulation, times(1:), states(1:, :))
+            states(0, :) = stepper%state_within(lower)
+            call stepper%states_within(times(1:), states(1:, :))
             do i = 0, instants
-                spin(i) = formulation%action%spin_of_rows(times(i), states(i, :))
+                spin(i) = stepper%formulation%action%spin_of_rows(times(i), states(i, :))
             end do
             i = findloc(spin(1:) > rows%upper .or. spin(1:) < rows%lower, .true., dim=1)
             if (i > 0) then
@@ -95,8 +93,7 @@ contains
     end subroutine find_row
 
     !> Takes a step again, up to a time within it.
-    subroutine take_again(formulation, stepper, t, status)
-        class(formulation_t), intent(in) :: formulation
+    subroutine take_again(stepper, t, status)
         class(stepper_t), intent(inout) :: stepper
         real(dp), intent(in) :: t
         integer, intent(out) :: status
@@ -104,10 +101,10 @@ contains
         stepper%y = stepper%y_last
         stepper%rest = 0
         stepper%t_end = t
-        call stepper%begin(formulation, status)
+        call stepper%begin(status)
         if (.not. is_ok(status)) return
         stepper%h = t - stepper%t
-        call stepper%advance(formulation, status)
+        call stepper%advance(status)
     end subroutine take_again
 
     !> The inner instant at which the angular velocity is an extreme that may pass a row before or after it; 0 if there is none.

@@ -20,28 +20,26 @@ module spintop_lying_still
 contains
 
     !> Brings the body to rest in its attitude.
-    subroutine begin_rest(self, formulation, status)
+    subroutine begin_rest(self, status)
         class(resting_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        self%y = formulation%action%at_rest(self%t, self%y, 0.0_dp)
+        self%y = self%formulation%action%at_rest(self%t, self%y, 0.0_dp)
         self%slope = 0
         status = status_ok
     end subroutine begin_rest
 
     !> Rests until the torques exceed the friction, or to the end; with a fixed step size over one step.
-    subroutine lie(self, formulation, status)
+    subroutine lie(self, status)
         class(resting_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: t, peak
 
         t = self%t_end
-        if (formulation%action%may_slip) then
-            t = min(t, self%t + formulation%action%pause(self%t))
+        if (self%formulation%action%may_slip) then
+            t = min(t, self%t + self%formulation%action%pause(self%t))
             peak = t
-            if (.not. excess(formulation, self%y, t) > 0) peak = highest(formulation, self%y, self%t, t)
-            if (excess(formulation, self%y, peak) > 0) t = root(formulation, self%y, self%t, peak)
+            if (.not. excess(self%formulation, self%y, t) > 0) peak = highest(self%formulation, self%y, self%t, t)
+            if (excess(self%formulation, self%y, peak) > 0) t = root(self%formulation, self%y, self%t, peak)
         end if
         if (self%controls%steps > 0) then
             self%grid = self%grid + 1
@@ -49,7 +47,7 @@ contains
         end if
         self%t_last = self%t
         self%y_last = self%y
-        self%y = formulation%action%at_rest(t, self%y, 0.0_dp)
+        self%y = self%formulation%action%at_rest(t, self%y, 0.0_dp)
         self%t = t
         self%counts%steps = self%counts%steps + 1
         status = status_ok
@@ -113,12 +111,11 @@ contains
     end function root
 
     !> The state at rest.
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(resting_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
-        y = formulation%action%at_rest(t, self%y_last, 0.0_dp)
+        y = self%formulation%action%at_rest(t, self%y_last, 0.0_dp)
     end function state_within
 
 end module spintop_lying_still

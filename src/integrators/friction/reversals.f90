@@ -4,7 +4,7 @@
 !> sign, goes on. Such a step ends before.
 module spintop_reversals
     use spintop_effects_action, only: direction_force, direction_omega, directions, reach_t
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
     use spintop_status, only: status_step_too_small
@@ -27,8 +27,7 @@ module spintop_reversals
 contains
 
     !> Ends a step by series earlier, at a time and in a state within it.
-    subroutine end_step_at(formulation, stepper, t, y, status)
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+    subroutine end_step_at(stepper, t, y, status)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -36,15 +35,14 @@ contains
         stepper%t = t
         stepper%y = y
         stepper%rest = 0
-        call stepper%projection%apply(formulation, stepper%y, changed)
-        call stepper%begin(formulation, status)
+        call stepper%projection%apply(stepper%formulation, stepper%y, changed)
+        call stepper%begin(status)
     end subroutine end_step_at
 
     !> Whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series:
     !> they change by less than `share` of their magnitude, as all terms of its series together are less. Then the step is also
     !> shorter than half of the time to rest.
-    subroutine check_direction(formulation, stepper, is_kept, speed)
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+    subroutine check_direction(stepper, is_kept, speed)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         logical, intent(out) :: is_kept !! whether they are
         real(dp), intent(out) :: speed(2) !! magnitude of the angular velocity at the ends of the step, if they are, rad/s
@@ -54,13 +52,13 @@ contains
         speed = 0
         change = stepper%bound_of_changes()
         is_kept = .false.
-        if (formulation%action%has_load .or. .not. all(change < huge(change))) return
+        if (stepper%formulation%action%has_load .or. .not. all(change < huge(change))) return
         span = stepper%t - stepper%t_last
-        first = formulation%action%reach_of(stepper%t_last, stepper%y_last, span, change)
+        first = stepper%formulation%action%reach_of(stepper%t_last, stepper%y_last, span, change)
         is_kept = first%change < share * min(first%speed, first%dragged)
         if (.not. is_kept .and. first%change < share * first%speed) is_kept = .not. turns_back()
         if (.not. is_kept) return
-        last = formulation%action%reach_of(stepper%t, stepper%y, 0.0_dp, change)
+        last = stepper%formulation%action%reach_of(stepper%t, stepper%y, 0.0_dp, change)
         speed = [first%speed, last%speed]
 
     contains
@@ -71,24 +69,23 @@ contains
             integer :: i
             t = stepper%t_last + span * [(real(i, dp) / instants, i=0, instants)]
             y(0, :) = stepper%y_last
-            call stepper%states_within(formulation, t(1:), y(1:, :))
-            turns_back = formulation%action%drag_turns(t, y)
+            call stepper%states_within(t(1:), y(1:, :))
+            turns_back = stepper%formulation%action%drag_turns(t, y)
         end function turns_back
 
     end subroutine check_direction
 
     !> Whether one of the vectors may vanish in a step: always under friction that is dry or depends on the support, and under a
     !> drag where one turns by more than a right angle in half of the step.
-    logical function may_reverse(formulation, stepper)
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+    logical function may_reverse(stepper)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp) :: middle, first(3, directions), at_middle(3, directions), last(3, directions)
-        may_reverse = formulation%action%may_stick
-        if (may_reverse .or. .not. formulation%action%may_turn) return
+        may_reverse = stepper%formulation%action%may_stick
+        if (may_reverse .or. .not. stepper%formulation%action%may_turn) return
         middle = stepper%t_last + (stepper%t - stepper%t_last) / 2
-        at_middle = formulation%action%directions_at(middle, stepper%interpolate(formulation, middle))
-        first = formulation%action%directions_at(stepper%t_last, stepper%y_last)
-        last = formulation%action%directions_at(stepper%t, stepper%y)
+        at_middle = stepper%formulation%action%directions_at(middle, stepper%interpolate(middle))
+        first = stepper%formulation%action%directions_at(stepper%t_last, stepper%y_last)
+        last = stepper%formulation%action%directions_at(stepper%t, stepper%y)
         may_reverse = norm2(at_middle(:, direction_force)) > 0 .or. which_reversed(first, first, at_middle) > 0 .or. &
             which_reversed(first, at_middle, last) > 0
     end function may_reverse
@@ -117,8 +114,7 @@ contains
     !> motion that is nearly plane reverses too, as far as its terms can tell. Where another vector vanishes, a step without
     !> series must follow, from there: `must_cross`. If that is the beginning of the step, the step is undone and the status
     !> is that of a step that is too small.
-    subroutine end_before_reversal(formulation, stepper, must_cross, status)
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+    subroutine end_before_reversal(stepper, must_cross, status)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         logical, intent(out) :: must_cross !! whether a step without series must follow
         integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -128,13 +124,13 @@ contains
 
         must_cross = .false.
         span = stepper%t - stepper%t_last
-        first = formulation%action%directions_at(stepper%t_last, stepper%y_last)
+        first = stepper%formulation%action%directions_at(stepper%t_last, stepper%y_last)
         do
             times = stepper%t_last + span * [(real(i, dp) / instants, i=1, instants)]
-            call stepper%states_within(formulation, times, y)
+            call stepper%states_within(times, y)
             before = first
             do i = 1, instants
-                now = formulation%action%directions_at(times(i), y(i, :))
+                now = stepper%formulation%action%directions_at(times(i), y(i, :))
                 which = which_reversed(first, before, now)
                 if (which > 0) exit
                 before = now
@@ -147,12 +143,12 @@ contains
         lower = stepper%t_last
         if (i > 1) lower = times(i - 1)
         if (which == direction_omega) then
-            if (i > 1) call end_step_at(formulation, stepper, lower, y(i - 1, :), status)
+            if (i > 1) call end_step_at(stepper, lower, y(i - 1, :), status)
             return
         end if
-        call approach(formulation, stepper, which, first, lower, times(i), must_cross)
+        call approach(stepper, which, first, lower, times(i), must_cross)
         if (lower - stepper%t_last > spacings * spacing(lower)) then
-            call end_step_at(formulation, stepper, lower, stepper%state_within(formulation, lower), status)
+            call end_step_at(stepper, lower, stepper%state_within(lower), status)
         else
             must_cross = .false.
             stepper%t = stepper%t_last
@@ -164,8 +160,7 @@ contains
 
     !> Moves the lower of two times, between which a vector reverses, to the last at which it has not; if it does not vanish
     !> there, to a part of the way to that.
-    subroutine approach(formulation, stepper, which, first, lower, upper, vanishes)
-        class(formulation_t), intent(in) :: formulation
+    subroutine approach(stepper, which, first, lower, upper, vanishes)
         class(stepper_t), intent(inout) :: stepper
         integer, intent(in) :: which
         real(dp), intent(in) :: first(3, directions)
@@ -176,19 +171,19 @@ contains
         integer :: i
 
         last = upper
-        before = formulation%action%directions_at(lower, stepper%state_within(formulation, lower))
+        before = stepper%formulation%action%directions_at(lower, stepper%state_within(lower))
         do while (last - lower > spacings * spacing(last))
             times = lower + (last - lower) * [(real(i, dp) / instants, i=1, instants)]
             times(instants) = last
-            call stepper%states_within(formulation, times, y)
+            call stepper%states_within(times, y)
             do i = 1, instants - 1
-                now = formulation%action%directions_at(times(i), y(i, :))
+                now = stepper%formulation%action%directions_at(times(i), y(i, :))
                 if (has_reversed(which, first, before, now)) exit
             end do
             last = times(i)
             if (i > 1) lower = times(i - 1)
         end do
-        now = formulation%action%directions_at(lower, stepper%state_within(formulation, lower))
+        now = stepper%formulation%action%directions_at(lower, stepper%state_within(lower))
         vanishes = norm2(now(:, which)) <= vanishing * norm2(first(:, which))
         if (.not. vanishes) lower = stepper%t_last + part_of_way * (lower - stepper%t_last)
     end subroutine approach

@@ -8,7 +8,7 @@ module spintop_segments
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
-    use spintop_formulation, only: formulation_t, structure_none, structure_series
+    use spintop_formulation, only: structure_none, structure_series
     use spintop_kinds, only: dp
     use spintop_lying_still, only: resting_t
     use spintop_sticking, only: rest_t
@@ -54,20 +54,20 @@ module spintop_segments
 contains
 
     !> Looks at the start, at which the method is, and begins the first segment.
-    subroutine begin(self, formulation, method, stepper, status)
+    subroutine begin(self, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), target, intent(inout) :: method !! the method, at the start
         class(stepper_t), pointer, intent(inout) :: stepper !! what takes the first step: the method, unless the body rests
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         logical :: has_series
         status = status_ok
         has_series = method%info%needs /= structure_none .and. method%controls%steps == 0
-        call self%rest%begin(formulation, method, has_series)
+        call self%rest%begin(method, has_series)
+        self%lying%formulation => method%formulation
         self%lying%controls = method%controls
         self%lying%t_begin = method%t_begin
         self%lying%t_end = method%t_end
-        if (self%rest%is_resting) call go_over(self, by_rest, formulation, method, stepper, status)
+        if (self%rest%is_resting) call go_over(self, by_rest, method, stepper, status)
         if (.not. has_series) return
         self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'))
         associate (own => self%crossing%controls, given => method%controls)
@@ -75,6 +75,7 @@ contains
             own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
             own%max_steps = given%max_steps
         end associate
+        self%crossing%formulation => method%formulation
         self%crossing%t_begin = method%t_begin
         self%crossing%projection = method%projection
     end subroutine begin
@@ -95,10 +96,9 @@ contains
     end function stepper_of
 
     !> Goes over to the next segment.
-    subroutine go_over(self, kind, formulation, method, stepper, status)
+    subroutine go_over(self, kind, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
         integer, intent(in) :: kind
-        class(formulation_t), intent(in) :: formulation
         class(stepper_t), target, intent(inout) :: method
         class(stepper_t), pointer, intent(inout) :: stepper
         integer, intent(out) :: status
@@ -111,85 +111,81 @@ contains
             call next%go_on_from(stepper)
             stepper => next
         end if
-        if (kind == by_runge_kutta) stepper%t_end = self%latest_end(formulation, stepper, method%t_end)
-        call stepper%begin(formulation, status)
+        if (kind == by_runge_kutta) stepper%t_end = self%latest_end(stepper, method%t_end)
+        call stepper%begin(status)
         if (kind == by_runge_kutta) stepper%h = first_part * stepper%h
     end subroutine go_over
 
     !> The time up to which a step may reach in which f is smooth: to a knot, or half-way to rest.
-    real(dp) function latest_end(self, formulation, stepper, t_end)
+    real(dp) function latest_end(self, stepper, t_end)
         class(segments_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(in) :: stepper
         real(dp), intent(in) :: t_end
-        latest_end = min(t_end, formulation%action%smooth_until(stepper%t))
-        if (formulation%action%may_stick .or. (formulation%action%may_turn .and. self%rest%has_series)) then
-            latest_end = min(latest_end, self%rest%latest_end(formulation, stepper%t, stepper%y))
+        latest_end = min(t_end, stepper%formulation%action%smooth_until(stepper%t))
+        if (stepper%formulation%action%may_stick .or. (stepper%formulation%action%may_turn .and. self%rest%has_series)) then
+            latest_end = min(latest_end, self%rest%latest_end(stepper%formulation, stepper%t, stepper%y))
         end if
     end function latest_end
 
     !> Takes a step in the segment. Where the method has no series, its segment ends, and a Runge-Kutta step follows.
-    subroutine advance(self, formulation, method, stepper, status)
+    subroutine advance(self, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), target, intent(inout) :: method !! the method
         class(stepper_t), pointer, intent(inout) :: stepper !! what takes the step
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         self%keeps_direction = .false.
         if (self%kind /= by_method .or. method%controls%steps > 0) then
-            call stepper%advance(formulation, status)
+            call stepper%advance(status)
             return
         end if
-        call limit_step(self, formulation, method, status)
+        call limit_step(self, method, status)
         if (.not. (self%rest%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
-        call go_over(self, by_runge_kutta, formulation, method, stepper, status)
-        if (is_ok(status)) call stepper%advance(formulation, status)
+        call go_over(self, by_runge_kutta, method, stepper, status)
+        if (is_ok(status)) call stepper%advance(status)
     end subroutine advance
 
     !> Takes a step of an adaptive method in which f is smooth. A step by series in double precision is looked at when it is
     !> done, which is cheap, as its state can be had at any time.
-    subroutine limit_step(self, formulation, method, status)
+    subroutine limit_step(self, method, status)
         class(segments_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         class(stepper_t), intent(inout) :: method
         integer, intent(out) :: status
         real(dp) :: t_end, latest, speed(2)
         logical :: looks_back
 
         t_end = method%t_end
-        associate (action => formulation%action)
+        associate (action => method%formulation%action)
             looks_back = action%may_turn .and. method%info%needs == structure_series .and. .not. action%may_stick
             if (looks_back) then
                 method%t_end = min(t_end, action%smooth_until(method%t))
             else
-                method%t_end = self%latest_end(formulation, method, t_end)
+                method%t_end = self%latest_end(method, t_end)
             end if
         end associate
-        call method%advance(formulation, status)
+        call method%advance(status)
         if (is_ok(status) .and. looks_back) then
-            call check_direction(formulation, method, self%keeps_direction, speed)
+            call check_direction(method, self%keeps_direction, speed)
             if (self%keeps_direction) then
                 call self%rest%note_turning(speed, method%t - method%t_last)
             else
-                latest = self%rest%latest_end(formulation, method%t_last, method%y_last)
+                latest = self%rest%latest_end(method%formulation, method%t_last, method%y_last)
                 if (latest < method%t) then
-                    call end_step_at(formulation, method, latest, method%state_within(formulation, latest), status)
+                    call end_step_at(method, latest, method%state_within(latest), status)
                 end if
             end if
         end if
         if (is_ok(status) .and. self%rest%has_series .and. .not. self%keeps_direction) then
-            if (may_reverse(formulation, method)) call end_before_reversal(formulation, method, self%must_cross, status)
+            if (may_reverse(method)) call end_before_reversal(method, self%must_cross, status)
         end if
-        if (is_ok(status) .and. formulation%action%has_rows) call end_at_row(formulation, method, self%rest%has_series, status)
+        if (is_ok(status) .and. method%formulation%action%has_rows) call end_at_row(method, self%rest%has_series, status)
         method%t_end = t_end
     end subroutine limit_step
 
     !> Ends a step: finds out whether the body comes to rest, or begins to move, and goes over to the next segment if this one
     !> ends.
-    subroutine end_step(self, formulation, method, stepper, status)
+    subroutine end_step(self, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), target, intent(inout) :: method !! the method
         class(stepper_t), pointer, intent(inout) :: stepper !! what took the step, then what takes the next
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -200,13 +196,13 @@ contains
         status = status_ok
         was_resting = self%rest%is_resting
         jump = stepper%t
-        if (method%controls%steps == 0) jump = min(formulation%action%after_jump(stepper%t), method%t_end)
+        if (method%controls%steps == 0) jump = min(stepper%formulation%action%after_jump(stepper%t), method%t_end)
         self%passes_jump = jump > stepper%t
         if (self%passes_jump) stepper%t = jump
         is_stopped = .false.
-        if (formulation%action%may_stick .or. &
-            (formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
-            call self%rest%detect_rest(formulation, stepper, method%t_end, is_stopped)
+        if (stepper%formulation%action%may_stick .or. &
+            (stepper%formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
+            call self%rest%detect_rest(stepper, method%t_end, is_stopped)
         end if
         self%occasion = occasion_none
         if (self%rest%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
@@ -214,7 +210,7 @@ contains
         next = merge(by_runge_kutta, by_method, self%must_cross)
         if (self%rest%is_resting) next = by_rest
         if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
-        if (stepper%t < method%t_end) call go_over(self, next, formulation, method, stepper, status)
+        if (stepper%t < method%t_end) call go_over(self, next, method, stepper, status)
     end subroutine end_step
 
 end module spintop_segments

@@ -42,16 +42,15 @@ module spintop_sticking
 contains
 
     !> Examines the start.
-    subroutine begin(self, formulation, stepper, has_series)
+    subroutine begin(self, stepper, has_series)
         class(rest_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(in) :: stepper !! the method, at the start
         logical, intent(in) :: has_series !! whether the method steps by series
         type(turning_t) :: start
         self%has_series = has_series
-        start = formulation%action%turning_at(stepper%t, stepper%y)
+        start = stepper%formulation%action%turning_at(stepper%t, stepper%y)
         self%largest = start%speed
-        if (.not. start%speed > 0) call check_rest(self, formulation, stepper%t, stepper%y)
+        if (.not. start%speed > 0) call check_rest(self, stepper%formulation, stepper%t, stepper%y)
     end subroutine begin
 
     !> Looks at the angular velocity. How fast it decreases is zero where nothing depends on its direction: without dry
@@ -100,18 +99,17 @@ contains
 
     !> Finds out at the end of a step whether the body is at rest. Where it is nearly, it is brought to rest: then `is_stopped`,
     !> and the time is the later one of rest. With a fixed step size that happens only where friction holds it, at that time.
-    subroutine detect_rest(self, formulation, stepper, t_end, is_stopped)
+    subroutine detect_rest(self, stepper, t_end, is_stopped)
         class(rest_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         class(stepper_t), intent(inout) :: stepper !! what took the step
         real(dp), intent(in) :: t_end !! end of the span, s
         logical, intent(out) :: is_stopped !! whether the time and the state were changed
         real(dp) :: allowed, left, y(max_states)
 
         is_stopped = .false.
-        call set_motion(self, formulation, stepper%t, stepper%y)
+        call set_motion(self, stepper%formulation, stepper%t, stepper%y)
         if (.not. self%seen%speed > 0) then
-            call check_rest(self, formulation, stepper%t, stepper%y)
+            call check_rest(self, stepper%formulation, stepper%t, stepper%y)
             return
         end if
         self%is_resting = .false.
@@ -119,10 +117,10 @@ contains
             allowed = nearly_still * self%largest
             if (is_fixed) allowed = max(allowed, slowing * stepper%h)
             if (.not. (slowing > 0 .and. speed <= allowed)) return
-            if (.not. (formulation%action%may_stick .or. self%seen%across <= rounding * self%largest)) return
+            if (.not. (stepper%formulation%action%may_stick .or. self%seen%across <= rounding * self%largest)) return
             left = min(speed / slowing, t_end - stepper%t)
-            y = formulation%action%at_rest(stepper%t + left, stepper%y, left)
-            call check_rest(self, formulation, stepper%t + left, y)
+            y = stepper%formulation%action%at_rest(stepper%t + left, stepper%y, left)
+            call check_rest(self, stepper%formulation, stepper%t + left, y)
             if (self%is_resting .or. .not. is_fixed) stepper%y = y
             is_stopped = .not. is_fixed
         end associate

@@ -34,9 +34,8 @@ module spintop_lie_group
 contains
 
     !> One step of the classical Runge-Kutta method for u' = dexp^-1_u xi.
-    subroutine step_on_algebra(self, formulation, h, change, status)
+    subroutine step_on_algebra(self, h, change, status)
         class(munthe_kaas_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -46,12 +45,12 @@ contains
         change = 0
         do i = 1, self%table%stages
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
-            call formulation%move(self%y, u, change)
-            call find_velocity(formulation, self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
+            call self%formulation%move(self%y, u, change)
+            call find_velocity(self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
             if (.not. is_ok(status)) return
-            k(:, i) = xi + algebra_correction(formulation, u, xi)
+            k(:, i) = xi + algebra_correction(self%formulation, u, xi)
         end do
-        call formulation%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
+        call self%formulation%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
 
     !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
@@ -65,52 +64,49 @@ contains
     end function algebra_correction
 
     !> One step of five moves, two of which end it.
-    subroutine step_by_moves(self, formulation, h, change, status)
+    subroutine step_by_moves(self, h, change, status)
         class(commutator_free_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), dimension(max_states) :: k1, k2, k3, k4, to_second
 
         change = 0
-        call find_velocity(formulation, self%run_state_t, self%t, self%y, k1, status)
+        call find_velocity(self%run_state_t, self%t, self%y, k1, status)
         if (.not. is_ok(status)) return
-        call formulation%move(self%y, h / 2 * k1, to_second)
-        call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
+        call self%formulation%move(self%y, h / 2 * k1, to_second)
+        call find_velocity(self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
         if (.not. is_ok(status)) return
-        call formulation%move(self%y, h / 2 * k2, change)
-        call find_velocity(formulation, self%run_state_t, self%t + h / 2, self%y + change, k3, status)
+        call self%formulation%move(self%y, h / 2 * k2, change)
+        call find_velocity(self%run_state_t, self%t + h / 2, self%y + change, k3, status)
         if (.not. is_ok(status)) return
         change = to_second
-        call move_on(formulation, self%run_state_t, h * (k3 - k1 / 2), change)
-        call find_velocity(formulation, self%run_state_t, self%t + h, self%y + change, k4, status)
+        call move_on(self%run_state_t, h * (k3 - k1 / 2), change)
+        call find_velocity(self%run_state_t, self%t + h, self%y + change, k4, status)
         if (.not. is_ok(status)) return
-        call formulation%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
-        call move_on(formulation, self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
+        call self%formulation%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
+        call move_on(self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves
 
     !> Moves the state that a change has led to.
-    subroutine move_on(formulation, run, u, change)
-        class(formulation_t), intent(in) :: formulation
+    subroutine move_on(run, u, change)
         class(run_state_t), intent(in) :: run
         real(dp), intent(in) :: u(max_states)
         real(dp), intent(inout) :: change(max_states)
         real(dp) :: more(max_states)
-        call formulation%move(run%y + change, u, more)
+        call run%formulation%move(run%y + change, u, more)
         change = change + more
     end subroutine move_on
 
     !> Velocity on the group.
-    subroutine find_velocity(formulation, run, t, y, xi, status)
-        class(formulation_t), intent(in) :: formulation
+    subroutine find_velocity(run, t, y, xi, status)
         class(run_state_t), intent(inout) :: run
         real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: xi(max_states)
         integer, intent(out) :: status
         real(dp) :: dy(max_states)
-        call run%evaluate(formulation, t, y, dy, status)
-        call formulation%velocity(y, dy, xi)
+        call run%evaluate(t, y, dy, status)
+        call run%formulation%velocity(y, dy, xi)
     end subroutine find_velocity
 
 end module spintop_lie_group

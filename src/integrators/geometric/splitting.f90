@@ -7,7 +7,7 @@
 module spintop_splitting
     use spintop_kinds, only: dp
     use spintop_fixed_step, only: fixed_step_t
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_splitting_tables, only: splitting_table_t
     use spintop_status, only: status_ok
     implicit none
@@ -24,13 +24,12 @@ module spintop_splitting
 contains
 
     !> One step.
-    subroutine step(self, formulation, h, change, status)
+    subroutine step(self, h, change, status)
         class(splitting_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        if (formulation%splits_as_nystrom) then
+        if (self%formulation%splits_as_nystrom) then
             call compose(self%nystrom)
         else
             call compose(self%general)
@@ -41,7 +40,7 @@ contains
 
         subroutine compose(table)
             type(splitting_table_t), intent(in) :: table
-            call formulation%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
+            call self%formulation%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
             self%counts%evaluations = self%counts%evaluations + table%kicks
         end subroutine compose
 

@@ -6,7 +6,7 @@
 module spintop_implicit_runge_kutta
     use spintop_compare, only: is_equal
     use spintop_fixed_step, only: fixed_step_t, begin_on_grid
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_info_t, max_states
     use spintop_kinds, only: dp, epsilon_dp, xp
     use spintop_status, only: is_ok, status_non_finite, status_not_converged, status_ok, status_outside
     implicit none
@@ -124,20 +124,18 @@ contains
     end function basis
 
     !> First slope; data of an earlier run are discarded.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         self%h_stages = 0
         self%h_inverse = 0
-        call begin_on_grid(self, formulation, status)
+        call begin_on_grid(self, status)
     end subroutine begin
 
     !> One step of the method. The initial guess of the stages is the polynomial of the last step. If it fails, the slope is
     !> the guess, with a new Jacobian; if that fails too, the solution is followed.
-    subroutine step(self, formulation, h, change, status)
+    subroutine step(self, h, change, status)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -148,16 +146,16 @@ contains
         status = status_not_converged
         if (is_equal(self%h_stages, h)) then
             z = matmul(self%z, self%table%ahead)
-            call solve(self, formulation, h, z, status)
+            call solve(self, h, z, status)
         end if
         if (.not. is_ok(status)) then
             self%h_inverse = 0
             do i = 1, max_implicit_stages
                 z(:, i) = self%table%node(i) * h * self%slope
             end do
-            call solve(self, formulation, h, z, status)
+            call solve(self, h, z, status)
             if (.not. self%controls%fixed_point .and. all(status /= [status_ok, status_outside])) then
-                call follow_stages(self, formulation, h, z, status)
+                call follow_stages(self, h, z, status)
             end if
         end if
         if (.not. is_ok(status)) return
@@ -170,9 +168,8 @@ contains
     !> Nonlinear Problems, 2004, 5.1). From the solution of a shorter step the first correction, with the matrix there, is the
     !> prediction along the tangent; the step size grows by so little that the others contract at once. The status is
     !> `status_not_converged` if the solution ends, or turns back, before the full size.
-    subroutine follow_stages(self, formulation, h, z, status)
+    subroutine follow_stages(self, h, z, status)
         class(implicit_runge_kutta_t), intent(inout) :: self !! state and slope at the beginning of the step
-        class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: z(max_states, max_implicit_stages) !! increments of the stages
         integer, intent(out) :: status !! `status_ok`, or `status_not_converged`
@@ -185,9 +182,9 @@ contains
         do attempt = 1, most_stretches
             stretch = min(stretch, 1 - share)
             trial = z
-            call solve(self, formulation, (share + stretch) * h, trial, status, share * h)
+            call solve(self, (share + stretch) * h, trial, status, share * h)
             if (is_ok(status)) then
-                if (maxval(maxval(abs(trial), dim=2) / formulation%scale, mask=.not. formulation%cyclic) > farthest) exit
+                if (maxval(maxval(abs(trial), dim=2) / self%formulation%scale, mask=.not. self%formulation%cyclic) > farthest) exit
                 z = trial
                 if (.not. share + stretch < 1) return
                 share = share + stretch
@@ -203,9 +200,8 @@ contains
     !> Solves the equations of the stages from the guess in z. Newton's corrections must be smaller than the guess, and each
     !> smaller than the last one, by half with a new Jacobian: an iteration without contraction may find a solution, but rarely
     !> the one that is connected to the state. Cyclic variables follow from the others and are ignored in this test.
-    subroutine solve(self, formulation, h, z, status, shorter)
+    subroutine solve(self, h, z, status, shorter)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: h
         real(dp), intent(inout) :: z(max_states, max_implicit_stages)
         integer, intent(out) :: status
@@ -219,13 +215,13 @@ contains
         each = present(shorter)
         is_new = each
         ! The scale of the motion or, if they are larger, the increments or the variable itself.
-        units = max(formulation%scale, maxval(abs(z), dim=2), merge(0.0_dp, abs(self%y), formulation%cyclic))
+        units = max(self%formulation%scale, maxval(abs(z), dim=2), merge(0.0_dp, abs(self%y), self%formulation%cyclic))
         core_previous = huge(core)
-        if (.not. each) core_previous = maxval(maxval(abs(z), dim=2) / units, mask=.not. formulation%cyclic)
+        if (.not. each) core_previous = maxval(maxval(abs(z), dim=2) / units, mask=.not. self%formulation%cyclic)
         smallest = huge(size)
         idle = 0
         do iteration = 1, merge(newton_limit, fixed_point_limit, newton)
-            call find_residual(self, formulation, h, z, correction, status)
+            call find_residual(self, h, z, correction, status)
             if (status == status_non_finite) exit
             if (.not. is_ok(status)) return
             h_matrix = h
@@ -233,7 +229,7 @@ contains
             if (newton .and. abs(h_matrix) > 0) then
                 if (.not. is_equal(self%h_inverse, h_matrix) .or. each .and. iteration > 1) then
                     is_new = .true.
-                    call invert_matrix(self, formulation, h_matrix, z, each, status)
+                    call invert_matrix(self, h_matrix, z, each, status)
                     if (.not. is_ok(status)) return
                 end if
                 n = max_states * self%table%stages
@@ -242,7 +238,7 @@ contains
             z = z + correction
             size = maxval(maxval(abs(correction), dim=2) / units)
             if (size <= negligible) return
-            core = maxval(maxval(abs(correction), dim=2) / units, mask=.not. formulation%cyclic)
+            core = maxval(maxval(abs(correction), dim=2) / units, mask=.not. self%formulation%cyclic)
             if (newton .and. core > acceptable .and. &
                 .not. core < merge(sure, 1.0_dp, is_new .and. iteration > 1) * core_previous) exit
             if (newton .and. iteration > 1) then
@@ -264,9 +260,8 @@ contains
     end subroutine solve
 
     !> What the equations of the stages lack.
-    subroutine find_residual(self, formulation, h, z, residual, status)
+    subroutine find_residual(self, h, z, residual, status)
         class(implicit_runge_kutta_t), intent(inout) :: self !! state and slope at the beginning of the step
-        class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: h, z(max_states, max_implicit_stages) !! step size, s, and increments of the stages
         real(dp), intent(out) :: residual(max_states, max_implicit_stages) !! of each stage
         integer, intent(out) :: status !! that of the right-hand side
@@ -276,7 +271,7 @@ contains
         residual = 0
         associate (table => self%table)
             do j = 1, table%stages
-                call self%evaluate(formulation, self%t + table%node(j) * h, self%y + z(:, j), slope, status)
+                call self%evaluate(self%t + table%node(j) * h, self%y + z(:, j), slope, status)
                 if (.not. is_ok(status)) return
                 do i = 1, table%stages
                     residual(:, i) = residual(:, i) + table%a(i, j) * slope
@@ -289,9 +284,8 @@ contains
     end subroutine find_residual
 
     !> Finds the inverse of 1 - h a x J, with the Jacobian of each stage or with one in their middle.
-    subroutine invert_matrix(self, formulation, h, z, each, status)
+    subroutine invert_matrix(self, h, z, each, status)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: h, z(max_states, max_implicit_stages)
         logical, intent(in) :: each
         integer, intent(out) :: status
@@ -306,7 +300,7 @@ contains
             do j = 1, s
                 place = merge(self%table%node(j), sum(self%table%node) / s, each)
                 moved = merge(z(:, j), sum(z, dim=2) / s, each)
-                if (each .or. j == 1) call find_jacobian(self, formulation, self%t + place * h, self%y + moved, jacobian, status)
+                if (each .or. j == 1) call find_jacobian(self, self%t + place * h, self%y + moved, jacobian, status)
                 if (.not. is_ok(status)) return
                 do i = 1, s
                     inverse((i - 1) * n + 1:i * n, (j - 1) * n + 1:j * n) = -h * self%table%a(i, j) * jacobian
@@ -318,7 +312,7 @@ contains
             call invert(inverse, n * s, is_regular)
             if (.not. is_regular) status = status_not_converged
             if (.not. is_regular) return
-            unit = reshape(formulation%units(), [most], pad=formulation%units())
+            unit = reshape(self%formulation%units(), [most], pad=self%formulation%units())
             do j = 1, n * s
                 inverse(:n * s, j) = inverse(:n * s, j) * unit(:n * s) / unit(j)
             end do
@@ -365,9 +359,8 @@ contains
 
     !> The Jacobian df/dy in units of the state, by forward differences, accurate to several digits also where a component is
     !> zero. The equations do not depend on cyclic variables.
-    subroutine find_jacobian(self, formulation, t, y, jacobian, status)
+    subroutine find_jacobian(self, t, y, jacobian, status)
         class(implicit_runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
         real(dp), intent(out) :: jacobian(max_states, max_states) !! column j is df/dy_j, in `formulation%units()`, 1/s
         integer, intent(out) :: status
@@ -377,17 +370,17 @@ contains
         type(formulation_info_t) :: info
         integer :: j
 
-        info = formulation%info()
-        unit = formulation%units()
+        info = self%formulation%info()
+        unit = self%formulation%units()
         self%counts%jacobians = self%counts%jacobians + 1
         jacobian = 0
-        call self%evaluate(formulation, t, y, slope, status)
+        call self%evaluate(t, y, slope, status)
         do j = 1, info%states
             if (.not. is_ok(status)) return
-            if (formulation%cyclic(j)) cycle
+            if (self%formulation%cyclic(j)) cycle
             moved = y
-            moved(j) = y(j) + share * max(abs(y(j)), least * formulation%scale(j))
-            call self%evaluate(formulation, t, moved, slope_moved, status)
+            moved(j) = y(j) + share * max(abs(y(j)), least * self%formulation%scale(j))
+            call self%evaluate(t, moved, slope_moved, status)
             jacobian(:, j) = (slope_moved - slope) / unit / ((moved(j) - y(j)) / unit(j))
         end do
     end subroutine find_jacobian

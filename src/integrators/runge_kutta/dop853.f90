@@ -67,28 +67,26 @@ module spintop_dop853
 contains
 
     !> First slope and, unless the step size is fixed, first step size.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
 
         self%has_terms = .false.
         self%last_error = least_error
-        info = formulation%info()
+        info = self%formulation%info()
         self%states = info%states
-        call self%set_weight(formulation)
-        call begin_on_grid(self, formulation, status)
+        call self%set_weight()
+        call begin_on_grid(self, status)
         if (self%controls%steps == 0 .and. is_ok(status)) then
-            self%h = first_step(formulation, self)
+            self%h = first_step(self)
         end if
     end subroutine begin
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found
     !> with it, one for the order of this method. Times are relative to the time in which the state would
     !> change by its scale, so that the unit of time does not matter, nor that a variable is zero at the start.
-    real(dp) function first_step(formulation, run) result(h)
-        class(formulation_t), intent(in) :: formulation
+    real(dp) function first_step(run) result(h)
         class(run_state_t), intent(inout) :: run
         real(dp), parameter :: share = 0.01_dp
         real(dp) :: span, allowed(max_states), slope(max_states), size, steepness, unit, bend
@@ -102,37 +100,35 @@ contains
         if (.not. steepness > 0) return
         unit = size / steepness
         h = min(share * unit, span)
-        call run%evaluate(formulation, run%t + h, run%y + h * run%slope, slope, status)
+        call run%evaluate(run%t + h, run%y + h * run%slope, slope, status)
         if (.not. is_ok(status)) return
         bend = max(norm2((slope - run%slope) / allowed) / h * unit**2, size)
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
 
     !> One step: of the grid, or one that the error estimate accepts; rejected steps are counted.
-    subroutine advance(self, formulation, status)
+    subroutine advance(self, status)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         self%has_terms = .false.
         if (self%controls%steps > 0) then
-            call advance_on_grid(self, formulation, status)
+            call advance_on_grid(self, status)
         else
-            call advance_adaptively(self, formulation, status)
+            call advance_adaptively(self, status)
         end if
     end subroutine advance
 
     !> A step of the size that the error estimate allows.
-    subroutine advance_adaptively(self, formulation, status)
+    subroutine advance_adaptively(self, status)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         integer, intent(out) :: status
         real(dp) :: h, h_smallest, h_left, t_new, error, growth
         real(dp), dimension(max_states) :: change, y_new, slope
         logical :: was_rejected, changed, at_once
 
-        at_once = finds_at_once(formulation)
-        h_left = longest_step(formulation, self%y)
+        at_once = finds_at_once(self%formulation)
+        h_left = longest_step(self%formulation, self%y)
         h_smallest = smallest_step(self%h, self%t)
         self%h = max(self%h, h_smallest)
         was_rejected = .false.
@@ -144,7 +140,7 @@ contains
             t_new = min(t_new, self%t_end)
             h = t_new - self%t
             self%k(:, 1) = self%slope
-            call find_stages(self, formulation, self%t, self%y, h, 2, merge(new_slope, main_stages, at_once), status)
+            call find_stages(self, self%t, self%y, h, 2, merge(new_slope, main_stages, at_once), status)
             error = 0
             if (is_ok(status)) then
                 associate (w => self%weight)
@@ -157,7 +153,7 @@ contains
             ! The slope at the new state must exist: it begins the next step.
             if (is_ok(status) .and. error <= 0) then
                 slope = self%k(:, new_slope)
-                if (.not. at_once) call self%evaluate(formulation, t_new, y_new, slope, status)
+                if (.not. at_once) call self%evaluate(t_new, y_new, slope, status)
             end if
             if (is_ok(status) .and. error <= 0) exit
             self%counts%rejected = self%counts%rejected + 1
@@ -171,9 +167,9 @@ contains
             self%h = max(h * growth, h_smallest)
             was_rejected = .true.
         end do
-        call self%accept_change(formulation, t_new, change, changed)
+        call self%accept_change(t_new, change, changed)
         self%slope = slope
-        if (changed) call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        if (changed) call self%evaluate(self%t, self%y, self%slope, status)
         growth = min(largest_growth, max(largest_cut, safety * growth))
         if (was_rejected) growth = min(growth, 1.0_dp)
         self%h = h * growth
@@ -189,9 +185,8 @@ contains
     end function smallest_step
 
     !> The stages of a step of size h, and the change of the state over it.
-    subroutine step(self, formulation, h, change, status)
+    subroutine step(self, h, change, status)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -199,16 +194,15 @@ contains
         change = 0
         status = status_ok
         self%k(:, 1) = self%slope
-        call find_stages(self, formulation, self%t, self%y, h, 2, main_stages, status)
+        call find_stages(self, self%t, self%y, h, 2, main_stages, status)
         if (.not. is_ok(status)) return
         change = h * (weighted(self%k, self%table%b, main_stages) &
                       + weighted(self%k, self%table%b_rest, main_stages))
     end subroutine step
 
     !> Stages of a step of size h from a time and a state: at once where the formulation offers this.
-    subroutine find_stages(self, formulation, t, y, h, from, to, status)
+    subroutine find_stages(self, t, y, h, from, to, status)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), h
         integer, intent(in) :: from, to
         integer, intent(out) :: status
@@ -216,8 +210,8 @@ contains
         integer :: i
 
         status = status_ok
-        if (finds_at_once(formulation)) then
-            call formulation%stages%find(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
+        if (finds_at_once(self%formulation)) then
+            call self%formulation%stages%find(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
                                          self%k, self%aside)
             self%counts%evaluations = self%counts%evaluations + (to - from + 1)
             ! What is no number in a stage is none in those after it.
@@ -226,7 +220,7 @@ contains
         end if
         do i = from, to
             stage = moved(y, h, self%k, self%table%a(:, i), i - 1)
-            call self%evaluate(formulation, t + self%table%c(i) * h, stage, self%k(:, i), status)
+            call self%evaluate(t + self%table%c(i) * h, stage, self%k(:, i), status)
             if (.not. is_ok(status)) return
         end do
     end subroutine find_stages
@@ -276,15 +270,14 @@ contains
     end function moved
 
     !> Dense output of order 7 within the last step.
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s
         integer :: i
 
         y = self%y
-        if (.not. self%has_terms) call find_terms(self, formulation)
+        if (.not. self%has_terms) call find_terms(self)
         s = (t - self%t_last) / (self%t - self%t_last)
         y = 0
         do i = 8, 1, -1
@@ -293,16 +286,15 @@ contains
     end function state_within
 
     !> The same at several times, all by the same instructions.
-    subroutine states_within(self, formulation, t, y)
+    subroutine states_within(self, t, y)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         real(dp) :: s(instants), left(instants), c(8)
         integer :: m
 
         y = 0
-        if (.not. self%has_terms) call find_terms(self, formulation)
+        if (.not. self%has_terms) call find_terms(self)
         s = (t - self%t_last) / (self%t - self%t_last)
         left = 1 - s
         do m = 1, max_states
@@ -314,9 +306,8 @@ contains
 
     !> The terms of the dense output of the last step, with three more stages. If one of these does not exist,
     !> the cubic Hermite polynomial is used.
-    subroutine find_terms(self, formulation)
+    subroutine find_terms(self)
         class(dop853_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp) :: h
         integer :: i, from, status
 
@@ -330,8 +321,8 @@ contains
         self%term(:, 5:8) = 0
         ! Stages that are found at once depend on what that of the slope leaves aside, which was not found on a grid.
         from = new_slope + 1
-        if (self%controls%steps > 0 .and. finds_at_once(formulation)) from = new_slope
-        call find_stages(self, formulation, self%t_last, self%y_last, h, from, all_stages, status)
+        if (self%controls%steps > 0 .and. finds_at_once(self%formulation)) from = new_slope
+        call find_stages(self, self%t_last, self%y_last, h, from, all_stages, status)
         if (.not. is_ok(status)) return
         do i = 1, 4
             self%term(:, 4 + i) = h * weighted(self%k, self%table%dense(:, i), all_stages)

@@ -3,7 +3,7 @@
 module spintop_ode45
     use spintop_kinds, only: dp
     use spintop_compare, only: is_finite
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_stepper, only: stepper_t
     use spintop_fixed_step, only: longest_step
     use spintop_butcher, only: butcher_t, max_stages
@@ -31,14 +31,13 @@ module spintop_ode45
 contains
 
     !> First slope and MATLAB's first step size.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(ode45_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: steepest
 
-        call self%set_weight(formulation)
-        call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        call self%set_weight()
+        call self%evaluate(self%t, self%y, self%slope, status)
         if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
         steepest = maxval(abs(self%slope) / self%weight%matlab_magnitude(self%y, self%y)) &
@@ -47,15 +46,14 @@ contains
     end subroutine begin
 
     !> One accepted step; rejected steps are counted.
-    subroutine advance(self, formulation, status)
+    subroutine advance(self, status)
         class(ode45_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), error, growth
         logical :: first_trial, changed
 
         h_smallest = smallest_spacings * spacing(self%t)
-        h_left = longest_step(formulation, self%y)
+        h_left = longest_step(self%formulation, self%y)
         self%h = min(max(self%h, h_smallest), largest_share * (self%t_end - self%t_begin))
         first_trial = .true.
         do
@@ -65,7 +63,7 @@ contains
             if (1.1_dp * h >= self%t_end - self%t .and. h < h_left) t_new = self%t_end
             t_new = min(t_new, self%t_end)
             h = t_new - self%t
-            call try_step(self, formulation, h, y_new, error, status)
+            call try_step(self, h, y_new, error, status)
             if (is_ok(status) .and. error <= self%controls%relative_tolerance) exit
             self%counts%rejected = self%counts%rejected + 1
             if (h <= h_smallest) then
@@ -83,9 +81,9 @@ contains
             self%h = max(self%h, h_smallest)
             first_trial = .false.
         end do
-        call self%accept_step(formulation, t_new, y_new, changed)
+        call self%accept_step(t_new, y_new, changed)
         self%slope = self%k(:, self%table%stages)
-        if (changed) call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        if (changed) call self%evaluate(self%t, self%y, self%slope, status)
         if (first_trial) then
             growth = 1.25_dp * (error / self%controls%relative_tolerance)**power(self)
             self%h = h / max(growth, 0.2_dp)
@@ -94,9 +92,8 @@ contains
 
     !> One trial of size h: the new state, and the error of the embedded method in units in which the relative
     !> tolerance is the limit.
-    subroutine try_step(self, formulation, h, y_new, error, status)
+    subroutine try_step(self, h, y_new, error, status)
         class(ode45_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: h
         real(dp), intent(out) :: y_new(max_states), error
         integer, intent(out) :: status
@@ -107,7 +104,7 @@ contains
         self%k(:, 1) = self%slope
         do i = 2, self%table%stages
             y_new = self%y + h * stage_sum(self%k, self%table%a(:, i), i - 1)
-            call self%evaluate(formulation, self%t + self%table%c(i) * h, y_new, self%k(:, i), status)
+            call self%evaluate(self%t + self%table%c(i) * h, y_new, self%k(:, i), status)
             if (.not. is_ok(status)) return
         end do
         error = h * maxval(abs(stage_sum(self%k, self%table%error, self%table%stages)) &
@@ -122,9 +119,8 @@ contains
     end function power
 
     !> Dense output of order 4 within the last step.
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(ode45_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s, weight(max_stages)
         y = self%y

@@ -1,7 +1,7 @@
 !> Explicit Runge-Kutta methods with a fixed step size.
 module spintop_runge_kutta
     use spintop_kinds, only: dp
-    use spintop_formulation, only: formulation_t, max_states
+    use spintop_formulation, only: max_states
     use spintop_fixed_step, only: fixed_step_t
     use spintop_butcher, only: butcher_t, max_stages
     use spintop_status, only: is_ok, status_ok
@@ -19,9 +19,8 @@ module spintop_runge_kutta
 contains
 
     !> One step of the method. Its first stage is the known slope.
-    subroutine step(self, formulation, h, change, status)
+    subroutine step(self, h, change, status)
         class(runge_kutta_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
@@ -32,7 +31,7 @@ contains
         change = 0
         k(:, 1) = self%slope
         do i = 2, self%table%stages
-            call self%evaluate(formulation, self%t + self%table%c(i) * h, &
+            call self%evaluate(self%t + self%table%c(i) * h, &
                                self%y + h * stage_sum(k, self%table%a(:, i), i - 1), k(:, i), status)
             if (.not. is_ok(status)) return
         end do

@@ -8,7 +8,7 @@ module spintop_taylor
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
     use spintop_motions, only: instants
-    use spintop_formulation, only: formulation_t, max_series_order, max_states, structure_series
+    use spintop_formulation, only: max_series_order, max_states, structure_series
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
     implicit none
@@ -92,13 +92,12 @@ contains
     end function order_for
 
     !> First slope, the order, and the span as the longest step.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(taylor_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
-        call self%set_weight(formulation)
-        call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        call self%set_weight()
+        call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
         self%least = lost_by_underflow(self%slope(:self%weight%states), self%weight%scale(:self%weight%states))
         self%h = self%t_end - self%t
@@ -114,14 +113,13 @@ contains
     end function lost_by_underflow
 
     !> One step, of the size that the last terms of the series allow.
-    subroutine advance(self, formulation, status)
+    subroutine advance(self, status)
         class(taylor_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, t_new, change(max_states)
         logical :: changed
 
-        call formulation%series%expand(self%t, self%y, self%degree, self%coefficient)
+        call self%formulation%series%expand(self%t, self%y, self%degree, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + self%degree
         h = length_of_step(self)
         status = status_non_finite
@@ -132,11 +130,11 @@ contains
         t_new = self%t + h
         if (stretch * h >= self%t_end - self%t) t_new = self%t_end
         call c_add_terms(self%degree, self%coefficient, t_new - self%t, change)
-        call formulation%series%unfold(self%y, t_new - self%t, change)
+        call self%formulation%series%unfold(self%y, t_new - self%t, change)
         ! Terms that are NaN do not show in the largest magnitude.
         status = status_non_finite
         if (.not. all(abs(change) <= huge(1.0_dp))) return
-        call self%accept_change(formulation, t_new, change, changed)
+        call self%accept_change(t_new, change, changed)
         status = status_ok
     end subroutine advance
 
@@ -158,21 +156,19 @@ contains
     end function length_of_step
 
     !> The state at a time within the last step.
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(taylor_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), change(max_states)
         y = self%y
         call c_add_terms(self%degree, self%coefficient, t - self%t_last, change)
-        call formulation%series%unfold(self%y_last, t - self%t_last, change)
+        call self%formulation%series%unfold(self%y_last, t - self%t_last, change)
         y = self%y_last + change
     end function state_within
 
     !> The states at several times within the last step, all by the same instructions.
-    subroutine states_within(self, formulation, t, y)
+    subroutine states_within(self, t, y)
         class(taylor_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
         real(dp) :: h(instants)
@@ -181,7 +177,7 @@ contains
         y = 0
         h = t - self%t_last
         call c_add_terms_at(self%degree, self%coefficient, h, y)
-        call formulation%series%unfold_several(self%y_last, h, y)
+        call self%formulation%series%unfold_several(self%y_last, h, y)
         do n = 1, max_states
             y(:, n) = self%y_last(n) + y(:, n)
         end do

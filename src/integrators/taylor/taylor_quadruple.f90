@@ -7,7 +7,7 @@ module spintop_taylor_quadruple
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, qp
     use spintop_compare, only: is_finite, is_zero
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_series_order, max_states
+    use spintop_formulation, only: formulation_info_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t
     use spintop_taylor, only: safety, smallest_spacings, stretch
@@ -29,32 +29,30 @@ module spintop_taylor_quadruple
 contains
 
     !> First slope.
-    subroutine begin(self, formulation, status)
+    subroutine begin(self, status)
         class(taylor_quadruple_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(formulation_info_t) :: info
-        call self%set_weight(formulation)
-        info = formulation%info()
+        call self%set_weight()
+        info = self%formulation%info()
         self%attitude = info%quaternion
         self%states = info%states
-        associate (exact => formulation%quadruple_series%y_start())
+        associate (exact => self%formulation%quadruple_series%y_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
-        call self%evaluate(formulation, self%t, self%y, self%slope, status)
+        call self%evaluate(self%t, self%y, self%slope, status)
     end subroutine begin
 
     !> One step, of the size that the last terms of the series allow.
-    subroutine advance(self, formulation, status)
+    subroutine advance(self, status)
         class(taylor_quadruple_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(qp) :: y(max_states)
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
 
         y = self%rest + real(self%y, qp)
-        call formulation%quadruple_series%expand(self%t, y, max_series_order, self%coefficient)
+        call self%formulation%quadruple_series%expand(self%t, y, max_series_order, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + max_series_order
         self%slope = real(self%coefficient(:, 1), dp)
         h = length_of_step(self)
@@ -69,7 +67,7 @@ contains
         status = status_non_finite
         if (.not. all(abs(y_new) <= huge(1.0_dp))) return
         rest = real(y - y_new, dp)
-        call self%accept_step(formulation, t_new, y_new, changed)
+        call self%accept_step(t_new, y_new, changed)
         if (.not. changed) self%rest = rest
         status = status_ok
     end subroutine advance
@@ -119,9 +117,8 @@ contains
     end function sum_of_terms
 
     !> The state at a time within the last step.
-    function state_within(self, formulation, t) result(y)
+    function state_within(self, t) result(y)
         class(taylor_quadruple_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
         y = real(self%coefficient(:, 0) + sum_of_terms(self, t - real(self%t_last, qp)), dp)

@@ -25,7 +25,7 @@ module spintop_energy_rate
         !> Inclination amid the two poles between which the motion is, rad.
         real(dp) :: middle = pi / 2
     contains
-        procedure :: describe
+        procedure :: info
         procedure :: prepare
         procedure :: derivative
         procedure :: motion
@@ -37,12 +37,12 @@ module spintop_energy_rate
 contains
 
     !> Name and properties.
-    pure function describe(self) result(info)
+    pure function info(self)
         class(energy_rate_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('energy_rate', &
             "(phi, theta, psi) with theta' from the energy, to the next turning point (Eq 46, scenario 1)", 3)
-    end function describe
+    end function info
 
     !> Constants of the motion, the branch that the start lies on, and the initial state.
     pure subroutine prepare(self, body, start, y, status)

@@ -33,7 +33,7 @@ module spintop_euler_angles
     !> State y = (phi, phi', theta, theta', psi); omega3 is constant.
     type, extends(euler_angles_t) :: euler_t
     contains
-        procedure :: describe => describe_euler
+        procedure :: info => info_of_euler
         procedure :: prepare => prepare_euler
         procedure :: derivative => derivative_of_euler
         procedure :: motion => motion_of_euler
@@ -43,7 +43,7 @@ module spintop_euler_angles
     !> State y = (phi, theta, theta', psi); both momenta are constants. After a step theta is kept, and theta' may be reset.
     type, extends(euler_angles_t) :: lagrange_t
     contains
-        procedure :: describe => describe_lagrange
+        procedure :: info => info_of_lagrange
         procedure :: prepare => prepare_lagrange
         procedure :: derivative => derivative_of_lagrange
         procedure :: motion => motion_of_lagrange
@@ -134,13 +134,13 @@ contains
     end function at_pole
 
     !> Name and properties.
-    pure function describe_euler(self) result(info)
+    pure function info_of_euler(self) result(info)
         class(euler_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('euler', &
             "Euler's equations, (phi, phi', theta, theta', psi) by a 2x2 system (Eqs 35-40)", 5, &
             invariants=2)
-    end function describe_euler
+    end function info_of_euler
 
     !> Constants of the motion and initial state.
     pure subroutine prepare_euler(self, body, start, y, status)
@@ -218,15 +218,15 @@ contains
     end subroutine invariants_of_euler
 
     !> Name and properties.
-    pure function describe_lagrange(self) result(info)
+    pure function info_of_lagrange(self) result(info)
         class(lagrange_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('lagrange', &
             "Lagrange's equations, (phi, theta, theta', psi) with both momenta constant (Eqs 41-45)", &
             4, invariants=1)
         if (self%resets_speed) info = formulation_info_t('lagrange_energy', &
-            "lagrange, with theta' reset from the energy after each step (Eq 46, scenario 2)", 4)
-    end function describe_lagrange
+            "lagrange, with theta' reset from the energy after each step (Eq 46, scenario 2)", 4, resets_speed=.true.)
+    end function info_of_lagrange
 
     !> Constants of the motion and initial state.
     pure subroutine prepare_lagrange(self, body, start, y, status)

@@ -3,21 +3,25 @@
 !> A formulation is prepared once for a body and a start and does not change afterwards, so threads may share
 !> it. States are arrays of fixed size; unused components are zero.
 module spintop_formulation
-    use spintop_attitude, only: follow_angles, may_meet_pole
-    use spintop_kinds, only: dp
+    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product
+    use spintop_kinds, only: dp, epsilon_dp, qp, xp
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_series_order, max_states, &
-        quadruple_series_t, series_t, stages_t, structure_group, structure_names, structure_none, &
-        structure_quadruple, structure_series, structure_split
     use spintop_effects_action, only: effects_action_t
-    use spintop_motion, only: motion_t
+    use spintop_kernel_types, only: max_aside => set_aside, max_series_order => highest_order, max_states => numbers
+    use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants
-    public :: structure_none, structure_split, structure_group, structure_series, &
-        structure_quadruple, structure_names
+    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants, max_aside
+    public :: structure_none, structure_split, structure_group, structure_series, structure_quadruple, structure_names
 
+    !> What a method may need beside y' = f(t, y), and a formulation may offer: drift and kick, the two parts of the motion with
+    !> flows of their own; motion on a Lie group; Taylor coefficients of the motion; the same in quadruple precision.
+    integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
+        structure_series = 3, structure_quadruple = 4
+    character(*), parameter :: structure_names(structure_split:structure_quadruple) = &
+        [character(32) :: 'drift and kick', 'Lie-group motion', 'Taylor series', &
+         'quadruple Taylor series']
     !> Largest number of invariants of any formulation.
     integer, parameter :: max_invariants = 5
 
@@ -38,7 +42,7 @@ module spintop_formulation
         !> Index of the first of the four components that contain the attitude quaternion, of unit norm at the
         !> start; 0 if there is none.
         integer :: quaternion = 0
-        !> Takes theta' anew from the energy after each step. Set by `formulation_t%info`, as is the next.
+        !> Takes theta' anew from the energy after each step.
         logical :: resets_speed = .false.
         !> Structures offered.
         logical :: offers(structure_split:structure_quadruple) = .false.
@@ -50,8 +54,9 @@ module spintop_formulation
 
     !> A form of the equations of motion.
     type, abstract :: formulation_t
-        !> The body for which it was prepared.
+        !> The body and the start for which it was prepared.
         type(body_t) :: body = body_t()
+        type(motion_t) :: start = motion_t()
         !> Scale of each state variable in this motion, set by `prepare`: 1 rad for angles (1/2 for
         !> quaternions), the largest rate, the largest momentum. Tolerances are relative to it.
         real(dp) :: scale(max_states) = 1
@@ -63,14 +68,11 @@ module spintop_formulation
         !> Index of the first of three components of the state that are the angular momentum in body axes; 0 if there are none.
         integer :: momentum = 0
         !> The quaternion of `info`, by which angles are counted; 0 if the state contains the angles themselves. Its spin may be
-        !> less than that of the body by a separated rate, rad/s.
+        !> less than that of the body by a separated rate, rad/s, in extended precision for its phase.
         integer :: attitude = 0
-        real(dp) :: sigma = 0
-        !> Capabilities: those that are allocated. The constructor of a formulation allocates them, its
-        !> `prepare` sets them by `set_capabilities`.
-        class(stages_t), allocatable :: stages
-        class(series_t), allocatable :: series
-        class(quadruple_series_t), allocatable :: quadruple_series
+        real(xp) :: sigma = 0
+        !> Whether `find_stages` holds: the stages of an explicit Runge-Kutta step in one call, from any state.
+        logical :: has_stages = .false.
         !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
         !> state, `reset_speed`, belongs to the equations and follows each accepted step.
         logical :: has_ends = .false., resets_speed = .false.
@@ -80,15 +82,21 @@ module spintop_formulation
         !> What effects do beside changing f.
         type(effects_action_t), allocatable :: action
     contains
-        procedure(describe), deferred :: describe
+        procedure(describe), deferred :: info
         procedure(prepare), deferred :: prepare
         procedure(derivative), deferred :: derivative
-        procedure(motion_of), deferred :: motion
-        procedure :: motion_without_angles => whole_motion
-        procedure :: find_motions => find_motions_singly
+        procedure :: kinematics => no_kinematics
+        procedure :: motion
+        procedure, non_overridable :: motion_without_angles
+        procedure :: find_motions
+        procedure, non_overridable :: follow
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
-        procedure :: find_turning => find_no_turning
+        procedure :: find_stages => find_no_stages
+        procedure :: expand => no_series
+        procedure :: unfold => keep_changes
+        procedure :: quadruple_start => rounded_start
+        procedure :: expand_quadruple => no_quadruple_series
         procedure :: drift => no_flow
         procedure :: kick => no_flow
         procedure :: compose
@@ -99,13 +107,10 @@ module spintop_formulation
         procedure :: depart => stay
         procedure :: arrive => arrive_nowhere
         procedure :: reset_speed => keep_speed
-        procedure, non_overridable :: follow
-        procedure, non_overridable :: info
-        procedure, non_overridable :: set_capabilities
     end type formulation_t
 
     abstract interface
-        !> Name and properties, without the capabilities.
+        !> Name and properties.
         pure function describe(self) result(info)
             import :: formulation_t, formulation_info_t
             class(formulation_t), intent(in) :: self
@@ -131,28 +136,93 @@ module spintop_formulation
             real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
             integer, intent(out) :: status !! `status_ok`, or why there is no slope
         end subroutine derivative
-
-        !> The motion at time t in state y, with accelerations from the second derivatives of the formulation.
-        !> Angles that the state contains only modulo a turn are the values nearest to those of `near`.
-        pure function motion_of(self, t, y, near) result(motion)
-            import :: formulation_t, motion_t, dp, max_states
-            class(formulation_t), intent(in) :: self
-            real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-            type(motion_t) :: motion
-        end function motion_of
     end interface
 
 contains
 
+    !> The angular velocity of the quaternion in the state and, if it is wanted, its rate: equations in angles have none.
+    pure subroutine no_kinematics(self, t, y, omega, rate)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        omega = 0
+        if (present(rate)) rate = 0
+    end subroutine no_kinematics
+
+    !> The motion at time t in state y, with accelerations from the second derivatives of the formulation. Angles that the state
+    !> contains only modulo a turn are the values nearest to those of `near`.
+    pure function motion(self, t, y, near)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        type(motion_t) :: motion, here
+        here = self%motion_without_angles(t, y)
+        motion = motion_from_quaternion(t, here%quaternion, here%omega, near)
+        motion%norm_error = here%norm_error
+        motion%omega_rate = here%omega_rate
+    end function motion
+
     !> The motion whose angles and their rates need not be set, for what depends on the attitude, the angular velocity
-    !> and its rate. By default the whole motion.
-    pure function whole_motion(self, t, y) result(motion)
+    !> and its rate.
+    pure function motion_without_angles(self, t, y) result(motion)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
         real(dp), parameter :: any_angles(3) = 0
-        motion = self%motion(t, y, any_angles)
-    end function whole_motion
+        real(dp) :: length
+        if (self%attitude == 0) then
+            motion = self%motion(t, y, any_angles)
+            return
+        end if
+        associate (q => y(self%attitude:self%attitude + 3))
+            length = sqrt(q(1)**2 + q(2)**2 + q(3)**2 + q(4)**2)
+            motion%t = t
+            motion%quaternion = q / length
+            motion%norm_error = length - 1
+        end associate
+        call self%kinematics(t, y, motion%omega, motion%omega_rate)
+        if (abs(self%sigma) > 0) call add_spin(self%sigma, motion)
+    end function motion_without_angles
+
+    !> Adds the separated spin to a motion: a turn about body z, at a constant rate.
+    pure subroutine add_spin(sigma, motion)
+        real(xp), intent(in) :: sigma
+        type(motion_t), intent(inout) :: motion
+        real(xp) :: half
+        real(dp), parameter :: small = sqrt(epsilon_dp)
+        real(dp) :: phase, rest, c, s, rest_c, rest_s, rate(3)
+        ! After many turns a phase in double precision is not accurate enough: its rest is a rotation, mostly small.
+        half = sigma * motion%t / 2
+        phase = real(half, dp)
+        rest = real(half - phase, dp)
+        rest_c = 1
+        rest_s = rest
+        if (abs(rest) > small) then
+            rest_c = cos(rest)
+            rest_s = sin(rest)
+        end if
+        c = cos(phase) * rest_c - sin(phase) * rest_s
+        s = sin(phase) * rest_c + cos(phase) * rest_s
+        motion%quaternion = quaternion_product(motion%quaternion, [c, 0.0_dp, 0.0_dp, s])
+        associate (w => motion%omega)
+            rate = motion%omega_rate + real(sigma, dp) * [w(2), -w(1), 0.0_dp]
+            motion%omega_rate = turned(rate)
+            w = turned(w)
+            w(3) = w(3) + real(sigma, dp)
+        end associate
+
+    contains
+
+        !> Components in the axes after the spin.
+        pure function turned(v)
+            real(dp), intent(in) :: v(3)
+            real(dp) :: turned(3)
+            turned(1) = (c**2 - s**2) * v(1) + 2 * c * s * v(2)
+            turned(2) = (c**2 - s**2) * v(2) - 2 * c * s * v(1)
+            turned(3) = v(3)
+        end function turned
+
+    end subroutine add_spin
 
     !> Units of the state variables: the powers of two next to their scales. Linear equations for a state are solved in these
     !> units, so that their pivots, and all rounding errors, do not depend on the units of mass, length and time.
@@ -162,8 +232,8 @@ contains
         units = set_exponent(1.0_dp, exponent(self%scale))
     end function units
 
-    !> The same at several instants, one after another.
-    pure subroutine find_motions_singly(self, t, y, motions)
+    !> The motion without angles at several instants, one after another.
+    pure subroutine find_motions(self, t, y, motions)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
         type(motions_t), intent(out) :: motions !! the motion at these times
@@ -171,30 +241,7 @@ contains
         do i = 1, instants
             call motions%set_motion(i, self%motion_without_angles(t(i), y(i, :)))
         end do
-    end subroutine find_motions_singly
-
-    !> Name, properties and capabilities.
-    pure type(formulation_info_t) function info(self)
-        class(formulation_t), intent(in) :: self
-        info = self%describe()
-        info%resets_speed = self%resets_speed
-        info%offers(structure_series) = allocated(self%series)
-        info%offers(structure_quadruple) = allocated(self%quadruple_series)
-    end function info
-
-    !> Sets all capabilities for a body and its start.
-    pure subroutine set_capabilities(self, body, start)
-        class(formulation_t), intent(inout) :: self
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        type(formulation_info_t) :: info
-        info = self%describe()
-        self%attitude = info%quaternion
-        if (allocated(self%stages)) call self%stages%set(body, start)
-        if (allocated(self%series)) call self%series%set(body, start)
-        if (allocated(self%quadruple_series)) call self%quadruple_series%set(body, start)
-        if (allocated(self%action)) call self%action%set(body)
-    end subroutine set_capabilities
+    end subroutine find_motions
 
     !> Invariants (first integrals) of the motion: `info%invariants` values (energy J, momenta J s, squared
     !> norm of a quaternion, ...), which are smooth functions of the state.
@@ -205,15 +252,56 @@ contains
         values = 0
     end subroutine no_invariants
 
-    !> The angular velocity of the attitude quaternion of the state, and its rate if it is wanted; by default there is none.
-    pure subroutine find_no_turning(self, t, y, omega, rate)
+    !> Stages of an explicit Runge-Kutta step of size h from the state y, cheaper than one by one, where `has_stages`.
+    pure subroutine find_no_stages(self, from, to, t, y, h, stages, a, since, c, k, aside)
         class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
-        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
-        omega = 0
-        if (present(rate)) rate = 0
-    end subroutine find_no_turning
+        integer, intent(in) :: from, to !! first and last stage; there is at least one before
+        real(dp), intent(in) :: t, y(max_states), h !! time and state at the beginning of the step, and its size, s
+        integer, intent(in) :: stages !! their number in the table of the method
+        real(dp), intent(in) :: a(stages, stages) !! column i contains the weights of the stages before stage i
+        integer, intent(in) :: since(stages) !! stage i depends on the first one and on those from `since(i)` on
+        real(dp), intent(in) :: c(stages) !! times of the stages in the step, over its size
+        real(dp), intent(inout) :: k(max_states, stages) !! slopes: column i is that of stage i
+        real(dp), intent(inout) :: aside(max_aside, stages)
+            !! column i is what stage i leaves aside, of variables that follow from the state and have stages of their own
+    end subroutine find_no_stages
+
+    !> With `structure_series`, Taylor coefficients of the motion that passes through `y` at the time `t`:
+    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, or of other variables that begin as `y` does and from which
+    !> `unfold` makes the state. Where there is no series they are NaN.
+    pure subroutine no_series(self, t, y, order, coefficient)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state about which the series is
+        integer, intent(in) :: order !! at most `max_series_order`
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
+        coefficient = 0
+    end subroutine no_series
+
+    !> Makes the changes of the state `y` after some times of those of the variables of the series. Where these are the state,
+    !> nothing is left to do.
+    pure subroutine keep_changes(self, y, n, h, change)
+        class(formulation_t), intent(in) :: self
+        integer, intent(in) :: n !! number of times
+        real(dp), intent(in) :: y(max_states), h(n) !! state at the beginning of the step; times, s
+        real(dp), intent(inout) :: change(n, max_states) !! of the variables, then of the state
+    end subroutine keep_changes
+
+    !> With `structure_quadruple`, the state at the start in quadruple precision; zero if it is the one in double precision.
+    pure function rounded_start(self) result(y)
+        class(formulation_t), intent(in) :: self
+        real(qp) :: y(max_states)
+        y = 0
+    end function rounded_start
+
+    !> Taylor coefficients of the state that is `y` at the time `t`, in quadruple precision.
+    pure subroutine no_quadruple_series(self, t, y, order, coefficient)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t !! s
+        real(qp), intent(in) :: y(max_states) !! state about which the series is
+        integer, intent(in) :: order !! at most `max_series_order`
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
+        coefficient = 0
+    end subroutine no_quadruple_series
 
     !> A drift or a kick over `h` seconds, of either sign, from the state y + change: adds to `change` what it does. Together they
     !> are the motion: the sum of their right-hand sides is `derivative`, and does not depend on t. The kick is an exact flow; the
@@ -311,19 +399,19 @@ contains
         beside = .false.
         if (self%attitude == 0) return
         ! The attitude of the state has these angles minus sigma t.
-        angle(3) = angle(3) - self%sigma * t_last
-        call self%find_turning(t_last, y_last, omega_last)
-        call self%find_turning(t, y, omega)
+        angle(3) = angle(3) - real(self%sigma, dp) * t_last
+        call self%kinematics(t_last, y_last, omega_last)
+        call self%kinematics(t, y, omega)
         associate (q_last => y_last(self%attitude:self%attitude + 3), q => y(self%attitude:self%attitude + 3))
             if (may_meet_pole(q_last, omega_last, q, omega, t - t_last)) then
-                call self%find_turning(t_last, y_last, omega_last, rate(:, 1))
-                call self%find_turning(t, y, omega, rate(:, 2))
+                call self%kinematics(t_last, y_last, omega_last, rate(:, 1))
+                call self%kinematics(t, y, omega, rate(:, 2))
                 call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside, rate)
             else
                 call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside)
             end if
         end associate
-        angle(3) = angle(3) + self%sigma * t
+        angle(3) = angle(3) + real(self%sigma, dp) * t
     end subroutine follow
 
 end module spintop_formulation

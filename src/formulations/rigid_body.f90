@@ -3,19 +3,21 @@
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
-    use spintop_kinds, only: dp
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_kinds, only: dp, qp
     use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
-    use spintop_effects_series, only: body_quadruple_t
+    use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states, structure_group, structure_split
-    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
+        structure_group, structure_quadruple, structure_series, structure_split
+    use spintop_kernel_types, only: body_products_t, stage_factors_t
+    use spintop_motion, only: motion_t
     use spintop_motion_slopes, only: verticals
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_rigid_body_series, only: rigid_body_series_t
-    use spintop_rigid_body_stages, only: rigid_body_stages_t
+    use spintop_series_shares, only: share_rest, short_share
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
@@ -33,15 +35,20 @@ module spintop_rigid_body
         !> Axis k of the symmetric body in the drift.
         integer :: axis = 3
         logical :: damped = .false.
+        !> Constants of stages and of series.
+        type(stage_factors_t) :: factors = stage_factors_t()
+        type(body_products_t) :: products = body_products_t()
     contains
-        procedure :: describe
+        procedure :: info
         procedure :: prepare
         procedure :: derivative
-        procedure :: motion
-        procedure :: motion_without_angles
+        procedure :: kinematics
         procedure :: find_motions
-        procedure :: find_turning
         procedure :: invariants
+        procedure :: find_stages
+        procedure :: expand
+        procedure :: quadruple_start
+        procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
         procedure :: velocity
@@ -49,29 +56,37 @@ module spintop_rigid_body
         procedure, nopass :: move => move_by_turns
     end type rigid_body_t
 
-    interface rigid_body_t
-        module procedure new_rigid_body
-    end interface rigid_body_t
+    interface
+        pure subroutine c_find_stages(from, to, body, y, h, stages, a, since, k, aside) bind(C, name='spintop_find_stages')
+            import :: c_double, c_int, stage_factors_t
+            integer(c_int), value :: from, to, stages
+            type(stage_factors_t), intent(in) :: body
+            real(c_double), value :: h
+            real(c_double), intent(in) :: y(*), a(*)
+            integer(c_int), intent(in) :: since(*)
+            real(c_double), intent(inout) :: k(*), aside(*)
+        end subroutine c_find_stages
+
+        pure subroutine c_expand(order, body, state, share, share_rest, c) bind(C, name='spintop_expand_body')
+            import :: body_products_t, c_double, c_int
+            integer(c_int), value :: order
+            type(body_products_t), intent(in) :: body
+            real(c_double), intent(in) :: state(*), share(*), share_rest(*)
+            real(c_double), intent(out) :: c(*)
+        end subroutine c_expand
+    end interface
 
 contains
 
-    !> The formulation with all that it offers.
-    function new_rigid_body() result(new)
-        type(rigid_body_t) :: new
-        allocate (rigid_body_stages_t :: new%stages)
-        allocate (rigid_body_series_t :: new%series)
-        allocate (body_quadruple_t :: new%quadruple_series)
-    end function new_rigid_body
-
     !> Name and properties.
-    pure function describe(self) result(info)
+    pure function info(self)
         class(rigid_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1, runs_in_lanes=.true.)
-        info%offers([structure_split, structure_group]) = .true.
-    end function describe
+        info%offers([structure_split, structure_group, structure_series, structure_quadruple]) = .true.
+    end function info
 
     !> Initial state.
     pure subroutine prepare(self, body, start, y, status)
@@ -82,6 +97,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(motion_scales_t) :: scales
         self%body = body
+        self%start = start
         self%moment = body%weight_moment()
         self%coupling = momentum_coupling(body)
         self%momentum = 5
@@ -89,7 +105,9 @@ contains
         self%axis = minloc(abs(self%coupling), dim=1)
         self%damped = any(abs(body%damping) > 0)
         self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
-        call self%set_capabilities(body, start)
+        self%attitude = 1
+        self%has_stages = .true.
+        call set_kernels(self)
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -129,41 +147,21 @@ contains
         status = status_ok
     end subroutine derivative
 
-    !> The motion, with the angular acceleration of the derivative.
-    pure type(motion_t) function motion(self, t, y, near)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-        real(dp) :: dy(max_states)
-        integer :: status
-        motion = motion_from_quaternion(t, y(1:4) / norm2(y(1:4)), y(5:7) / self%body%inertia, near)
-        motion%norm_error = norm2(y(1:4)) - 1
-        call self%derivative(t, y, dy, status)
-        motion%omega_rate = dy(5:7) / self%body%inertia
-    end function motion
-
-    !> The same without angles and their rates, in a fraction of the time.
-    pure function motion_without_angles(self, t, y) result(motion)
+    !> The angular velocity and, if it is wanted, its rate.
+    pure subroutine kinematics(self, t, y, omega, rate)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(motion_t) :: motion
-        real(dp) :: length, q(4), gamma(3), w(3)
-        length = sqrt(y(1)**2 + y(2)**2 + y(3)**2 + y(4)**2)
-        q = y(1:4) / length
-        w = y(5:7) / self%body%inertia
-        gamma = vertical_from_quaternion(q)
-        motion%t = t
-        motion%quaternion = q
-        motion%norm_error = length - 1
-        motion%omega = w
-        associate (r => self%moment, d => self%body%damping, s => self%coupling)
-            motion%omega_rate(1) = s(1) * y(6) * y(7) + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w(1)
-            motion%omega_rate(2) = s(2) * y(7) * y(5) + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w(2)
-            motion%omega_rate(3) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w(3)
-        end associate
-        motion%omega_rate = motion%omega_rate / self%body%inertia
-    end function motion_without_angles
+        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        real(dp) :: dy(max_states)
+        integer :: status
+        omega = y(5:7) / self%body%inertia
+        if (.not. present(rate)) return
+        call self%derivative(t, y, dy, status)
+        rate = dy(5:7) / self%body%inertia
+    end subroutine kinematics
 
-    !> The same at several instants.
+    !> The motion at several instants.
     pure subroutine find_motions(self, t, y, motions)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
@@ -191,20 +189,6 @@ contains
         end do
     end subroutine find_motions
 
-    !> The angular velocity of the attitude in the state, and its rate.
-    pure subroutine find_turning(self, t, y, omega, rate)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
-        real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
-        real(dp) :: dy(max_states)
-        integer :: status
-        omega = y(5:7) / self%body%inertia
-        if (.not. present(rate)) return
-        call self%derivative(t, y, dy, status)
-        rate = dy(5:7) / self%body%inertia
-    end subroutine find_turning
-
     !> Squared norm of the quaternion, energy, momentum about the vertical and, for a symmetric top, about its
     !> axis.
     pure subroutine invariants(self, y, values)
@@ -219,6 +203,86 @@ contains
         values(3) = dot_product(y(5:7), gamma)
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
+
+    !> Constants of the kernels: of the equations of omega for stages, and of the products of vectors of the series, in their
+    !> order.
+    pure subroutine set_kernels(self)
+        class(rigid_body_t), intent(inout) :: self
+        real(dp) :: v(3)
+        v = 1 / self%body%inertia
+        associate (of => self%factors, i => self%body%inertia, moment => self%moment)
+            of%inertia(:3) = i
+            of%mobility(:3) = v
+            of%coupling(:3) = (i([2, 3, 1]) - i([3, 1, 2])) / i
+            of%decay(:3) = self%body%damping / i
+            of%pull(:3) = moment([3, 1, 2]) / i
+            of%swing(:3) = moment([2, 3, 1]) / i
+        end associate
+        associate (of => self%products, coupling => self%coupling, moment => self%moment)
+            of%first(:3) = coupling
+            of%is_steady(:3) = merge(1.0_dp, 0.0_dp, abs(coupling([2, 3, 1])) < abs(coupling([3, 1, 2])))
+            of%first(5:7) = v([3, 1, 2])
+            of%second(:4) = -v([3, 2, 3, 1]) / 2
+            of%second(5:7) = -v([2, 3, 1])
+            of%third = [-1, 1, 1, 1, -1, 1, 1, 1] * v([1, 1, 2, 3, 2, 3, 1, 2]) / 2
+            of%decay(:3) = self%body%damping * v
+            of%pull(:3) = moment([3, 1, 2])
+            of%swing(:3) = moment([2, 3, 1])
+        end associate
+    end subroutine set_kernels
+
+    !> Stages of a step, by body_stages.h.
+    !>
+    !> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages
+    !> of their own,
+    !>
+    !>     I omega' = (I omega) x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,
+    !>
+    !> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a
+    !> state on all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a
+    !> method is the same. Aside are the changes of q, omega and Gamma over the step at the slopes.
+    pure subroutine find_stages(self, from, to, t, y, h, stages, a, since, c, k, aside)
+        class(rigid_body_t), intent(in) :: self
+        integer, intent(in) :: from, to, stages, since(stages)
+        real(dp), intent(in) :: t, y(max_states), h, a(stages, stages), c(stages)
+        real(dp), intent(inout) :: k(max_states, stages), aside(max_aside, stages)
+        call c_find_stages(from - 1, to - 1, self%factors, y, h, stages, a, since, k, aside)
+    end subroutine find_stages
+
+    !> Taylor coefficients of the motion, by body_series.h.
+    !>
+    !> The upward vertical Gamma in body axes is expanded beside quaternion and momentum,
+    !>
+    !>     Pi' = Pi x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,   q' = q (0, omega)/2
+    !>
+    !> (Euler and Poisson). These are 21 products of two components, as Cauchy products of their series; Gamma from the
+    !> quaternion would take more, and make each term wait longer for the last. An angle xi about a body axis instead of the
+    !> quaternion (`spintop_lane_series`) would save eight of them, but it is a quotient, whose series converges over shorter
+    !> steps.
+    pure subroutine expand(self, t, y, order, coefficient)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states)
+        integer, intent(in) :: order
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        call c_expand(order, self%products, y, short_share, share_rest, coefficient)
+    end subroutine expand
+
+    !> The state at the start in quadruple precision.
+    pure function quadruple_start(self) result(y)
+        class(rigid_body_t), intent(in) :: self
+        real(qp) :: y(max_states)
+        y = start_of_body(self%body, self%start)
+    end function quadruple_start
+
+    !> Taylor coefficients of the motion in quadruple precision.
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t
+        real(qp), intent(in) :: y(max_states)
+        integer, intent(in) :: order
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        call expand_body_quadruple(self%body, t, y, order, coefficient)
+    end subroutine expand_quadruple
 
     !> Free rotation. In body axes the momentum rotates by the same angle in the opposite direction.
     !>

@@ -5,14 +5,17 @@
 !> What is left is bilinear, has no trigonometric functions and no singular attitude. With the axis
 !> e, a quadratic form of p, L' = m g l (-e2, e1, 0) and e' = L x e/I1.
 module spintop_space_frame
-    use spintop_kinds, only: dp, epsilon_dp, xp
+    use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_kinds, only: dp, qp, xp
     use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one, to_space
     use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states, structure_group, structure_split
-    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
+    use spintop_kernel_types, only: symmetric_top_t
+    use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
+    use spintop_series_shares, only: acceleration_rest, acceleration_share
     use spintop_small_turn, only: half_turn
-    use spintop_space_frame_series, only: space_frame_quadruple_t, space_frame_series_t
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -24,17 +27,19 @@ module spintop_space_frame
         private
         !> Momentum about the vertical.
         real(dp) :: vertical = 0
-        !> sigma in extended precision, for its phase.
-        real(xp) :: spin_rate = 0
         real(dp) :: mgl = 0, i1 = 1
+        !> Constants of the series.
+        type(symmetric_top_t) :: top = symmetric_top_t()
     contains
-        procedure :: describe
+        procedure :: info
         procedure :: prepare
         procedure :: derivative
-        procedure :: motion
-        procedure :: motion_without_angles
-        procedure :: find_turning
+        procedure :: kinematics
         procedure :: invariants
+        procedure :: expand
+        procedure :: unfold
+        procedure :: quadruple_start
+        procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
         procedure :: velocity
@@ -42,28 +47,27 @@ module spintop_space_frame
         procedure, nopass :: move
     end type space_frame_t
 
-    interface space_frame_t
-        module procedure new_space_frame
-    end interface space_frame_t
+    interface
+        pure subroutine c_expand(order, top, state, share, share_rest, c) bind(C, name='spintop_expand_top')
+            import :: c_double, c_int, symmetric_top_t
+            integer(c_int), value :: order
+            type(symmetric_top_t), intent(in) :: top
+            real(c_double), intent(in) :: state(*), share(*), share_rest(*)
+            real(c_double), intent(out) :: c(*)
+        end subroutine c_expand
+    end interface
 
 contains
 
-    !> The formulation with all that it offers.
-    function new_space_frame() result(new)
-        type(space_frame_t) :: new
-        allocate (space_frame_series_t :: new%series)
-        allocate (space_frame_quadruple_t :: new%quadruple_series)
-    end function new_space_frame
-
     !> Name and properties.
-    pure function describe(self) result(info)
+    pure function info(self)
         class(space_frame_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('space_frame', &
             'momentum in space axes and quaternion without spin, for symmetric tops; no pole is singular', &
             6, singular_at_poles=.false., invariants=3, quaternion=3)
-        info%offers([structure_split, structure_group]) = .true.
-    end function describe
+        info%offers = .true.
+    end function info
 
     !> Constants of the motion and initial state.
     pure subroutine prepare(self, body, start, y, status)
@@ -75,14 +79,15 @@ contains
         type(motion_scales_t) :: scales
         real(dp) :: momentum(3)
         self%body = body
+        self%start = start
+        self%attitude = 3
         momentum = to_space(start%quaternion, body%inertia * start%omega)
         self%vertical = momentum(3)
         self%i1 = body%inertia(1)
-        self%spin_rate = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
-        self%sigma = real(self%spin_rate, dp)
+        self%sigma = (real(body%inertia(1), xp) - body%inertia(3)) * start%omega(3) / body%inertia(1)
         self%splits_as_nystrom = .true.
         self%mgl = body%mgl()
-        call self%set_capabilities(body, start)
+        self%top = symmetric_top_t(self%i1, self%mgl / self%i1, self%vertical / self%i1)
         y = 0
         y(1:2) = momentum(1:2)
         y(3:6) = start%quaternion
@@ -117,76 +122,22 @@ contains
         status = status_ok
     end subroutine derivative
 
-    !> The motion; the angular velocity in space axes is L/I1 + sigma e.
-    pure type(motion_t) function motion(self, t, y, near)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
-        type(motion_t) :: here
-        here = self%motion_without_angles(t, y)
-        motion = motion_from_quaternion(t, here%quaternion, here%omega, near)
-        motion%norm_error = here%norm_error
-        motion%omega_rate = here%omega_rate
-    end function motion
-
-    !> The same without angles and their rates.
-    pure function motion_without_angles(self, t, y) result(motion)
+    !> The angular velocity L/I1 in the axes of p and, if it is wanted, its rate L'/I1. That of the body in space axes is
+    !> L/I1 + sigma e.
+    pure subroutine kinematics(self, t, y, omega, rate)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(motion_t) :: motion
-        real(dp) :: dy(max_states), q(4), back(4), momentum(3), axis(3), omega(3), norm
-        integer :: status
-
-        norm = sqrt(sum(y(3:6)**2))
-        q = with_spin(self, t, y(3:6) / norm)
-        back = conjugate_quaternion(q)
-        momentum = [y(1:2), self%vertical]
-        omega = to_space(back, momentum) / self%i1
-        omega(3) = omega(3) + self%sigma
-        motion%t = t
-        motion%quaternion = q
-        motion%omega = omega
-        motion%norm_error = norm - 1
-        call self%derivative(t, y, dy, status)
-        axis = to_space(q, [0.0_dp, 0.0_dp, 1.0_dp])
-        motion%omega_rate = to_space(back, [dy(1:2), 0.0_dp] + self%sigma * cross(momentum, axis)) / self%i1
-    end function motion_without_angles
-
-    !> Unit quaternion of the attitude, from that without the spin.
-    pure function with_spin(self, t, p) result(q)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: t, p(4)
-        real(dp) :: q(4)
-        real(xp) :: half
-        real(dp), parameter :: small = sqrt(epsilon_dp)
-        real(dp) :: phase, rest, c, s, rest_c, rest_s
-        ! After many turns a phase in double precision is not accurate enough: its rest is a rotation, mostly small.
-        half = self%spin_rate * t / 2
-        phase = real(half, dp)
-        rest = real(half - phase, dp)
-        c = cos(phase)
-        s = sin(phase)
-        rest_c = 1
-        rest_s = rest
-        if (abs(rest) > small) then
-            rest_c = cos(rest)
-            rest_s = sin(rest)
-        end if
-        q = quaternion_product(p, [c * rest_c - s * rest_s, 0.0_dp, 0.0_dp, s * rest_c + c * rest_s])
-    end function with_spin
-
-    !> The angular velocity L/I1 in the axes of p, and its rate L'/I1.
-    pure subroutine find_turning(self, t, y, omega, rate)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        real(dp), intent(out) :: omega(3) !! in body axes, rad/s
+        real(dp), intent(out) :: omega(3) !! in the axes of p, rad/s
         real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
-        real(dp) :: dy(max_states)
+        real(dp) :: dy(max_states), back(4), scale
         integer :: status
-        omega = to_space(conjugate_quaternion(y(3:6)), [y(1:2), self%vertical]) / self%i1
+        back = conjugate_quaternion(y(3:6))
+        scale = sum(back**2) * self%i1
+        omega = to_space(back, [y(1:2), self%vertical]) / scale
         if (.not. present(rate)) return
         call self%derivative(t, y, dy, status)
-        rate = to_space(conjugate_quaternion(y(3:6)), [dy(1:2), 0.0_dp]) / self%i1
-    end subroutine find_turning
+        rate = to_space(back, [dy(1:2), 0.0_dp]) / scale
+    end subroutine kinematics
 
     !> Squared norm of the quaternion, energy of the motion without its spin, and momentum about the axis.
     pure subroutine invariants(self, y, values)
@@ -272,5 +223,115 @@ contains
         change(3:6) = quaternion_product(rotation_minus_one(xi(1:3)), y(3:6))
         change(7:8) = 0
     end subroutine move
+
+    !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
+    !>
+    !> Let m = m g l/I1, w = L/I1, and u = e3 = u0 + v/m the height of the axis. With the constants of the
+    !> motion at their values in the state, the equations, differentiated once more, are linear except for v:
+    !>     L'' = (m u0 - w3^2/4) L + v L,
+    !>     p'' = ((m u0 - w.w/2)/2 -+ m/2) p + v p,  - for p0 and p3, + for p1 and p2,
+    !>     v'' = v''(0) + (4 m u0 - w.w) v + 3 v^2,
+    !> with w.w at the start. (w.w/2 + m u and w.e are constant, k x e = k e + u and e p = p k as
+    !> quaternions.) So a term needs one product only, with v, and a coefficient but the last but one: top_series.h.
+    !>
+    !> No factor may be rounded in these in the same way in every step, but not in the first derivatives: constants of the
+    !> motion would drift. So at the finest tolerances the factors of the linear terms are sums of two numbers.
+    !>
+    !> These series converge as far as to the next complex time at which the motion has a pole. As elliptic functions and their
+    !> integrals, the variables are quotients with a common denominator D, (log D)'' = -v/2, of functions that have no poles
+    !> (Whittaker, Analytical Dynamics, chapter VI). The coefficients are those of D times the changes of L and p, and in the
+    !> place of v those of D, so that steps may be several times longer. At the finest tolerances D is 1: see top_series.h.
+    pure subroutine expand(self, t, y, order, coefficient)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        call c_expand(order, self%top, y, acceleration_share, acceleration_rest, coefficient)
+    end subroutine expand
+
+    !> Divides by the denominator, and rotates L back to axes at rest.
+    pure subroutine unfold(self, y, n, h, change)
+        class(space_frame_t), intent(in) :: self
+        integer, intent(in) :: n
+        real(dp), intent(in) :: y(max_states), h(n)
+        real(dp), intent(inout) :: change(n, max_states)
+        real(dp) :: angle, sinc, drop, l1, l2
+        integer :: i
+
+        do i = 1, n
+            change(i, :6) = change(i, :6) / (1 + change(i, 7))
+            change(i, 7:) = 0
+            angle = self%top%turn_rate * h(i) / 2
+            call half_turn(angle**2, sinc, drop)
+            l1 = y(1) + change(i, 1)
+            l2 = y(2) + change(i, 2)
+            change(i, 1) = change(i, 1) + (drop * l1 - angle * sinc * l2)
+            change(i, 2) = change(i, 2) + (drop * l2 + angle * sinc * l1)
+        end do
+    end subroutine unfold
+
+    !> The state at the start.
+    pure function quadruple_start(self) result(y)
+        class(space_frame_t), intent(in) :: self
+        real(qp) :: y(max_states), momentum(3)
+        momentum = space_momentum(self%body, self%start)
+        y = [momentum(1:2), quadruple_attitude(self%start), 0.0_qp, 0.0_qp]
+    end function quadruple_start
+
+    !> Momentum in space axes, for the attitude of a quaternion of any norm. Near the upright the difference of that about
+    !> the vertical from that about the axis determines the motion.
+    pure function space_momentum(body, start)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(qp) :: space_momentum(3), q(4), momentum(3)
+        q = quadruple_attitude(start)
+        momentum = real(body%inertia, qp) * quadruple_omega(start)
+        space_momentum = [ &
+            (q(1)**2 + q(2)**2 - q(3)**2 - q(4)**2) * momentum(1) + 2 * (q(2) * q(3) - q(1) * q(4)) * momentum(2) &
+                + 2 * (q(2) * q(4) + q(1) * q(3)) * momentum(3), &
+            2 * (q(2) * q(3) + q(1) * q(4)) * momentum(1) + (q(1)**2 - q(2)**2 + q(3)**2 - q(4)**2) * momentum(2) &
+                + 2 * (q(3) * q(4) - q(1) * q(2)) * momentum(3), &
+            2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
+                + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)] / sum(q**2)
+    end function space_momentum
+
+    !> Taylor coefficients of the motion in quadruple precision.
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(space_frame_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(qp), intent(in) :: y(max_states) !! state in quadruple precision
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        real(qp) :: momentum(3), by_l1(4), by_l2(4), by_p0(2), by_p3(2), half, vertical, pull
+        integer :: k, j
+
+        half = 1 / (2 * real(self%body%inertia(1), qp))
+        momentum = space_momentum(self%body, self%start)
+        vertical = momentum(3) * half
+        pull = 2 * real(self%body%mass, qp) * self%body%gravity * self%body%centre_of_mass(3) / sum(y(3:6)**2)
+        coefficient(:, 0) = y
+        associate (c => coefficient)
+            do k = 0, order - 1
+                by_l1 = 0
+                by_l2 = 0
+                by_p0 = 0
+                by_p3 = 0
+                do j = 0, k
+                    by_l1 = by_l1 + c(1, j) * c(3:6, k - j)
+                    by_l2 = by_l2 + c(2, j) * c(3:6, k - j)
+                    by_p0 = by_p0 + c(3, j) * c(4:5, k - j)
+                    by_p3 = by_p3 + c(6, j) * c(4:5, k - j)
+                end do
+                c(1, k + 1) = pull * (by_p0(1) - by_p3(2))
+                c(2, k + 1) = pull * (by_p0(2) + by_p3(1))
+                c(3, k + 1) = -half * (by_l1(2) + by_l2(3)) - vertical * c(6, k)
+                c(4, k + 1) = half * (by_l1(1) + by_l2(4)) - vertical * c(5, k)
+                c(5, k + 1) = half * (by_l2(1) - by_l1(4)) + vertical * c(4, k)
+                c(6, k + 1) = half * (by_l1(3) - by_l2(2)) + vertical * c(3, k)
+                c(7:8, k + 1) = 0
+                c(:, k + 1) = c(:, k + 1) / (k + 1)
+            end do
+        end associate
+    end subroutine expand_quadruple
 
 end module spintop_space_frame

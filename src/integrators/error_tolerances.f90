@@ -50,7 +50,7 @@ contains
             self%absolute = (absolute + relative) * self%scale
             self%relative = rounding
         end where
-        info = formulation%describe()
+        info = formulation%info()
         self%states = info%states
         self%threshold = absolute / relative
         ! The formulations of the paper have angles as a state, and no quaternion. For them MATLAB's rule has

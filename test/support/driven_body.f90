@@ -2,8 +2,8 @@
 !> y' = f(t, y), with the group action of `rigid_body` and a Taylor series of their own.
 module driven_body
     use spintop_body, only: body_t
-    use spintop_capabilities, only: max_series_order, max_states, quadruple_series_t, series_t
-    use spintop_formulation, only: formulation_info_t, formulation_t, structure_group
+    use spintop_formulation, only: formulation_info_t, formulation_t, max_series_order, max_states, structure_group, &
+        structure_quadruple, structure_series
     use spintop_kinds, only: dp, qp
     use spintop_motion, only: motion_t
     use spintop_rigid_body, only: rigid_body_t
@@ -22,27 +22,13 @@ module driven_body
     type, extends(rigid_body_t) :: driven_body_t
         type(drive_t) :: drive
     contains
-        procedure :: describe
+        procedure :: info
         procedure :: prepare
         procedure :: derivative
-    end type driven_body_t
-
-    !> Its series in quadruple precision.
-    type, extends(quadruple_series_t) :: driven_quadruple_t
-        type(body_t) :: body
-        type(drive_t) :: drive
-    contains
-        procedure :: set => set_quadruple
-        procedure :: expand => expand_quadruple
-    end type driven_quadruple_t
-
-    !> The same, rounded.
-    type, extends(series_t) :: driven_series_t
-        type(driven_quadruple_t) :: fine
-    contains
-        procedure :: set => set_series
         procedure :: expand
-    end type driven_series_t
+        procedure :: quadruple_start
+        procedure :: expand_quadruple
+    end type driven_body_t
 
 contains
 
@@ -50,25 +36,17 @@ contains
     subroutine create_driven_body(amplitude, rate, phase, formulation)
         real(dp), intent(in) :: amplitude(3), rate, phase(3)
         class(formulation_t), allocatable, intent(out) :: formulation
-        type(driven_quadruple_t) :: fine
-        fine%drive = drive_t(amplitude, rate, phase)
-        allocate (driven_body_t :: formulation)
-        allocate (formulation%quadruple_series, source=fine)
-        allocate (formulation%series, source=driven_series_t(fine))
-        select type (formulation)
-        type is (driven_body_t)
-            formulation%drive = fine%drive
-        end select
+        allocate (formulation, source=driven_body_t(drive=drive_t(amplitude, rate, phase)))
     end subroutine create_driven_body
 
     !> Name and properties.
-    pure function describe(self) result(info)
+    pure function info(self)
         class(driven_body_t), intent(in) :: self
         type(formulation_info_t) :: info
         info = formulation_info_t('driven_body', 'a body under torques of time', 7, symmetric_only=.false., &
                                   singular_at_poles=.false., quaternion=1)
-        info%offers(structure_group) = .true.
-    end function describe
+        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+    end function info
 
     pure subroutine prepare(self, body, start, y, status)
         class(driven_body_t), intent(inout) :: self
@@ -78,6 +56,7 @@ contains
         integer, intent(out) :: status
         call self%rigid_body_t%prepare(body, start, y, status)
         self%depends_on_time = .true.
+        self%has_stages = .false.
     end subroutine prepare
 
     pure subroutine derivative(self, t, y, dy, status)
@@ -104,15 +83,14 @@ contains
         end do
     end function torque
 
-    pure subroutine set_quadruple(self, body, start)
-        class(driven_quadruple_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        self%body = body
-    end subroutine set_quadruple
+    pure function quadruple_start(self) result(y)
+        class(driven_body_t), intent(in) :: self
+        real(qp) :: y(max_states)
+        y = 0
+    end function quadruple_start
 
     pure subroutine expand_quadruple(self, t, y, order, coefficient)
-        class(driven_quadruple_t), intent(in) :: self
+        class(driven_body_t), intent(in) :: self
         real(dp), intent(in) :: t
         real(qp), intent(in) :: y(max_states)
         integer, intent(in) :: order
@@ -140,20 +118,13 @@ contains
         end associate
     end subroutine expand_quadruple
 
-    pure subroutine set_series(self, body, start)
-        class(driven_series_t), intent(inout) :: self
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        call self%fine%set(body, start)
-    end subroutine set_series
-
     pure subroutine expand(self, t, y, order, coefficient)
-        class(driven_series_t), intent(in) :: self
+        class(driven_body_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
         real(qp) :: fine(max_states, 0:max_series_order)
-        call self%fine%expand(t, real(y, qp), order, fine)
+        call self%expand_quadruple(t, real(y, qp), order, fine)
         coefficient = real(fine, dp)
     end subroutine expand
 

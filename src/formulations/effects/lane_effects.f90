@@ -5,7 +5,7 @@
 module spintop_lane_effects
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
-    use spintop_effects_series, only: numbers_of
+    use spintop_body_numbers, only: numbers_of
     use spintop_kernel_types, only: body_numbers_t, lane_constants, lanes, more_rows, motion_kinds_t, rows
     use spintop_kinds, only: dp
     use spintop_lane_series, only: parts

@@ -1,7 +1,7 @@
 !> Constants of power series: tables that depend on the number of a term, made by the compiler.
 module spintop_series_shares
     use, intrinsic :: iso_fortran_env, only: sp => real32
-    use spintop_capabilities, only: max_series_order
+    use spintop_kernel_types, only: max_series_order => highest_order
     use spintop_kinds, only: dp, qp
     implicit none
     private

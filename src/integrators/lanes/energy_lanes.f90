@@ -4,7 +4,7 @@
 !> of two series.
 module spintop_energy_lanes
     use spintop_body, only: body_t
-    use spintop_effects_series, only: has_drag_moment, numbers_of
+    use spintop_body_numbers, only: has_drag_moment, numbers_of
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: body_numbers_t, more_rows, most_drags, motion_kinds_t
     use spintop_kinds, only: dp, no_number

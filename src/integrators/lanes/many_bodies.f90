@@ -11,7 +11,7 @@ module spintop_many_bodies
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: motion_kinds_t
-    use spintop_effects_series, only: kinds_of
+    use spintop_body_numbers, only: kinds_of
     use spintop_lane_monitor, only: monitor_slot_t
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration

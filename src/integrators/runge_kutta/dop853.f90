@@ -5,11 +5,10 @@
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_capabilities, only: max_aside
     use spintop_kinds, only: dp
     use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_info_t, max_aside, max_states
     use spintop_motions, only: instants
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: run_state_t
@@ -127,7 +126,7 @@ contains
         real(dp), dimension(max_states) :: change, y_new, slope
         logical :: was_rejected, changed, at_once
 
-        at_once = finds_at_once(self%formulation)
+        at_once = self%formulation%has_stages
         h_left = longest_step(self%formulation, self%y)
         h_smallest = smallest_step(self%h, self%t)
         self%h = max(self%h, h_smallest)
@@ -210,8 +209,8 @@ contains
         integer :: i
 
         status = status_ok
-        if (finds_at_once(self%formulation)) then
-            call self%formulation%stages%find(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
+        if (self%formulation%has_stages) then
+            call self%formulation%find_stages(from, to, t, y, h, all_stages, self%table%a, self%table%since, self%table%c, &
                                          self%k, self%aside)
             self%counts%evaluations = self%counts%evaluations + (to - from + 1)
             ! What is no number in a stage is none in those after it.
@@ -232,13 +231,6 @@ contains
         zero = x - x
         is_finite = ((zero(1) + zero(5)) + (zero(2) + zero(6))) + ((zero(3) + zero(7)) + (zero(4) + zero(8))) >= 0
     end function is_finite
-
-    !> Whether a formulation finds all stages of a step in one call.
-    pure logical function finds_at_once(formulation)
-        class(formulation_t), intent(in) :: formulation
-        finds_at_once = allocated(formulation%stages)
-        if (finds_at_once) finds_at_once = formulation%stages%holds
-    end function finds_at_once
 
     !> Sum of the first n stages with the weights given.
     pure function weighted(k, weight, n) result(total)
@@ -321,7 +313,7 @@ contains
         self%term(:, 5:8) = 0
         ! Stages that are found at once depend on what that of the slope leaves aside, which was not found on a grid.
         from = new_slope + 1
-        if (self%controls%steps > 0 .and. finds_at_once(self%formulation)) from = new_slope
+        if (self%controls%steps > 0 .and. self%formulation%has_stages) from = new_slope
         call find_stages(self, self%t_last, self%y_last, h, from, all_stages, status)
         if (.not. is_ok(status)) return
         do i = 1, 4

@@ -119,7 +119,7 @@ contains
         real(dp) :: h, t_new, change(max_states)
         logical :: changed
 
-        call self%formulation%series%expand(self%t, self%y, self%degree, self%coefficient)
+        call self%formulation%expand(self%t, self%y, self%degree, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + self%degree
         h = length_of_step(self)
         status = status_non_finite
@@ -130,7 +130,7 @@ contains
         t_new = self%t + h
         if (stretch * h >= self%t_end - self%t) t_new = self%t_end
         call c_add_terms(self%degree, self%coefficient, t_new - self%t, change)
-        call self%formulation%series%unfold(self%y, t_new - self%t, change)
+        call self%formulation%unfold(self%y, 1, [t_new - self%t], change)
         ! Terms that are NaN do not show in the largest magnitude.
         status = status_non_finite
         if (.not. all(abs(change) <= huge(1.0_dp))) return
@@ -162,7 +162,7 @@ contains
         real(dp) :: y(max_states), change(max_states)
         y = self%y
         call c_add_terms(self%degree, self%coefficient, t - self%t_last, change)
-        call self%formulation%series%unfold(self%y_last, t - self%t_last, change)
+        call self%formulation%unfold(self%y_last, 1, [t - self%t_last], change)
         y = self%y_last + change
     end function state_within
 
@@ -177,7 +177,7 @@ contains
         y = 0
         h = t - self%t_last
         call c_add_terms_at(self%degree, self%coefficient, h, y)
-        call self%formulation%series%unfold_several(self%y_last, h, y)
+        call self%formulation%unfold(self%y_last, instants, h, y)
         do n = 1, max_states
             y(:, n) = self%y_last(n) + y(:, n)
         end do

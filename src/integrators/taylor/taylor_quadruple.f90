@@ -37,7 +37,7 @@ contains
         info = self%formulation%info()
         self%attitude = info%quaternion
         self%states = info%states
-        associate (exact => self%formulation%quadruple_series%y_start())
+        associate (exact => self%formulation%quadruple_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
         call self%evaluate(self%t, self%y, self%slope, status)
@@ -52,7 +52,7 @@ contains
         logical :: changed
 
         y = self%rest + real(self%y, qp)
-        call self%formulation%quadruple_series%expand(self%t, y, max_series_order, self%coefficient)
+        call self%formulation%expand_quadruple(self%t, y, max_series_order, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + max_series_order
         self%slope = real(self%coefficient(:, 1), dp)
         h = length_of_step(self)

@@ -1,0 +1,85 @@
+!> Power series of the motion of any rigid body with a fixed point, also under effects, in quadruple precision:
+!> motion_series.h has the equations. It takes longer than a short run in double precision, so nothing is kept.
+module spintop_body_quadruple
+    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_loc, c_ptr
+    use spintop_body, only: body_t
+    use spintop_body_numbers, only: kinds_of, look_up, numbers_of
+    use spintop_effects, only: effects_t
+    use spintop_formulation, only: max_series_order, max_states
+    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t
+    use spintop_kinds, only: dp, no_number, qp
+    use spintop_motion, only: motion_t
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
+    implicit none
+    private
+    public :: expand_body_quadruple, start_of_body
+
+    interface
+        ! Numbers of quadruple precision have no type that Fortran and C are sure to share.
+        pure subroutine c_expand_quadruple(order, kinds, body, t, state, table, law, c, exists) &
+            bind(C, name='spintop_expand_quadruple')
+            import :: body_numbers_t, c_double, c_int, c_ptr, motion_kinds_t
+            integer(c_int), value :: order
+            type(motion_kinds_t), intent(in) :: kinds
+            type(body_numbers_t), intent(in) :: body
+            type(c_ptr), value :: state, c
+            real(c_double), value :: t
+            real(c_double), dimension(*), intent(in) :: table, law
+            integer(c_int), intent(out) :: exists
+        end subroutine c_expand_quadruple
+    end interface
+
+contains
+
+    !> The state at the start.
+    pure function start_of_body(body, start) result(y)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(qp) :: y(max_states), q(4), omega(3), o(3), rotor(3)
+        q = quadruple_attitude(start)
+        omega = quadruple_omega(start)
+        rotor = 0
+        if (allocated(body%effects)) then
+            o = frame_of(body%effects)
+            rotor = body%effects%rotor_momentum
+            if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), o) &
+                + q(2:4) * dot_product(q(2:4), o)) / sum(q**2) - o
+        end if
+        y = [q, body%inertia * omega + rotor, 0.0_qp]
+    end function start_of_body
+
+    !> The rotation of the frame; its rate itself was rounded.
+    pure function frame_of(effects) result(rate)
+        type(effects_t), intent(in) :: effects
+        real(qp) :: rate(3)
+        rate = effects%frame_rate
+        if (abs(effects%earth_rate) > 0) rate(2:3) = effects%earth_rate * [cos(real(effects%latitude, qp)), &
+                                                                           sin(real(effects%latitude, qp))]
+    end function frame_of
+
+    !> Vector product.
+    pure function vector(a, b) result(c)
+        real(qp), intent(in) :: a(3), b(3)
+        real(qp) :: c(3)
+        c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
+    end function vector
+
+    !> Taylor coefficients of the motion.
+    pure subroutine expand_body_quadruple(body, t, y, order, coefficient)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
+        real(dp), intent(in) :: t !! time, s
+        real(qp), intent(in) :: y(max_states) !! state
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        real(qp), target :: state(max_states), c(max_states, 0:order)
+        real(dp) :: table(3, 0:3), law(5, 2), undefined
+        integer(c_int) :: exists
+        call look_up(body, t, real(y, dp), table, law)
+        state = y
+        call c_expand_quadruple(order, kinds_of(body), numbers_of(body), t, c_loc(state), table, law, c_loc(c), exists)
+        coefficient(:, 0:order) = c
+        undefined = no_number
+        if (exists == 0) coefficient(:, 1:order) = undefined
+    end subroutine expand_body_quadruple
+
+end module spintop_body_quadruple

@@ -224,7 +224,9 @@ inlined void NAME(append)(const struct motion_kinds *has, int joins, int k, int 
     }
     if (has->torque == along) torque = add(torque, by(number(torque_space[2]), g));
     if (has->push == along) push = add(push, sum.push);
-    const vec lift = add(by(number(gravity), g), push);
+    // Sums with what a body has not would be computed: a zero is no number that a compiler may leave out.
+    vec lift = by(number(gravity), g);
+    if (has->push) lift = add(lift, push);
     vec rate = sub(sub(mul(ahead(lift), constant(pull)), mul(behind(lift), constant(swing))), mul(w, constant(decay)));
     if (has->rotor) {
         const vec ahead_of = mul(load_constant(of->rotor[0] + lane), behind(all));
@@ -235,7 +237,7 @@ inlined void NAME(append)(const struct motion_kinds *has, int joins, int k, int 
         const vec last = load_vec(has->frame ? more_at(NAME(total), k - 1) : at(NAME(w), k - 1));
         rate = add(rate, sub(mul(constant(drive[0]), behind(last)), mul(constant(drive[1]), ahead(last))));
     }
-    rate = add(rate, moment);
+    if (has->harmonic & in_body || has->table == in_body) rate = add(rate, moment);
     if (has->torque || has->table == in_space || has->harmonic & in_space) {
         rate = add(rate, is_many ? mul(constant(per_inertia), torque) : torque);
     }

@@ -13,7 +13,7 @@ module spintop_lane_tangents
     use spintop_kernel_types, only: lane_body_t, lanes
     implicit none
     private
-    public :: propagate_tangents, components
+    public :: carry_tangents, components
 
     !> Components of a perturbation: delta, epsilon. lane_series.h repeats their number.
     integer, parameter :: components = 6
@@ -21,8 +21,8 @@ module spintop_lane_tangents
     interface
         !> Propagates some perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
         !> delta in units of `pace`, and `last` the same of the last two terms of their series.
-        pure subroutine propagate_tangents(order, body, c, duration, pace, number, which, free, change, before, after, &
-                                           whole, last) bind(C, name='spintop_propagate_tangents')
+        pure subroutine carry_tangents(order, body, c, duration, pace, number, which, free, change, before, after, &
+                                           whole, last) bind(C, name='spintop_carry_tangents')
             import :: c_double, c_int, lane_body_t, lanes
             integer(c_int), value :: order !! order of the series, up to that of the motions
             type(lane_body_t), intent(in) :: body !! the bodies
@@ -34,7 +34,7 @@ module spintop_lane_tangents
             real(c_double), intent(in) :: before(*) !! the perturbations (lane, component, number): delta, epsilon
             real(c_double), intent(inout) :: after(*) !! those that are carried, after the duration
             real(c_double), intent(out) :: whole(lanes), last(lanes) !! their size before it, and that of the last two terms
-        end subroutine propagate_tangents
+        end subroutine carry_tangents
     end interface
 
 end module spintop_lane_tangents

@@ -7,19 +7,19 @@ module spintop_splitting_tables
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: splitting_table_t, max_stages
+    public :: splitting_table_t, max_flows
     public :: strang_table, nystrom_4_table, nystrom_6_table
     public :: composition_4_table, composition_6_table, composition_8_table
 
     !> Maximum number of drifts of a table.
-    integer, parameter :: max_stages = 17
+    integer, parameter :: max_flows = 17
 
     !> A splitting method.
     type :: splitting_table_t
         !> Number of drifts, and of kicks with a nonzero coefficient.
         integer :: stages = 0, kicks = 0
-        real(dp) :: kick(0:max_stages) = 0
-        real(dp) :: drift(max_stages) = 0
+        real(dp) :: kick(0:max_flows) = 0
+        real(dp) :: drift(max_flows) = 0
     end type splitting_table_t
 
 contains

@@ -8,7 +8,7 @@ module spintop_tangent_lanes
     use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
-    use spintop_lane_tangents, only: propagate_tangents, components
+    use spintop_lane_tangents, only: carry_tangents, components
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
@@ -131,7 +131,7 @@ contains
         real(dp), intent(out) :: excess(lanes)
         real(dp) :: whole(lanes), last(lanes)
         associate (now => run%now)
-            call propagate_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%moving), &
+            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%moving), &
                                     self%moving, size(self%z, 3) - size(self%change), self%change, self%z, self%next, &
                                     whole, last)
         end associate

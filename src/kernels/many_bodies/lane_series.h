@@ -196,7 +196,7 @@ inlined void add_tangent(int order, int lane, const double *z, vector h, vector 
     put(last + lane, 0, get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
 }
 
-static void propagate_tangents(int order, const struct lane_body *b, const double *c, const double *duration,
+static void carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration,
                                const double *pace, int number, const int *which, int free, const struct lane_body *change,
                                const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };

@@ -9,7 +9,7 @@ module spintop_arkode
     use spintop_compare, only: is_equal, is_finite
     use spintop_dense_output, only: dense_output_t
     use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_states
+    use spintop_formulation, only: formulation_info_t, max_states
     use spintop_kinds, only: dp
     use spintop_status, only: is_ok, status_integrator, status_non_finite, status_not_converged, status_ok, status_outside, &
         status_step_too_small
@@ -22,7 +22,6 @@ module spintop_arkode
     !> that its linear equations do not depend on those of mass, length and time.
     type :: step_t
         type(run_state_t), pointer :: run => null()
-        class(formulation_t), pointer :: formulation => null()
         integer :: states = 0
         logical :: adaptive = .true.
         real(dp) :: unit(max_states) = 1
@@ -254,7 +253,6 @@ contains
         rejected = 0
         jacobians = 0
         self%current%run => self%run_state_t
-        self%current%formulation => self%formulation
         self%current%status = status_ok
         status = status_of(step_of_run(self%handle%address, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
         if (is_ok(status)) then
@@ -308,7 +306,7 @@ contains
         call c_f_pointer(current, now)
         state = state_of(now, y)
         known = all(is_equal(state, now%run%y))
-        if (now%formulation%depends_on_time) known = known .and. is_equal(t, now%run%t)
+        if (now%run%formulation%depends_on_time) known = known .and. is_equal(t, now%run%t)
         if (known) then
             now%status = status_ok
             rate = now%run%slope

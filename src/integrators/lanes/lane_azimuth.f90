@@ -24,6 +24,8 @@ module spintop_lane_azimuth
         real(dp) :: reach = 0, in_pole2 = 0, bend = 0
         !> How far off the motion may be, rad.
         real(dp) :: error = 0
+        !> So many times in the step may be looked at; the turns are not known where they do not suffice.
+        integer(int64) :: looks = huge(0_int64)
     contains
         procedure :: follow => follow_step
     end type lane_step_t
@@ -205,7 +207,7 @@ contains
 
     !> Follows the other angle, and the passages through poles, from the beginning of the step to a time within it.
     pure subroutine follow_step(self, c, goal, other, passed)
-        class(lane_step_t), intent(in) :: self
+        class(lane_step_t), intent(inout) :: self
         real(dp), intent(in) :: c(rows, 0:self%order) !! Taylor coefficients of the lane
         real(dp), intent(in) :: goal !! time within the step, s
         real(dp), intent(inout) :: other !! the other angle, rad
@@ -219,7 +221,7 @@ contains
     !> Follows the other angle from `t` and `gamma` = (Gamma1, Gamma2) on to a time within the last step, in paces
     !> short enough to resolve the turns of the body, and on which side its axis passes a pole, or that it passes through it.
     pure recursive subroutine walk(self, c, goal, t, gamma, other, passed)
-        class(lane_step_t), intent(in) :: self
+        class(lane_step_t), intent(inout) :: self
         real(dp), intent(in) :: c(rows, 0:self%order), goal
         real(dp), intent(inout) :: t, gamma(2), other
         type(passages_t), intent(inout) :: passed
@@ -228,7 +230,8 @@ contains
         integer :: k
 
         pace = goal - t
-        if (.not. pace > 0) return
+        if (.not. (pace > 0 .and. self%looks > 0)) return
+        self%looks = self%looks - 1
         associate (t_last => self%t_last, rate => self%rate)
             now = 0
             do k = self%order, 0, -1

@@ -22,7 +22,7 @@ module spintop_taylor_lanes
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
-    use spintop_stepper, only: controls_t
+    use spintop_stepper, only: controls_t, looks_per_step
     use spintop_taylor, only: order_for
     implicit none
     private
@@ -202,7 +202,7 @@ contains
     subroutine advance(self)
         class(taylor_lanes_t), intent(inout) :: self
         integer(int64) :: trouble(lanes), doubt(lanes), worst
-        logical :: reverses(lanes)
+        logical :: reverses(lanes), is_known
         integer :: lane
 
         associate (now => self%now, c => self%c)
@@ -228,14 +228,23 @@ contains
             now%other_then = now%other
             do lane = 1, merge(0, lanes, worst == 0)
                 if (doubt(lane) >= turns_far) then
-                    call self%find_other_angle(lane, now%t(lane), now%other(lane), self%passed(lane))
+                    call self%find_other_angle(lane, now%t(lane), now%other(lane), self%passed(lane), is_known)
                     now%other_then(lane) = now%other(lane)
+                    if (.not. is_known) call give_up(self, lane)
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
             end do
             call watch_poles(self%error_of_step * self%steps, now%state, self%passed)
         end associate
     end subroutine advance
+
+    !> Ends a lane in whose last step the body turned too often to be followed, at the beginning of that step.
+    pure subroutine give_up(self, lane)
+        class(taylor_lanes_t), intent(inout) :: self
+        integer, intent(in) :: lane
+        call self%stop(lane, self%now%t_last(lane))
+        self%status(lane) = status_step_limit
+    end subroutine give_up
 
     !> Ends a lane at a time within the last step: its motion is that then.
     pure subroutine stop_lane(self, lane, t)
@@ -293,20 +302,23 @@ contains
     end subroutine end_lanes
 
     !> The other angle in a lane at a time within the last step, and the passages through poles up to there.
-    pure subroutine find_other_angle(self, lane, t, other, passed)
+    pure subroutine find_other_angle(self, lane, t, other, passed, is_known)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
         real(dp), intent(out) :: other !! the other angle, (s phi - psi)/2, rad
         type(passages_t), intent(out) :: passed !! the passages
+        logical, intent(out), optional :: is_known !! whether the turns of the step could be followed
         type(lane_step_t) :: step
         associate (now => self%now)
             other = now%other_last(lane)
             passed = self%passed_last(lane)
             step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
-                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane))
+                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane), &
+                               looks_per_step * self%controls%max_steps)
         end associate
         call step%follow(self%c(lane, :, :), t, other, passed)
+        if (present(is_known)) is_known = step%looks > 0
     end subroutine find_other_angle
 
     !> Whether body z may be in a pole at a place (Gamma1, Gamma2), or was in the last step.

@@ -13,7 +13,7 @@ module spintop_taylor
     use spintop_stepper, only: method_info_t, stepper_t
     implicit none
     private
-    public :: taylor_t, taylor_info, order_for, length_of_step, safety, largest_growth, smallest_spacings, stretch
+    public :: taylor_t, taylor_info, order_for, safety, largest_growth, smallest_spacings, stretch
 
     !> Taylor's method, with an order that depends on the tolerance.
     type, extends(stepper_t) :: taylor_t
@@ -48,15 +48,14 @@ module spintop_taylor
     real(dp), parameter :: stretch = 1.01_dp
 
     interface
-        !> The time at which the larger of the last two terms reaches the admissible error, s. Near a zero of a component the
-        !> magnitude one step `h` away is used. Not finite if a term is not.
-        pure real(c_double) function length_of_step(order, coefficient, absolute, relative, scale, least, h) &
+        !> The time at which the larger of the last two terms reaches the admissible error, s.
+        pure real(c_double) function c_length(order, coefficient, absolute, relative, scale, least, h) &
             bind(C, name='spintop_length_of_step')
             import :: c_double, c_int
             integer(c_int), value :: order
             real(c_double), intent(in) :: coefficient(*), absolute(*), relative(*), scale(*)
             real(c_double), value :: least, h
-        end function length_of_step
+        end function c_length
 
         !> Change of the variables of the series after a time h.
         pure subroutine c_add_terms(order, coefficient, h, change) bind(C, name='spintop_add_terms')
@@ -122,12 +121,9 @@ contains
 
         call self%formulation%expand(self%t, self%y, self%degree, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + self%degree
-        associate (w => self%weight)
-            h = safety * length_of_step(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
-        end associate
+        h = length_of_step(self)
         status = status_non_finite
         if (.not. abs(h) <= huge(h)) return
-        h = min(largest_growth * self%h, h)
         status = status_step_too_small
         if (is_too_small(h, self%t)) return
         self%h = h
@@ -148,6 +144,16 @@ contains
         is_too_small = h <= smallest_spacings * max(epsilon(t) * t, tiny(t))
         if (is_too_small) is_too_small = h <= smallest_spacings * spacing(t)
     end function is_too_small
+
+    !> The time at which one of the last two terms reaches the tolerance. Near a zero of a component the magnitude one
+    !> step away is used.
+    real(dp) function length_of_step(self) result(h)
+        class(taylor_t), intent(in) :: self
+        associate (w => self%weight)
+            h = safety * c_length(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
+        end associate
+        if (abs(h) <= huge(h)) h = min(largest_growth * self%h, h)
+    end function length_of_step
 
     !> The state at a time within the last step.
     function state_within(self, t) result(y)

@@ -4,12 +4,13 @@
 !> The state is the sum of two numbers in double precision, `y + rest`, 106 bits. Series and sums are in
 !> quadruple precision.
 module spintop_taylor_quadruple
+    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, qp
     use spintop_compare, only: is_finite, is_zero
-    use spintop_formulation, only: max_series_order, max_states
+    use spintop_formulation, only: formulation_info_t, max_series_order, max_states
     use spintop_status, only: status_ok, status_non_finite, status_step_too_small
     use spintop_stepper, only: stepper_t
-    use spintop_taylor, only: largest_growth, length_of_step, safety, smallest_spacings, stretch
+    use spintop_taylor, only: safety, smallest_spacings, stretch
     implicit none
     private
     public :: taylor_quadruple_t
@@ -17,6 +18,8 @@ module spintop_taylor_quadruple
     !> Taylor's method of the highest order, in quadruple precision.
     type, extends(stepper_t) :: taylor_quadruple_t
         real(qp) :: coefficient(max_states, 0:max_series_order) = 0
+        !> Index of the first component of the quaternion, and number of components in use.
+        integer :: attitude = 1, states = max_states
     contains
         procedure :: begin
         procedure :: advance
@@ -29,8 +32,11 @@ contains
     subroutine begin(self, status)
         class(taylor_quadruple_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(formulation_info_t) :: info
         call self%set_weight()
-        self%h = self%t_end - self%t
+        info = self%formulation%info()
+        self%attitude = info%quaternion
+        self%states = info%states
         associate (exact => self%formulation%quadruple_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
@@ -49,16 +55,11 @@ contains
         call self%formulation%expand_quadruple(self%t, y, max_series_order, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + max_series_order
         self%slope = real(self%coefficient(:, 1), dp)
-        associate (w => self%weight)
-            h = safety * length_of_step(max_series_order, real(self%coefficient, dp), w%absolute, w%relative, w%scale, &
-                                        tiny(h), self%h)
-        end associate
+        h = length_of_step(self)
         status = status_non_finite
         if (.not. is_finite(h)) return
-        h = min(largest_growth * self%h, h)
         status = status_step_too_small
         if (h <= smallest_spacings * spacing(self%t)) return
-        self%h = h
         t_new = self%t + h
         if (stretch * h >= self%t_end - self%t) t_new = self%t_end
         y = y + sum_of_terms(self, t_new - real(self%t, qp))
@@ -70,6 +71,38 @@ contains
         if (.not. changed) self%rest = rest
         status = status_ok
     end subroutine advance
+
+    !> The time at which one of the last two terms reaches the tolerance, relative to the magnitude of the
+    !> attitude, or of the momentum; not finite if a term is not.
+    pure real(dp) function length_of_step(self) result(h)
+        class(taylor_quadruple_t), intent(in) :: self
+        integer :: i
+        h = self%t_end - self%t
+        associate (q => self%attitude)
+            call shorten(self, [(i, i=q, q + 3)], h)
+            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%states)], h)
+        end associate
+    end function length_of_step
+
+    !> Reduces a step to the size that components of equal units allow.
+    pure subroutine shorten(self, like, h)
+        class(taylor_quadruple_t), intent(in) :: self
+        integer, intent(in) :: like(:)
+        real(dp), intent(inout) :: h
+        real(qp) :: allowed, term
+        integer :: k
+
+        if (.not. is_finite(h)) return
+        associate (c => self%coefficient, weight => self%weight)
+            allowed = maxval(weight%absolute(like)) + maxval(weight%relative(like)) * maxval(abs(c(like, 0)))
+            do k = max_series_order - 1, max_series_order
+                term = maxval(abs(c(like, k)))
+                if (.not. all(abs(c(like, k)) <= huge(term))) h = ieee_value(h, ieee_positive_inf)
+                if (.not. is_finite(h)) return
+                if (term > 0) h = min(h, real(safety * exp((log(allowed) - log(term)) / k), dp))
+            end do
+        end associate
+    end subroutine shorten
 
     !> Change of the state after a time h, by Horner's rule.
     pure function sum_of_terms(self, h) result(change)

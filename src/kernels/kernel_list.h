@@ -48,9 +48,9 @@ FUNCTION(sum_stages, (since, stages, weight, k, y, rest, h, absolute, relative, 
 // lane_series.h: terms of the series of motions in lanes, and of their perturbations.
 PROCEDURE(expand_lanes, (order, b, side, state, share, share_rest, c), int order, const struct lane_body *b, const double *side,
           const double *state, const double *share, const double *share_rest, double *c)
-PROCEDURE(carry_tangents, (order, b, c, duration, pace, number, which, free, change, before, after, whole, last), int order,
-          const struct lane_body *b, const double *c, const double *duration, const double *pace, int number, const int *which,
-          int free, const struct lane_body *change, const double *before, double *after, double *whole, double *last)
+PROCEDURE(carry_tangents, (order, b, c, duration, pace, number, before, after, whole, last), int order,
+          const struct lane_body *b, const double *c, const double *duration, const double *pace, int number,
+          const double *before, double *after, double *whole, double *last)
 
 // series/motion_series.h: the same with effects, whose constants are set lane by lane.
 PROCEDURE(set_lane, (body, lane, constants), const struct body_numbers *body, int lane, double *constants)

@@ -3,13 +3,12 @@ module spintop_floquet
     use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite, is_zero
-    use spintop_driven_flow, only: propagate_driven_tangents, drive_period, is_driven
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
         turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: is_ok, status_bad_input, status_unsuitable
-    use spintop_tangent_flow, only: propagate_tangents
+    use spintop_tangent_flow, only: drive_period, propagate_tangents
     use spintop_validity, only: body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
@@ -24,7 +23,7 @@ contains
     !> Floquet multipliers of the motion that returns to its start after `period` seconds, but for a turn of
     !> the body about its axis of symmetry: each a factor by which a perturbation grows per
     !> period. Those that belong to invariants, symmetries and the time of the start are 1 and come
-    !> last. The pivot of the body may vibrate along the vertical (`is_driven`); the period is then a multiple of
+    !> last. The pivot of the body may vibrate along the vertical (`drive_period`); the period is then a multiple of
     !> that of the vibration. `status_unsuitable`: the motion does not return by then, or the body has other
     !> effects; `status_bad_input`: no positive period; `status_non_finite`, `status_bad_body`,
     !> `status_bad_start`: no body or no motion. A period of more than `max_steps` steps is abandoned.
@@ -76,11 +75,7 @@ contains
         do i = 1, 6
             columns(i, i + 1) = 1
         end do
-        if (allocated(body%effects)) then
-            call propagate_driven_tangents(body, period, columns, status, max_steps)
-        else
-            call propagate_tangents(body, period, columns, status, max_steps)
-        end if
+        call propagate_tangents(body, period, columns, status, max_steps)
         if (.not. is_ok(status)) return
         axis = axis_of(body)
         turn = closing_turn(axis, columns(:, 1) / unit, x / unit)
@@ -97,7 +92,7 @@ contains
         real(dp), intent(in) :: period
         real(dp) :: turns
         repeats = .not. allocated(body%effects)
-        if (.not. is_driven(body)) return
+        if (.not. drive_period(body) > 0) return
         turns = period / drive_period(body)
         repeats = turns > 0.5_dp .and. abs(turns - anint(turns)) <= slack
     end function repeats

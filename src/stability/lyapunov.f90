@@ -1,97 +1,205 @@
-!> Lyapunov exponents of a motion, the mean rates at which perturbations grow, and the largest singular
-!> value of its tangent map, the largest factor by which one of them grows.
+!> Growth of perturbations along motions: the Lyapunov exponent, the mean rate at which one of no special direction grows
+!> (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15, 1980), and the largest singular value of the tangent map, the largest
+!> factor by which one grows that keeps the length of the vertical. Many motions are followed together, in lanes.
 !>
-!> Perturbations are measured in the scales of the motion (`state_units`): no result depends on the units
-!> of mass, length and time.
+!> Perturbations are measured in the scales of the motion (`state_units`): no result depends on the units of mass, length and time.
 module spintop_lyapunov
-    use spintop_kinds, only: dp, pi
-    use spintop_lapack, only: dgesvd
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, state_units
+    use spintop_integration, only: outcome_t
+    use spintop_kinds, only: dp
+    use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
+    use spintop_lapack, only: dgesvd
+    use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit
-    use spintop_tangent_flow, only: step_limit, take_tangent_step
+    use spintop_stepper, only: controls_t
+    use spintop_tangent_lanes, only: components, tangent_lanes_t
+    use spintop_taylor_lanes, only: lane_order, lanes, taylor_lanes_t
     use spintop_validity, only: plain_body_status, motion_status
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: find_lyapunov, find_largest_singular_value
+    public :: growth_lanes_t, growth_t, find_growth, find_lyapunov, find_largest_singular_value
     public :: scales_of, span_perturbations, even_perturbation, scale_up
 
-    !> Perturbations that are smaller than the largest one by this factor are zero.
-    real(dp), parameter :: negligible = 1.0e-150_dp
+    !> The last terms of a perturbation may exceed the tolerance of the motion by this factor: each is to be
+    !> multiplied by its number, compared with those of the motion.
+    real(dp), parameter :: slack = 100
+    !> A tolerance below is not reached.
+    real(dp), parameter :: least_tolerance = 1.0e-15_dp
+    !> Tolerance of motions that are integrated for the growth alone.
+    real(dp), parameter :: own_tolerance = 1.0e-14_dp
 
-    abstract interface
-        !> Brings tangent vectors, given in the scales `unit`, back to length 1 or less, and adds the
-        !> logarithms of their growth.
-        pure subroutine normalization(vectors, unit, growth)
-            import :: dp
-            real(dp), intent(inout) :: vectors(:, :)
-            real(dp), intent(in) :: unit(6)
-            real(dp), intent(inout) :: growth(:)
-        end subroutine normalization
-    end interface
+    !> The growth along a motion: the Lyapunov exponent, 1/s, and the largest singular value, each with its status.
+    type :: growth_t
+        real(dp) :: exponent = 0, singular = 0
+        integer :: exponent_status = status_bad_input, singular_status = status_bad_input
+        !> Number of steps of the motion.
+        integer(int64) :: steps = 0
+    end type growth_t
+
+    !> Monitors perturbations: one that has no special direction, for the exponent; or all that keep the length of the
+    !> vertical, for the singular value: `tangents`. `set`, then hand it over.
+    type, extends(lane_monitor_t) :: growth_lanes_t
+        !> What is found for each case.
+        type(growth_t), allocatable :: growth(:)
+        !> Whether the singular value is found; whether the exponent is.
+        logical :: is_singular = .false., has_exponent = .true.
+        !> The perturbation of the exponent is the sum of all times this.
+        real(dp), private :: share(5, lanes) = 0
+        type(tangent_lanes_t) :: tangents
+        real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
+    contains
+        procedure :: set
+        procedure :: prepare
+        procedure :: begin
+        procedure :: observe
+        procedure :: finish
+    end type growth_lanes_t
 
 contains
 
-    !> The `size(exponents)` largest exponents of the motion over `t_end` seconds, at most six, 1/s, in
-    !> decreasing order for long times. They tend to their limits like log(t)/t. The perturbations are made
-    !> orthonormal after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15, 1980). Their
-    !> initial values are the columns of `directions` (Gamma, Pi; SI units), or else have no special
-    !> direction. A single one then has equal components, except for its part along Gamma, which is removed so
-    !> that the norm of the vertical is kept; with several, that part is included. `max_steps` limits the
-    !> number of steps; `steps` is the number of steps taken. `status_bad_input`: the span is not positive,
-    !> the number of exponents is not between 1 and 6, or a direction is not six finite numbers;
-    !> `status_non_finite`, `status_bad_body`, `status_bad_start`: body or start is not valid.
-    pure subroutine find_lyapunov(body, start, t_end, exponents, status, directions, max_steps, steps)
+    !> What is to be found, and for motions of which tolerance and number of steps.
+    subroutine set(self, controls, is_singular, with_exponent)
+        class(growth_lanes_t), intent(inout) :: self
+        type(controls_t), intent(in) :: controls !! settings of the method
+        logical, intent(in) :: is_singular !! the largest singular value, not the exponent
+        logical, intent(in), optional :: with_exponent !! the exponent beside the singular value
+        real(dp) :: tolerance
+        self%is_singular = is_singular
+        self%has_exponent = .not. is_singular
+        if (present(with_exponent)) self%has_exponent = with_exponent .or. .not. is_singular
+        tolerance = slack * max(controls%relative_tolerance, least_tolerance)
+        call self%tangents%set(merge(5, 1, is_singular), tolerance, lane_order(tolerance), controls%max_steps)
+    end subroutine set
+
+    !> Makes room for so many cases.
+    subroutine prepare(self, cases)
+        class(growth_lanes_t), intent(inout) :: self
+        integer, intent(in) :: cases !! number of cases
+        if (allocated(self%growth)) deallocate (self%growth)
+        allocate (self%growth(cases))
+    end subroutine prepare
+
+    !> A case begins in a lane.
+    subroutine begin(self, run, lane, body, start)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: x(6), z(components, size(self%tangents%z, 3)), vectors(6, size(self%tangents%z, 3)), even(6)
+        integer :: v
+
+        x = euler_poisson_state(body, start)
+        associate (unit => self%unit(:, lane))
+            unit = scales_of(body, x, run%now%t_end(lane))
+            self%inertia(:, lane) = body%inertia
+            if (self%is_singular) then
+                call span_perturbations(x(1:3), unit, vectors)
+                even = even_perturbation(x(1:3), unit) / unit
+                self%share(:, lane) = matmul(even / norm2(even), vectors / spread(unit, 2, size(vectors, 2)))
+            else
+                vectors(:, 1) = even_perturbation(x(1:3), unit)
+                vectors(:, 1) = vectors(:, 1) / norm2(vectors(:, 1) / unit)
+                self%share(1, lane) = 1
+            end if
+        end associate
+        do v = 1, size(z, 2)
+            z(1:3, v) = vectors(4:6, v) / body%inertia
+            z(4:6, v) = cross(vectors(1:3, v), x(1:3))
+        end do
+        call self%tangents%load(run, lane, z)
+    end subroutine begin
+
+    !> Propagates the perturbations over the last step.
+    subroutine observe(self, run)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        call self%tangents%propagate(run)
+    end subroutine observe
+
+    !> The case in a lane is at its end.
+    subroutine finish(self, run, lane, case)
+        class(growth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        real(dp) :: vectors(6, size(self%tangents%z, 3)), z(components), growth
+        integer :: v
+
+        if (.not. run%now%t(lane) > 0) return
+        associate (found => self%growth(case))
+            found%exponent_status = self%tangents%status(lane)
+            found%singular_status = found%exponent_status
+            if (.not. is_ok(found%exponent_status)) return
+            do v = 1, size(vectors, 2)
+                z = self%tangents%z(lane, :, v)
+                vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)
+            end do
+            growth = log(2.0_dp) * self%tangents%doublings(lane)
+            if (self%is_singular) call scale_up(vectors, growth, found%singular, found%singular_status)
+            growth = growth + log(norm2(matmul(vectors, self%share(:size(vectors, 2), lane))))
+            if (is_finite(growth)) then
+                found%exponent = growth / run%now%t(lane)
+            else
+                found%exponent_status = status_non_finite
+            end if
+        end associate
+    end subroutine finish
+
+    !> The growth of perturbations of the motions of bodies over spans: the Lyapunov exponents, the largest singular
+    !> values of the tangent maps, or both.
+    subroutine find_growth(bodies, starts, t_end, with_exponent, with_singular, max_steps, growth)
+        type(body_t), intent(in) :: bodies(:) !! mass properties about the fixed point, one for each case
+        type(motion_t), intent(in) :: starts(:) !! attitude and angular velocity at the start, one for each case
+        real(dp), intent(in) :: t_end(:) !! ends of the spans, one for each case, s
+        logical, intent(in) :: with_exponent, with_singular !! what is to be found
+        integer(int64), intent(in) :: max_steps !! maximum number of steps for a case
+        type(growth_t), intent(out) :: growth(:) !! what was found, one for each case
+        type(monitor_slot_t) :: monitors(1)
+        type(growth_lanes_t) :: monitor
+        type(motion_t), allocatable :: ends(:)
+        type(outcome_t), allocatable :: outcomes(:)
+        type(controls_t) :: controls
+
+        controls%relative_tolerance = own_tolerance
+        controls%absolute_tolerance = own_tolerance
+        controls%max_steps = max_steps
+        call monitor%set(controls, with_singular, with_exponent)
+        allocate (monitors(1)%monitor, source=monitor)
+        allocate (ends(size(bodies)), outcomes(size(bodies)))
+        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
+        select type (found => monitors(1)%monitor)
+        type is (growth_lanes_t)
+            growth = found%growth
+        end select
+        growth%steps = outcomes%counts%steps
+        where (.not. is_ok(outcomes%status))
+            growth%exponent_status = outcomes%status
+            growth%singular_status = outcomes%status
+        end where
+    end subroutine find_growth
+
+    !> The largest Lyapunov exponent of a motion over `t_end` seconds, 1/s: of a perturbation with equal components in the scales
+    !> of the motion, across the vertical. It tends to its limit like log(t)/t.
+    subroutine find_lyapunov(body, start, t_end, exponent, status, max_steps, steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp), intent(in) :: t_end !! length of the span, s
-        real(dp), intent(out) :: exponents(:) !! exponents, 1/s
+        real(dp), intent(out) :: exponent !! 1/s; 0 unless `status_ok`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp), intent(in), optional :: directions(:, :)
-            !! initial perturbations, one per column (Gamma, Pi; SI units)
         integer, intent(in), optional :: max_steps !! maximum number of steps
         integer, intent(out), optional :: steps !! number of steps
-        real(dp) :: columns(6, 1 + size(exponents)), unit(6), growth(size(exponents))
-        integer :: i, k
-
-        exponents = 0
-        growth = 0
-        if (present(steps)) steps = 0
-        status = status_bad_input
-        if (size(exponents) < 1 .or. size(exponents) > 6 .or. .not. (t_end > 0 .and. is_finite(t_end))) return
-        if (present(directions)) then
-            if (size(directions, 1) /= 6 .or. size(directions, 2) < size(exponents)) return
-            if (.not. all(is_finite(directions))) return
-        end if
-        status = plain_body_status(body)
-        if (is_ok(status)) status = motion_status(start, body)
-        if (.not. is_ok(status)) return
-        columns(:, 1) = euler_poisson_state(body, start)
-        unit = scales_of(body, columns(:, 1), t_end)
-        if (present(directions)) then
-            columns(:, 2:) = directions(:, :size(exponents))
-        else
-            do k = 1, size(exponents)
-                columns(:, 1 + k) = unit * [(cos(pi * (i - 0.5_dp) * (k - 1) / 6), i=1, 6)]
-            end do
-            if (size(exponents) == 1) columns(:, 2) = even_perturbation(columns(1:3, 1), unit)
-        end if
-        call separate(columns(:, 2:), unit, growth)
-        growth = 0
-
-        call walk(body, t_end, columns, unit, separate, size(exponents) == 1 .and. .not. present(directions), growth, &
-                  status, max_steps, steps)
-        if (is_ok(status) .and. .not. all(is_finite(growth))) status = status_non_finite
-        if (is_ok(status)) exponents = growth / t_end
+        type(growth_t) :: growth
+        call find_one(body, start, t_end, .false., growth, status, max_steps, steps)
+        if (is_ok(status)) status = growth%exponent_status
+        exponent = merge(growth%exponent, 0.0_dp, is_ok(status))
     end subroutine find_lyapunov
 
-    !> The largest singular value of the tangent map of the motion over `t_end` seconds, in the scales of
-    !> its start: the largest factor by which a perturbation grows that keeps the length of the vertical.
-    !> A motion of more than `max_steps` steps is abandoned; `steps` are those taken. `status_bad_input`: no
-    !> positive span; `status_non_finite`, `status_bad_body`, `status_bad_start`: no body or no motion.
+    !> The largest singular value of the tangent map of a motion over `t_end` seconds, in the scales of its start.
     subroutine find_largest_singular_value(body, start, t_end, factor, status, max_steps, steps)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
@@ -100,61 +208,41 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         integer, intent(in), optional :: max_steps !! maximum number of steps
         integer, intent(out), optional :: steps !! number of steps
-        real(dp) :: columns(6, 6), unit(6), growth(1)
+        type(growth_t) :: growth
+        call find_one(body, start, t_end, .true., growth, status, max_steps, steps)
+        if (is_ok(status)) status = growth%singular_status
+        factor = merge(growth%singular, 0.0_dp, is_ok(status))
+    end subroutine find_largest_singular_value
 
-        factor = 0
+    !> The growth of perturbations of one motion. `status_bad_input`: no positive span; `status_non_finite`, `status_bad_body`,
+    !> `status_bad_start`, `status_unsuitable`: no body or no motion, or one with effects.
+    subroutine find_one(body, start, t_end, is_singular, growth, status, max_steps, steps)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t_end
+        logical, intent(in) :: is_singular
+        type(growth_t), intent(out) :: growth
+        integer, intent(out) :: status
+        integer, intent(in), optional :: max_steps
+        integer, intent(out), optional :: steps
+        type(controls_t) :: defaults
+        type(growth_t) :: found(1)
+        integer(int64) :: most_steps
         if (present(steps)) steps = 0
         status = status_bad_input
         if (.not. (t_end > 0 .and. is_finite(t_end))) return
         status = plain_body_status(body)
         if (is_ok(status)) status = motion_status(start, body)
         if (.not. is_ok(status)) return
-        columns(:, 1) = euler_poisson_state(body, start)
-        unit = scales_of(body, columns(:, 1), t_end)
-        call span_perturbations(columns(1:3, 1), unit, columns(:, 2:))
-        growth = 0
-        call walk(body, t_end, columns, unit, shrink, .true., growth, status, max_steps, steps)
-        if (is_ok(status)) call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth(1), factor, status)
-    end subroutine find_largest_singular_value
-
-    !> Propagates the state `columns(:, 1)` and the tangent vectors in the other columns over `t_end` seconds. After every step
-    !> `keep_small` brings the vectors back to their scales and adds the logarithms of what they had grown by. With
-    !> `keep_across` the vectors stay across the vertical: what rounding adds along it never decays. `status_step_limit` after
-    !> more than `max_steps` steps; `steps` are those taken.
-    pure subroutine walk(body, t_end, columns, unit, keep_small, keep_across, growth, status, max_steps, steps)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: t_end, unit(6)
-        real(dp), intent(inout) :: columns(:, :), growth(:)
-        procedure(normalization) :: keep_small
-        logical, intent(in) :: keep_across
-        integer, intent(out) :: status
-        integer, intent(in), optional :: max_steps
-        integer, intent(inout), optional :: steps
-        real(dp) :: left, h
-        integer :: step, most_steps, k
-
-        most_steps = step_limit
+        most_steps = defaults%max_steps
         if (present(max_steps)) most_steps = max_steps
+        status = status_step_limit
+        if (most_steps < 1) return
+        call find_growth([body], [start], [t_end], .not. is_singular, is_singular, most_steps, found)
+        growth = found(1)
         status = status_ok
-        left = t_end
-        do step = 1, most_steps
-            if (.not. left > 0) exit
-            call take_tangent_step(body, left, columns, h, status)
-            if (.not. is_ok(status)) return
-            left = left - h
-            if (present(steps)) steps = step
-            if (keep_across) then
-                associate (vertical => columns(1:3, 1))
-                    do k = 2, size(columns, 2)
-                        columns(1:3, k) = columns(1:3, k) &
-                            - dot_product(vertical, columns(1:3, k)) / sum(vertical**2) * vertical
-                    end do
-                end associate
-            end if
-            call keep_small(columns(:, 2:), unit, growth)
-        end do
-        if (left > 0) status = status_step_limit
-    end subroutine walk
+        if (present(steps)) steps = int(growth%steps)
+    end subroutine find_one
 
     !> The largest singular value of a matrix times e^growth. `status_non_finite`: it is not a number, or overflows.
     subroutine scale_up(matrix, growth, factor, status)
@@ -209,42 +297,5 @@ contains
         unit = state_units(body, x)
         if (all(abs([x(4:6), body%weight_moment()]) <= 0)) unit(4:6) = maxval(body%inertia) / t_end
     end function scales_of
-
-    !> Divides vectors by the largest of their components, and adds its logarithm to the only `growth`.
-    pure subroutine shrink(vectors, unit, growth)
-        real(dp), intent(inout) :: vectors(:, :)
-        real(dp), intent(in) :: unit(6)
-        real(dp), intent(inout) :: growth(:)
-        real(dp) :: scale
-        integer :: i
-        scale = maxval(abs(vectors) / spread(unit, 2, size(vectors, 2)))
-        growth = growth + log(scale)
-        vectors = vectors / scale
-        do i = 1, size(vectors, 2)
-            if (all(abs(vectors(:, i)) < negligible * unit)) vectors(:, i) = 0
-        end do
-    end subroutine shrink
-
-    !> Makes vectors orthonormal, each with respect to those before it, and adds the logarithms of their
-    !> previous norms to `growth`.
-    pure subroutine separate(vectors, unit, growth)
-        real(dp), intent(inout) :: vectors(:, :)
-        real(dp), intent(in) :: unit(6)
-        real(dp), intent(inout) :: growth(:)
-        real(dp) :: length
-        integer :: i, k
-        do k = 1, size(vectors, 2)
-            vectors(:, k) = vectors(:, k) / unit
-            do i = 1, k - 1
-                vectors(:, k) = vectors(:, k) - dot_product(vectors(:, i), vectors(:, k)) * vectors(:, i)
-            end do
-            length = norm2(vectors(:, k))
-            growth(k) = growth(k) + log(length)
-            vectors(:, k) = vectors(:, k) / length
-        end do
-        do k = 1, size(vectors, 2)
-            vectors(:, k) = vectors(:, k) * unit
-        end do
-    end subroutine separate
 
 end module spintop_lyapunov

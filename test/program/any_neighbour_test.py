@@ -18,7 +18,7 @@ SCALARS = {"drag_exponent": 1.0, "vibration_rate": 9.0, "drag_force": 0.0, "eart
 SCALARS |= {"friction_torque": 0.0}
 EFFECTS = {f"effects.{name}({i})": 0.0 for name in VECTORS for i in (1, 2, 3)}
 EFFECTS |= {f"effects.{name}": value for name, value in SCALARS.items()}
-NEEDS_PLAIN = {"inherent_error", "lyapunov_exponent", "largest_singular_value", "theta_rate_max"}
+NEEDS_PLAIN = {"lyapunov_exponent", "largest_singular_value", "theta_rate_max"}
 NEEDS_PLAIN |= {"force_max", "force_z_min", "force_z_max"}
 """Columns for which bodies with effects do not go in lanes."""
 STOPS = ("", "stop_at = 'turning_points'  stop_after = 2", "stop_at = 'psi = 0.3'")

@@ -12,7 +12,6 @@ module spintop_body_with_effects
     use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t, kernel_effects, timeless_effects
-    use spintop_effects_action, only: effects_action_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_series_order, max_states, structure_group, &
         structure_quadruple, structure_series

@@ -5,7 +5,6 @@
 !> motion are developed anew about the beginning of each part: the motion itself stays as it is.
 module spintop_tangent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp
     use spintop_lane_series, only: rows
     use spintop_lane_tangents, only: carry_tangents, components
@@ -22,22 +21,15 @@ module spintop_tangent_lanes
 
     !> Perturbations of the motions in all lanes. `set`, `load` some lanes, then `propagate` after every step.
     type :: tangent_lanes_t
-        !> The perturbations (lane, component, number): delta, epsilon. They are across the vertical; the rotation
-        !> about it is kept apart, rad.
-        real(dp), allocatable :: z(:, :, :), about(:, :)
+        !> The perturbations (lane, component, number): delta, epsilon, across the vertical.
+        real(dp), allocatable :: z(:, :, :)
         !> All of a lane are to be multiplied by 2 to this power.
         integer :: doublings(lanes) = 0
         !> `status_ok`, or why the perturbations of a lane ended.
         integer :: status(lanes) = status_ok
-        !> Changes of the body that force the last of the perturbations.
-        type(lane_body_t), allocatable :: change(:)
-        !> Sizes of the perturbations before the last step or part of one, and of others that count beside them.
-        real(dp) :: whole(lanes) = 0, beside(lanes) = 0
-        !> Those after a step, or a part of it; the numbers of those that are not zero in all lanes for ever, and whether they are
-        !> to be found again.
+        !> Their sizes before the last step or part of one, and those after it.
+        real(dp), private :: whole(lanes) = 0
         real(dp), allocatable, private :: next(:, :, :)
-        integer, allocatable, private :: moving(:)
-        logical, private :: is_new = .true.
         real(dp), private :: tolerance = 0
         integer, private :: most_order = 0
         integer(int64), private :: max_parts = 0, parts(lanes) = 0
@@ -49,17 +41,16 @@ module spintop_tangent_lanes
 
 contains
 
-    !> Makes room for so many perturbations in each lane, of which the last `forced` are forced.
-    subroutine set(self, number, forced, tolerance, most_order, max_parts)
+    !> Makes room for so many perturbations in each lane.
+    subroutine set(self, number, tolerance, most_order, max_parts)
         class(tangent_lanes_t), intent(inout) :: self
-        integer, intent(in) :: number, forced !! number of perturbations, and of the forced ones among them
+        integer, intent(in) :: number !! number of perturbations
         real(dp), intent(in) :: tolerance !! of the last terms of a series, relative to the perturbations
         integer, intent(in) :: most_order !! order of the series, unless that of the motion is lower
         integer(int64), intent(in) :: max_parts !! number of steps and parts of steps for a case
-        if (allocated(self%z)) deallocate (self%z, self%next, self%about, self%change)
-        allocate (self%z(lanes, components, number), self%about(lanes, number), source=0.0_dp)
+        if (allocated(self%z)) deallocate (self%z, self%next)
+        allocate (self%z(lanes, components, number), source=0.0_dp)
         allocate (self%next, source=self%z)
-        allocate (self%change(forced))
         self%tolerance = tolerance
         self%most_order = most_order
         self%max_parts = max_parts
@@ -75,8 +66,6 @@ contains
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
         self%z(lane, :, :) = z
-        self%about(lane, :) = 0
-        self%is_new = .true.
         call settle_lane(self, lane, run%now%state(lane, 4:6))
         self%doublings(lane) = 0
         self%parts(lane) = 0
@@ -90,7 +79,6 @@ contains
         real(dp), allocatable :: before(:, :, :)
         real(dp) :: duration(lanes), excess(lanes)
 
-        if (self%is_new) call find_moving(self)
         duration = run%now%t - run%now%t_last
         call try(self, run, run%c, duration, excess)
         if (all(excess <= 1)) then
@@ -105,23 +93,6 @@ contains
         call scale_down(self, run, duration)
     end subroutine propagate
 
-    !> Finds the perturbations that are not zero in all lanes for ever.
-    subroutine find_moving(self)
-        class(tangent_lanes_t), intent(inout) :: self
-        logical :: moves(size(self%z, 3))
-        integer :: v
-        do v = 1, size(moves)
-            moves(v) = any(abs(self%z(:, :, v)) > 0)
-            if (v <= size(moves) - size(self%change)) cycle
-            associate (by => self%change(v - size(moves) + size(self%change)))
-                moves(v) = moves(v) .or. any(abs(by%coupling) + abs(by%decay) + abs(by%pull) + abs(by%swing) > 0)
-            end associate
-        end do
-        self%moving = pack([(v, v=1, size(moves))], moves)
-        self%next = 0
-        self%is_new = .false.
-    end subroutine find_moving
-
     !> Perturbations after a duration, in `next`. `excess` is the ratio of the last terms to the tolerance; in lanes that do
     !> not move it is zero.
     subroutine try(self, run, c, duration, excess)
@@ -131,11 +102,10 @@ contains
         real(dp), intent(out) :: excess(lanes)
         real(dp) :: whole(lanes), last(lanes)
         associate (now => run%now)
-            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%moving), &
-                                    self%moving, size(self%z, 3) - size(self%change), self%change, self%z, self%next, &
-                                    whole, last)
+            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%z, 3), self%z, &
+                                self%next, whole, last)
         end associate
-        self%whole = merge(whole + self%beside, self%whole, duration > 0)
+        self%whole = merge(whole, self%whole, duration > 0)
         excess = merge(last / (self%tolerance * self%whole), 0.0_dp, last > self%tolerance * self%whole)
         ! What is not finite exceeds as well.
         excess = merge(excess, huge(1.0_dp), last <= huge(1.0_dp) .and. excess <= huge(1.0_dp))
@@ -194,8 +164,8 @@ contains
         end do
     end subroutine move_origin
 
-    !> Makes the rotations those across the vertical, and adds what is about it to `about`. On their own they would
-    !> come off it by rounding, and after a long decay nothing else would be left.
+    !> Makes the rotations those across the vertical: one about it changes nothing else, and stays the same for all times. On
+    !> their own they would come off it by rounding, and after a long decay nothing else would be left.
     pure subroutine settle(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
@@ -213,7 +183,6 @@ contains
                     z(i, 4, v) = z(i, 4, v) - along * x(i, 4)
                     z(i, 5, v) = z(i, 5, v) - along * x(i, 5)
                     z(i, 6, v) = z(i, 6, v) - along * x(i, 6)
-                    self%about(i, v) = self%about(i, v) + along
                 end do
             end do
         end associate
@@ -229,7 +198,6 @@ contains
         do v = 1, size(self%z, 3)
             along = dot_product(vertical, self%z(lane, 4:6, v)) / sum(vertical**2)
             self%z(lane, 4:6, v) = self%z(lane, 4:6, v) - along * vertical
-            self%about(lane, v) = self%about(lane, v) + along
         end do
     end subroutine settle_lane
 
@@ -257,7 +225,6 @@ contains
             if ((peak(i) < far .and. peak(i) * far > 1) .or. .not. (peak(i) > 0 .and. peak(i) <= huge(1.0_dp))) cycle
             m = exponent(peak(i))
             self%z(i, :, :) = scale(self%z(i, :, :), -m)
-            self%about(i, :) = scale(self%about(i, :), -m)
             self%doublings(i) = self%doublings(i) + m
         end do
     end subroutine scale_down

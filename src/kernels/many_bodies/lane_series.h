@@ -110,25 +110,9 @@ static void expand_lanes(int order, const struct lane_body *b, const double *sid
     }
 }
 
-// The series of omega2 omega3 and cyclic, of so many terms.
-static void multiply_rates(int terms, const double *c, double *products) {
-    for (int k = 0; k < terms; ++k, products += lanes * 3) {
-        for (int lane = 0; lane < lanes; lane += width) {
-            const double *older = c + lane, *newer = older + term * k;
-            vector w23 = {0}, w31 = w23, w12 = w23;
-            for (; newer >= c; older += term, newer -= term) {
-                const vector v1 = get(older, w1), v2 = get(older, w2), v3 = get(older, w3);
-                w23 += v2 * get(newer, w3), w31 += v3 * get(newer, w1), w12 += v1 * get(newer, w2);
-            }
-            put(products + lane, 0, w23), put(products + lane, 1, w31), put(products + lane, 2, w12);
-        }
-    }
-}
-
-// Finds the term behind the k-th of a perturbation, which a change of the body may force. The products are those of two
-// series of different kind, so that no pair is found twice.
-inlined void append_tangent(int k, int lane, const struct lane_body *b, const double *c, const struct lane_body *change,
-                            const double *products, double *z) {
+// Finds the term behind the k-th of a perturbation. The products are those of two series of different kind, so that no pair is
+// found twice.
+inlined void append_tangent(int k, int lane, const struct lane_body *b, const double *c, double *z) {
     vector p1 = {0}, p2 = p1, p3 = p1, e1 = p1, e2 = p1, e3 = p1, t1 = p1, t2 = p1, t3 = p1;
     const double *base = c + term * k, *now = z;
     const double share = 1.0 / (k + 1);
@@ -159,13 +143,6 @@ inlined void append_tangent(int k, int lane, const struct lane_body *b, const do
     p1 = rate_of(b, lane, 0, p1, t2, t3, x1);
     p2 = rate_of(b, lane, 1, p2, t3, t1, x2);
     p3 = rate_of(b, lane, 2, p3, t1, t2, x3);
-    if (change) {
-        const double *product = products + lanes * 3 * k + lane;
-        base = c + term * k;
-        p1 += rate_of(change, lane, 0, get(product, 0), get(base, g2), get(base, g3), get(base, w1));
-        p2 += rate_of(change, lane, 1, get(product, 1), get(base, g3), get(base, g1), get(base, w2));
-        p3 += rate_of(change, lane, 2, get(product, 2), get(base, g1), get(base, g2), get(base, w3));
-    }
     put(next, d1, share * p1);
     put(next, d2, share * p2);
     put(next, d3, share * p3);
@@ -196,34 +173,24 @@ inlined void add_tangent(int order, int lane, const double *z, vector h, vector 
     put(last + lane, 0, get(last + lane, 0) + power * (size_of(newest - step, unit) + h * size_of(newest, unit)));
 }
 
-static void carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration,
-                               const double *pace, int number, const int *which, int free, const struct lane_body *change,
-                               const double *before, double *after, double *whole, double *last) {
+static void carry_tangents(int order, const struct lane_body *b, const double *c, const double *duration, const double *pace,
+                           int number, const double *before, double *after, double *whole, double *last) {
     enum { step = lanes * components };
     double z[in_turn][step * most_terms] __attribute__((aligned(64)));
-    double products[lanes * 3 * highest_order] __attribute__((aligned(64)));
 
-    // Forced perturbations are the last.
-    if (number > 0 && which[number - 1] > free) multiply_rates(order, c, products);
     memset(whole, 0, lanes * sizeof *whole);
     memset(last, 0, lanes * sizeof *last);
     for (int first = 0; first < number; first += in_turn) {
         const int many = number - first < in_turn ? number - first : in_turn;
-        const int *const one = which + first;
-        for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (one[v] - 1), step * sizeof **z);
+        for (int v = 0; v < many; ++v) memcpy(z[v], before + step * (first + v), step * sizeof **z);
         for (int k = 0; k < order; ++k) {
             for (int v = 0; v < many; ++v) {
-                const struct lane_body *own = one[v] > free ? change + (one[v] - free - 1) : 0;
-                for (int lane = 0; lane < lanes; lane += width) {
-                    append_tangent(k, lane, b, c + lane, own, products, z[v] + lane);
-                }
+                for (int lane = 0; lane < lanes; lane += width) append_tangent(k, lane, b, c + lane, z[v] + lane);
             }
         }
         for (int lane = 0; lane < lanes; lane += width) {
             const vector h = get(duration + lane, 0), unit = 1 / get(pace + lane, 0);
-            for (int v = 0; v < many; ++v) {
-                add_tangent(order, lane, z[v], h, unit, after + step * (one[v] - 1), whole, last);
-            }
+            for (int v = 0; v < many; ++v) add_tangent(order, lane, z[v], h, unit, after + step * (first + v), whole, last);
         }
     }
 }

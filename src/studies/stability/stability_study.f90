@@ -263,7 +263,7 @@ contains
         type(problems_t) :: problems
         type(motion_t) :: sleeping
         complex(dp) :: eigenvalues(6)
-        real(dp) :: exponents(1)
+        real(dp) :: exponent
         integer :: status
 
         call make_case(scene, facts%case, problems)
@@ -282,9 +282,9 @@ contains
                 if (is_ok(status)) facts%upright_growth = maxval(real(eigenvalues, dp))
             end if
             facts%lyapunov_exponent = no_number
-            call find_lyapunov(case%body, case%start, case%t_end, exponents, status, &
+            call find_lyapunov(case%body, case%start, case%t_end, exponent, status, &
                                max_steps=min(scene%max_steps, huge(1) - 1))
-            if (is_ok(status)) facts%lyapunov_exponent = exponents(1)
+            if (is_ok(status)) facts%lyapunov_exponent = exponent
         end associate
     end subroutine find_facts
 

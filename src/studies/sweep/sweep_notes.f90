@@ -6,7 +6,7 @@ module spintop_sweep_notes
     public :: note_t, note_names
     public :: note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
         note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov, note_no_singular, &
-        note_no_exact_motion, note_no_precession_period, note_no_inherent, note_not_free, &
+        note_no_exact_motion, note_no_precession_period, note_not_free, &
         note_no_momentum_period, note_no_derivative, note_no_multiplier, note_not_stuck, &
         note_nothing_to_bound, note_no_threshold, note_no_turns_known
 
@@ -19,7 +19,7 @@ module spintop_sweep_notes
         enumerator :: note_no_period = 1
         enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
         enumerator :: note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov
-        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period, note_no_inherent
+        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period
         enumerator :: note_not_free, note_no_momentum_period, note_no_derivative, note_no_multiplier
         enumerator :: note_not_stuck, note_nothing_to_bound, note_no_threshold, note_no_turns_known
     end enum
@@ -30,7 +30,7 @@ module spintop_sweep_notes
         'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
         'stop_at did not occur in the span', 'no growth rate', &
         'no Lyapunov exponent', 'no largest singular value', 'no exact solution for comparison', &
-        'no precession period T_p', 'no inherent error', 'not a free body', 'no period of the momentum', &
+        'no precession period T_p', 'not a free body', 'no period of the momentum', &
         'a derivative does not converge', 'no multipliers of a vibration', 'not stopped by dry friction', &
         'a bound of a number that does not exist', 'no threshold of a sleeping top', &
         'phi and psi may be off by whole turns']

@@ -25,7 +25,7 @@ module spintop_sweep_quantities
     private
     public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
         precession_period, lowest_height
-    public :: explain_no_period, explain_no_exact_motion, explain_no_inherent_error, explain_not_stuck
+    public :: explain_no_period, explain_no_exact_motion, explain_not_stuck
     public :: find_free_constants, set_free_constants
 
 contains
@@ -297,13 +297,6 @@ contains
         type(note_t), intent(inout) :: note !! notes on the case
         call note%add(note_not_stuck)
     end subroutine explain_not_stuck
-
-    !> Notes why a top has no inherent error. Of other bodies that was noted where it was sought.
-    subroutine explain_no_inherent_error(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        if (case%body%is_lagrange()) call explain_no_exact_motion(case, note)
-    end subroutine explain_no_inherent_error
 
     !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
     subroutine find_free_constants(slot, wanted)

@@ -3,9 +3,9 @@
 module spintop_sweep_stability
     use spintop_case, only: case_t
     use spintop_kinds, only: dp
-    use spintop_driven_flow, only: drive_period
     use spintop_floquet, only: find_multipliers
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_tangent_flow, only: drive_period
     use spintop_steady_motion, only: critical_omega3
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: is_ok, status_meanings, status_unsuitable

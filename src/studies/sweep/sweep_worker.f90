@@ -202,7 +202,6 @@ contains
             call slot%note%clear()
             slot%result = sweep_result_t()
             slot%growth_until = 0
-            slot%inherent_until = 0
             call worker%swept%set_values(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.
             keeps_attitude = worker%last_of_attitude == 0

@@ -9,7 +9,7 @@ module spintop_sweep_columns
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_free_columns, only: sweep_free_columns
     use spintop_sweep_proof_columns, only: sweep_proof_columns
-    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_inherent_error, explain_no_period, &
+    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_period, &
         explain_not_stuck
     use spintop_sweep_result, only: of_nutation, of_range, of_whole, of_measured, of_fastest, of_lowest, &
         of_details, of_class, of_nutation_rate, of_force, of_vertical_force, of_fast_top, of_period, of_end, &
@@ -80,7 +80,7 @@ contains
             sweep_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', &
                            'oracle', set_of([of_oracle]), is_default=.true., explain=explain_no_exact_motion), &
             sweep_column_t('inherent_error', 'rad', 'error of that attitude due to rounding of the data', &
-                           'inherent', set_of([of_inherent]), explain=explain_no_inherent_error), &
+                           'inherent', set_of([of_inherent]), explain=explain_no_exact_motion), &
             sweep_column_t('evaluations', '', 'RHS evaluations', 'cost', set_of([of_cost]), is_default=.true.), &
             sweep_column_t('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', &
                            'details', set_of([of_details, of_measured, of_whole, of_class]), is_class=.true.), &

@@ -40,9 +40,8 @@ module spintop_sweep_engine
         integer :: status = status_ok
         type(note_t) :: note
         type(sweep_result_t) :: result
-        !> The end of the motion, s, up to which the growth of perturbations and the inherent error are to be found; 0 where they
-        !> are not.
-        real(dp) :: growth_until = 0, inherent_until = 0
+        !> The end of the motion, s, up to which the growth of perturbations is to be found; 0 where it is not.
+        real(dp) :: growth_until = 0
     contains
         procedure :: fail
         procedure :: explain_turns

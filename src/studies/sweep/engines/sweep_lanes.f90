@@ -16,7 +16,7 @@ module spintop_sweep_lanes
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, of_inherent, &
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, &
         of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, of_vertical_force
     use spintop_sweep_stability, only: compute_stability
     use spintop_sweep_monitors, only: sweep_monitors_t
@@ -79,7 +79,7 @@ contains
     !> Whether monitors in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
         logical, intent(in) :: wanted(kinds_of_work)
-        needs_plain_body = wanted(of_inherent) .or. wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_nutation_rate) &
+        needs_plain_body = wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_nutation_rate) &
             .or. wanted(of_vertical_force) .or. wanted(of_force)
     end function needs_plain_body
 

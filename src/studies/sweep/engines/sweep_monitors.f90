@@ -5,8 +5,7 @@ module spintop_sweep_monitors
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_lyapunov_lanes, only: growth_lanes_t
-    use spintop_inherent_lanes, only: inherent_lanes_t
+    use spintop_lyapunov, only: growth_lanes_t
     use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
     use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t, stop_motion
     use spintop_motion, only: motion_t
@@ -16,9 +15,9 @@ module spintop_sweep_monitors
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
     use spintop_stepper, only: controls_t
     use spintop_sweep_stop, only: stop_monitor
-    use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, note_no_stop, note_t
+    use spintop_sweep_notes, only: note_no_lyapunov, note_no_singular, note_no_stop, note_t
     use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_inherent, of_lowest, &
+    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_lowest, &
         of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, sweep_result_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
     use spintop_watched_quantities, only: watch_centre_height, watch_nutation_rate, watch_precession_rate, watch_total_force, &
@@ -45,7 +44,6 @@ contains
         type(column_event_t), intent(in) :: events(:) !! the events that end the motion, `ends_in_lanes`
         integer, intent(in) :: stop_after !! number of events after which the motion ends
         type(growth_lanes_t) :: growth
-        type(inherent_lanes_t) :: inherent
         type(energy_lanes_t) :: energy
         if (allocated(self%slots)) deallocate (self%slots)
         allocate (self%slots(0))
@@ -61,16 +59,7 @@ contains
         if (wanted(of_energy)) call append(energy)
         if (wanted(of_lyapunov) .or. wanted(of_singular)) then
             call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
-        end if
-        if (wanted(of_singular) .and. wanted(of_inherent)) then
-            call inherent%set(controls%max_steps, growth)
-            call append(inherent)
-            return
-        end if
-        if (wanted(of_lyapunov) .or. wanted(of_singular)) call append(growth)
-        if (wanted(of_inherent)) then
-            call inherent%set(controls%max_steps)
-            call append(inherent)
+            call append(growth)
         end if
 
     contains
@@ -130,10 +119,12 @@ contains
             type is (energy_lanes_t)
                 values%energy_error_max = monitor%error_max(i)
             type is (growth_lanes_t)
-                call store_growth(monitor)
-            type is (inherent_lanes_t)
-                call store_or_explain(values%inherent_error, monitor%error(i), monitor%status(i), note_no_inherent)
-                if (allocated(monitor%growth)) call store_growth(monitor%growth)
+                associate (found => monitor%growth(i))
+                    if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
+                                                                   found%singular_status, note_no_singular)
+                    if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
+                                                                    found%exponent_status, note_no_lyapunov)
+                end associate
             end select
         end do
         if (wanted(of_whole) .or. wanted(of_range)) then
@@ -148,17 +139,6 @@ contains
         call set_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
 
     contains
-
-        !> Stores the growth of perturbations.
-        subroutine store_growth(monitor)
-            type(growth_lanes_t), intent(in) :: monitor
-            associate (found => monitor%growth(i))
-                if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
-                                                               found%singular_status, note_no_singular)
-                if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
-                                                                found%exponent_status, note_no_lyapunov)
-            end associate
-        end subroutine store_growth
 
         !> Stores a value, or notes the reason why there is none.
         subroutine store_or_explain(quantity, value, how, reason)

@@ -24,7 +24,6 @@ module spintop_sweep_one_by_one
     use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
         of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
         of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
-    use spintop_sweep_perturbations, only: ask_for_inherent_error
     use spintop_sweep_stability, only: compute_stability
     implicit none
     private
@@ -192,11 +191,7 @@ contains
             values%t_stuck = outcome%t_stuck
             call set_end(slot, witness%last, witness%energy_error)
             call slot%explain_turns(outcome%doubtful_passages, wanted)
-            if (case%body%has_closed_form()) then
-                call compare_with_exact(case, wanted, witness%last, values)
-            else if (wanted(of_inherent)) then
-                call ask_for_inherent_error(slot, values%t_end)
-            end if
+            if (case%body%has_closed_form()) call compare_with_exact(case, wanted, witness%last, values)
         end associate
     end subroutine follow
 

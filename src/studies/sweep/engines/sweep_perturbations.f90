@@ -1,17 +1,16 @@
 !> What perturbations of the motions of a sweep tell, found together in lanes for the cases of a block, however their motions
-!> were computed: Lyapunov exponents, largest singular values and inherent errors.
+!> were computed: Lyapunov exponents and largest singular values.
 module spintop_sweep_perturbations
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_lyapunov_lanes, only: find_growth, growth_t
-    use spintop_inherent_lanes, only: find_inherent_errors
+    use spintop_lyapunov, only: find_growth, growth_t
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
-    use spintop_sweep_engine, only: engine_t, lacks_perturbations, slot_t, task_t
-    use spintop_sweep_notes, only: note_no_inherent, note_no_lyapunov, note_no_singular, only_without_effects
+    use spintop_sweep_engine, only: engine_t, slot_t, task_t
+    use spintop_sweep_notes, only: note_no_lyapunov, note_no_singular
     use spintop_sweep_result, only: kinds_of_work, of_lyapunov, of_singular
     implicit none
     private
-    public :: perturbations_t, ask_for_inherent_error
+    public :: perturbations_t
 
     !> The engine for perturbations of motions that have been computed.
     type, extends(engine_t) :: perturbations_t
@@ -21,18 +20,6 @@ module spintop_sweep_perturbations
     end type perturbations_t
 
 contains
-
-    !> Leaves the inherent error of a motion to `perturbations_t`.
-    subroutine ask_for_inherent_error(slot, t_end)
-        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        real(dp), intent(in) :: t_end !! end of the motion, s
-        if (allocated(slot%case%body%effects)) then
-            call slot%note%add(note_no_inherent, only_without_effects)
-        else
-            slot%inherent_until = t_end
-            slot%lacks = lacks_perturbations
-        end if
-    end subroutine ask_for_inherent_error
 
     !> Cases of one limit of work share lanes.
     logical function shares_lanes(a, b)
@@ -46,30 +33,8 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
-        call compute_inherent_errors(slots, pack(list, slots(list)%inherent_until > 0))
         call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
     end subroutine compute
-
-    !> The inherent errors of the cases of a list.
-    subroutine compute_inherent_errors(slots, list)
-        type(slot_t), intent(inout) :: slots(:)
-        integer, intent(in) :: list(:)
-        real(dp), allocatable :: errors(:)
-        integer, allocatable :: how(:)
-        integer :: i
-
-        if (size(list) == 0) return
-        allocate (errors(size(list)), how(size(list)))
-        call find_inherent_errors(slots(list)%case%body, slots(list)%case%start, slots(list)%inherent_until, &
-                                  max(slots(list(1))%max_steps, 1_int64), errors, how)
-        do i = 1, size(list)
-            if (is_ok(how(i))) then
-                slots(list(i))%result%inherent_error = errors(i)
-            else
-                call slots(list(i))%note%add(note_no_inherent, trim(status_meanings(how(i))))
-            end if
-        end do
-    end subroutine compute_inherent_errors
 
     !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
     subroutine compute_growths(slots, list, wanted)

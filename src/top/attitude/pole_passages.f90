@@ -133,7 +133,9 @@ contains
         ! phi + psi, or phi - psi, is continuous.
         side = merge(1.0_dp, -1.0_dp, way%is_up)
         near = angles_from_quaternion(next%quaternion, [phi, angle(2), angle(3) - side * (phi - angle(1))])
-        if (passed%arrived) near = [phi, near(2), near(3) + side * (near(1) - phi)]
+        ! In the pole phi stays, and the attitude tells the sum alone. What it seems to tell of phi are rounding errors: half a
+        ! turn of them may as well be a turn of the sum.
+        if (passed%arrived) near = [phi, near(2), nearest_turn(near(3) + side * (near(1) - phi), angle(3))]
         angle = near
     end subroutine pass_pole
 

@@ -7,15 +7,14 @@
 !> which the motion is integrated, nor on its tolerance.
 !>
 !> Where a motion is integrated to a tolerance, a quantity has the noise of that, too. A passage counts only if the quantity was
-!> beyond its noise since the one before (`spintop_level_side`).
+!> beyond its noise since the one before (`spintop_events`).
 module spintop_constancy
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_effects, only: timeless_effects
     use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
-    use spintop_event, only: event_t, occasion_none
-    use spintop_event_quantities, only: event_quantities_t
+    use spintop_event, only: event_quantities_t, event_t, occasion_none
     use spintop_instants, only: greatest_fall_rate
     use spintop_kinds, only: dp, pi
     use spintop_motion, only: motion_from_quaternion, motion_t
@@ -45,43 +44,33 @@ contains
         logical, intent(out) :: is_constant(:) !! one for each event
         type(dop853_table_t) :: table
         type(motion_t) :: motion
-        real(dp) :: values(size(is_constant)), fall, h
+        real(dp), dimension(size(is_constant)) :: values, distance, noise
+        real(dp) :: fall, h
         integer :: i
 
         fall = greatest_fall_rate(body)
         is_constant = search%events%occasion == occasion_none .and. .not. search%events%turn_by_turn
-        call keep_those_at_level(start)
-        if (.not. any(is_constant)) return
-        if (changes_later(body)) is_constant = .false.
         h = largest_rate(body, start)
-        if (.not. (h > 0 .and. is_finite(h))) return
-        h = turn_of_step / h
-        table = dop853_table()
         motion = start
-        do i = 1, steps
-            if (.not. any(is_constant)) exit
-            call step(table, body, h, motion)
-            call keep_those_at_level(motion)
+        do i = 0, steps
+            if (i == 1) then
+                if (changes_later(body)) is_constant = .false.
+                if (.not. (h > 0 .and. is_finite(h) .and. any(is_constant))) return
+                h = turn_of_step / h
+                table = dop853_table()
+            end if
+            if (i > 0) call step(table, body, h, motion)
+            call search%quantities(motion, values)
+            distance = distance_from_level(search%events, values)
+            is_constant = is_constant .and. is_finite(distance)
+            if (any(is_constant)) then
+                call find_noise(search, fall, motion, noise)
+                is_constant = is_constant .and. distance <= margin * noise
+            end if
+            if (i > 0 .and. .not. any(is_constant)) exit
         end do
         ! The angles of the next motion are near those of the last one that was seen.
         call search%quantities(start, values)
-
-    contains
-
-        !> Drops events whose quantity is not at its level.
-        subroutine keep_those_at_level(here)
-            type(motion_t), intent(in) :: here
-            real(dp), dimension(size(is_constant)) :: noise, distance
-            call search%quantities(here, values)
-            distance = distance_from_level(search%events, values)
-            if (.not. any(is_constant .and. is_finite(distance))) then
-                is_constant = .false.
-                return
-            end if
-            call find_noise(search, fall, here, noise)
-            is_constant = is_constant .and. is_finite(distance) .and. distance <= margin * noise
-        end subroutine keep_those_at_level
-
     end subroutine find_constant
 
     !> Distance of a quantity from its level, or from the nearest of several.
@@ -145,14 +134,14 @@ contains
         real(dp), intent(in) :: fall !! `greatest_fall_rate` of the body, rad/s
         type(motion_t), intent(in) :: motion !! the motion
         real(dp), intent(out) :: noise(:) !! one for each quantity
-        real(dp) :: values(size(noise))
+        real(dp), dimension(size(noise)) :: values, change
         integer :: i
         call search%quantities(motion, values)
         noise = 0
         do i = 1, neighbours
-            call search%quantities(neighbour(fall, motion, i), search%one)
-            search%one = abs(search%one - values)
-            where (is_finite(search%one)) noise = max(noise, search%one)
+            call search%quantities(neighbour(fall, motion, i), change)
+            change = abs(change - values)
+            where (is_finite(change)) noise = max(noise, change)
         end do
     end subroutine find_noise
 

@@ -1,9 +1,11 @@
 !> What an event is: a passage of a quantity through a level, or an occasion that the equations of motion know.
 module spintop_event
     use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
+    use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: event_t
+    public :: event_t, event_quantities_t
     public :: occasion_none, occasion_stuck, occasion_slip, occasion_knot
 
     !> Occasions: none (a passage); dry friction stops the body; the torques overcome dry friction, and the body begins
@@ -27,5 +29,43 @@ module spintop_event
         !> The occasion, if the event is not a passage; its quantity then never reaches its level.
         integer :: occasion = occasion_none
     end type event_t
+
+    !> Quantities of a motion, one for each event. An extension defines them.
+    type, abstract :: event_quantities_t
+        !> The events to search for.
+        type(event_t), allocatable :: events(:)
+        !> Whether a quantity takes the angles or their rates from the motion; otherwise they are not computed there.
+        logical :: needs_angles = .true.
+        !> Whether `quantities_of_several` gives all quantities; then none needs the angles.
+        logical :: takes_several = .false.
+    contains
+        procedure(quantities), deferred :: quantities
+        procedure :: quantities_of_several
+    end type event_quantities_t
+
+    abstract interface
+        !> The quantities of all events. While a quantity is not finite, its events are not found.
+        subroutine quantities(self, motion, values)
+            import :: event_quantities_t, motion_t, dp
+            class(event_quantities_t), intent(inout) :: self
+            type(motion_t), intent(in) :: motion !! the motion at an instant
+            real(dp), intent(out) :: values(:) !! one value for each event
+        end subroutine quantities
+    end interface
+
+contains
+
+    !> The quantities at several instants: what an extension that sets `takes_several` overrides.
+    subroutine quantities_of_several(self, motions, values)
+        class(event_quantities_t), intent(inout) :: self
+        type(motions_t), intent(in) :: motions !! the motion at several instants
+        real(dp), intent(out) :: values(:, :) !! a column for each event
+        real(dp) :: one(size(values, 2))
+        integer :: i
+        do i = 1, instants
+            call self%quantities(motions%motion(i), one)
+            values(i, :) = one
+        end do
+    end subroutine quantities_of_several
 
 end module spintop_event

@@ -1,5 +1,5 @@
-!> Instants at which a motion is evaluated for events: so close that between two of them the attitude turns by
-!> less than `largest_turn`, and an axis moves by less than that fraction of its distance from the vertical.
+!> Intervals in which a motion is searched for events: so short that in one of them the attitude turns by less than
+!> `largest_turn`, and an axis moves by less than the fraction `largest_way` of its distance from the vertical.
 module spintop_instants
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
@@ -10,11 +10,11 @@ module spintop_instants
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: greatest_fall_rate, next_instant, is_short, time_of_start
+    public :: greatest_fall_rate, find_next_instant, is_short, time_of_start
 
-    !> Maximum rotation of the attitude between two instants, rad, and maximum path of the axis relative to
-    !> its distance from the vertical.
-    real(dp), parameter :: largest_turn = 0.4_dp
+    !> Maximum rotation of the attitude in an interval, rad, and maximum path of the axis relative to its distance from the
+    !> vertical.
+    real(dp), parameter :: largest_turn = 1.6_dp, largest_way = 0.8_dp
     !> An interval of so many spacings of the time is not divided.
     real(dp), parameter :: least_spacings = 8
     !> An event sooner after the start than this fraction of the time of one radian is the start.
@@ -42,20 +42,20 @@ contains
         rate = sqrt(norm2(body%mass * body%gravity * arm / body%inertia))
     end function greatest_fall_rate
 
-    !> The next instant after time `now`, at most `last`; the body turns no faster than `pace`.
-    pure real(dp) function next_instant(motion, axis, now, last, pace) result(next)
+    !> The end of the interval that begins at time `now`, at most `last`; the body turns no faster than `pace`.
+    pure subroutine find_next_instant(motion, axis, now, last, pace, next, share)
         type(motion_t), intent(in) :: motion     !! at time `now`
         real(dp), intent(in) :: axis(3)          !! of the body; zero if no axis matters
         real(dp), intent(in) :: now, last, pace  !! s, s, rad/s
-        real(dp) :: gap, near
-        next = last
-        gap = last - now
+        real(dp), intent(out) :: next, share     !! the end, s; how long the interval is, by the longest that might be
+        real(dp) :: gap
+        gap = min(time_near_pole(motion, axis), 4 * (last - now)) ! no larger number is needed
         if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
-        near = time_near_pole(motion, axis)
-        if (near < gap) gap = near
         gap = max(gap, 2 * least_spacings * spacing(max(abs(now), abs(last))))
+        next = last
         if (last - now > gap) next = now + (last - now) / (aint((last - now) / gap) + 1)
-    end function next_instant
+        share = (next - now) / gap
+    end subroutine find_next_instant
 
     !> Time in which a body axis moves by a fraction of its distance from the vertical, s: for this path s,
     !> the speed v and the acceleration a in space, the solution of v t + a t^2/2 = s. Practically infinite
@@ -66,7 +66,7 @@ contains
         real(dp) :: way, speed, acceleration, velocity(3), change(3)
         time = huge(1.0_dp)
         if (.not. any(abs(axis) > 0)) return
-        way = largest_turn * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
+        way = largest_way * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
         velocity = cross(motion%omega, axis)
         change = cross(motion%omega_rate, axis) + cross(motion%omega, velocity)
         speed = sqrt(sum(velocity**2))

@@ -1,11 +1,11 @@
 !> Polynomials of a step, one in each lane, as arrays (lane, term from 0 on): products, by lane_products.h, and over the step as
 !> the unit interval where they pass zero, by lane_roots.h.
 !>
-!> In Bernstein form a polynomial lies between its smallest and its largest coefficient, and passes zero in the
-!> interval as often as its coefficients change sign, or an even number of times less (Descartes; Farouki,
-!> Computer Aided Geometric Design 29, 2012). So no change or one is certain; an interval with more is halved.
+!> No change of sign among the coefficients in Bernstein form (`spintop_bernstein`), or one, is certain; an interval with more
+!> is halved.
 module spintop_lane_polynomials
     use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use spintop_bernstein, only: halve, root_of
     use spintop_formulation, only: max_series_order
     use spintop_kinds, only: dp
     use spintop_series_shares, only: per_binomial
@@ -100,7 +100,7 @@ contains
             real(dp), intent(in) :: b(0:), from, to
             integer, intent(in) :: depth
             real(dp) :: left(0:max_series_order), right(0:max_series_order), now, carried
-            integer :: j, k, changes, n
+            integer :: j, changes, n
 
             n = size(b) - 1
             changes = 0
@@ -117,57 +117,16 @@ contains
             if (depth == most_halvings .or. (changes == 1 .and. min(abs(b(0)), abs(b(n))) > noise)) then
                 found = found + 1
                 roots(found) = from
-                if (changes == 1 .and. b(0) * b(n) < 0) roots(found) = bisected(a, from, to)
+                if (changes == 1 .and. b(0) * b(n) < 0) roots(found) = from + (to - from) * root_of(b, epsilon(1.0_dp))
                 signs(found) = carried
                 sign_before = carried
                 return
             end if
-            ! De Casteljau: both halves.
-            right(:n) = b
-            left(0) = b(0)
-            do k = 1, n
-                do j = 0, n - k
-                    right(j) = (right(j) + right(j + 1)) / 2
-                end do
-                left(k) = right(0)
-            end do
+            call halve(b, left(:n), right(:n))
             call search(left(:n), from, (from + to) / 2, depth + 1)
             call search(right(:n), (from + to) / 2, to, depth + 1)
         end subroutine search
 
     end subroutine find_roots
-
-    !> The root between two places at which a polynomial has different signs.
-    pure real(dp) function bisected(a, from, to) result(u)
-        real(dp), intent(in) :: a(0:), from, to
-        real(dp) :: low, high, value, slope, sign_low, next
-        integer :: j, k
-        low = from
-        high = to
-        sign_low = 0
-        u = low
-        do j = 0, 2 * most_halvings
-            value = 0
-            slope = 0
-            do k = size(a) - 1, 0, -1
-                slope = slope * u + value
-                value = value * u + a(k)
-            end do
-            if (j == 0) then
-                sign_low = sign(1.0_dp, value)
-                u = (low + high) / 2
-                cycle
-            end if
-            if (value * sign_low > 0) then
-                low = u
-            else
-                high = u
-            end if
-            next = u - value / merge(slope, 1.0_dp, abs(slope) > 0)
-            if (.not. (next > low .and. next < high)) next = (low + high) / 2
-            if (abs(next - u) <= epsilon(u)) exit
-            u = next
-        end do
-    end function bisected
 
 end module spintop_lane_polynomials

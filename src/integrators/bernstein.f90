@@ -1,0 +1,143 @@
+!> Polynomials over the unit interval in Bernstein form.
+!>
+!> Such a polynomial lies between its smallest and its largest coefficient, and passes zero in the interval as often as its
+!> coefficients change sign, or an even number of times less (Descartes; Farouki, Computer Aided Geometric Design 29, 2012). Its
+!> first and its last coefficient are its values at the ends; each difference of neighbours is a coefficient of its slope, but for
+!> a factor.
+module spintop_bernstein
+    use spintop_bracket, only: bracket_t
+    use spintop_kinds, only: dp, no_number, pi
+    use spintop_series_shares, only: per_binomial
+    implicit none
+    private
+    public :: halve, root_of, value_at, interpolation_t, interpolation, coarse, fine
+
+    !> Degrees of interpolation.
+    integer, parameter :: coarse = 4, fine = 8
+    !> The last terms of the series by Chebyshev's polynomials, times so much, bound the error of a polynomial: what it leaves out,
+    !> and the rounding of the values. Of three terms one at least is as large as the rounding; of a coarse polynomial the one
+    !> before the last says little of those left out, and the third nothing.
+    real(dp), parameter :: of_last(3) = [16, 16, 16], of_last_coarse(3) = [16, 2, 0]
+    !> The bound is at least so many times the largest value.
+    real(dp), parameter :: rounding = 16 * epsilon(1.0_dp)
+    !> A polynomial with a larger bound than this fraction of the largest value is useless.
+    real(dp), parameter :: useless = 0.25_dp
+
+    !> Interpolation by a polynomial of a degree n at the places (1 - cos(pi i/n))/2, i = 0 .. n, by Chebyshev and Lobatto. The
+    !> coefficients are those of degree `fine`.
+    type :: interpolation_t
+        integer :: degree = fine
+        real(dp) :: place(0:fine) = 0
+        !> The coefficients differ from the straight line between the first and the last value by less than so many times the sum
+        !> of the differences of the values from it, less the bound of the error.
+        real(dp) :: bend = 0
+        !> Weights of the values, by columns, in the coefficients and in the last terms.
+        real(dp), private :: weight(0:fine, 0:fine) = 0, last(3, 0:fine) = 0
+    contains
+        procedure :: find_polynomial
+    end type interpolation_t
+
+contains
+
+    !> Interpolation of degree `coarse` or `fine`.
+    pure type(interpolation_t) function interpolation(degree) result(self)
+        integer, intent(in) :: degree !! the degree
+        real(dp) :: c(0:fine), share(3)
+        integer :: i, m
+
+        self%degree = degree
+        self%place(:degree) = [(sin(pi * i / (2 * degree))**2, i=0, degree)]
+        do i = 0, degree
+            ! The product of (u - u_m)/(u_i - u_m), and of 1 = 1 - u + u, in terms of (1 - u)^(n - k) u^k.
+            c = 0
+            c(0) = 1
+            do m = 0, degree
+                if (m == i) cycle
+                associate (u => self%place(m), width => self%place(i) - self%place(m))
+                    c(1:) = (c(:fine - 1) * (1 - u) - c(1:) * u) / width
+                    c(0) = -c(0) * u / width
+                end associate
+            end do
+            do m = degree + 1, fine
+                c(1:) = c(1:) + c(:fine - 1)
+            end do
+            self%weight(:, i) = c * per_binomial(:fine, fine)
+            share = merge(of_last_coarse, of_last, degree == coarse) * (-1)**i * 2 / degree
+            if (i == 0 .or. i == degree) share = share / 2
+            self%last(:, i) = share * [0.5_dp, cos(pi * i / degree), cos(2 * pi * i / degree)]
+        end do
+        self%bend = maxval(abs(self%weight(:, 1:degree - 1))) + maxval(abs(self%last(:, 1:degree - 1)))
+    end function interpolation
+
+    !> The polynomial through values, and a bound of its error. If it is useless, the bound is not below any of its coefficients;
+    !> if a value is not finite, all coefficients but those at the ends are no numbers.
+    pure subroutine find_polynomial(self, values, b, error)
+        class(interpolation_t), intent(in) :: self
+        real(dp), intent(in) :: values(0:) !! at the places
+        real(dp), intent(out) :: b(0:fine), error !! the coefficients; the bound
+        real(dp) :: last(3), largest, total
+        integer :: i
+
+        b = 0
+        last = 0
+        largest = 0
+        total = 0
+        do i = 0, self%degree
+            b = b + self%weight(:, i) * values(i)
+            last = last + self%last(:, i) * values(i)
+            largest = max(largest, abs(values(i)))
+            total = total + abs(values(i))
+        end do
+        b(0) = values(0)
+        b(fine) = values(self%degree)
+        error = max(abs(last(1)), abs(last(2)), abs(last(3)), rounding * largest)
+        if (total <= huge(1.0_dp)) then
+            if (error > useless * largest) error = max(error, maxval(abs(b)))
+        else
+            b(1:fine - 1) = no_number
+            error = huge(1.0_dp)
+        end if
+    end subroutine find_polynomial
+
+    !> Both halves of a polynomial, by de Casteljau.
+    pure subroutine halve(b, left, right)
+        real(dp), intent(in) :: b(0:) !! coefficients
+        real(dp), intent(out) :: left(0:), right(0:) !! those over the first and over the second half
+        integer :: j, k, n
+        n = ubound(b, 1)
+        right(:n) = b
+        left(0) = b(0)
+        do k = 1, n
+            do j = 0, n - k
+                right(j) = (right(j) + right(j + 1)) / 2
+            end do
+            left(k) = right(0)
+        end do
+    end subroutine halve
+
+    !> The value of a polynomial at a place.
+    pure real(dp) function value_at(b, u) result(value)
+        real(dp), intent(in) :: b(0:), u !! coefficients, and the place
+        real(dp) :: power
+        integer :: k, n
+        n = ubound(b, 1)
+        power = 1
+        value = b(0)
+        do k = 1, n
+            power = power * u
+            value = value * (1 - u) + power * b(k) / per_binomial(k, n)
+        end do
+    end function value_at
+
+    !> The place at which a polynomial passes zero that has different signs at the ends.
+    pure real(dp) function root_of(b, tolerance) result(u)
+        real(dp), intent(in) :: b(0:), tolerance !! coefficients; how well it is to be known
+        type(bracket_t) :: bracket
+        call bracket%begin(0.0_dp, b(0), 1.0_dp, b(ubound(b, 1)), tolerance)
+        do while (.not. bracket%found)
+            call bracket%add_value(value_at(b, bracket%trial))
+        end do
+        u = bracket%trial
+    end function root_of
+
+end module spintop_bernstein

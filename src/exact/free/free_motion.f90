@@ -27,10 +27,10 @@ module spintop_free_motion
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: free_motion_t, free_constants_t, prepare_free_motion, inclination_range
+    public :: free_motion_t, prepare_free_motion, inclination_range
 
-    !> What does not depend on time.
-    type :: free_constants_t
+    !> The exact motion of one start.
+    type :: free_motion_t
         !> Smallest and largest angular velocity, rad/s.
         real(dp) :: least_rate = 0, greatest_rate = 0
         !> Smallest and largest angle between body z and the momentum, rad.
@@ -40,28 +40,23 @@ module spintop_free_motion
         real(dp) :: period = 0, turn = 0
         !> Number of the body axis about which the momentum circulates; the direction of its motion is that of s.
         integer :: about = 0
-    end type free_constants_t
-
-    !> The exact motion of one start.
-    type, extends(free_constants_t) :: free_motion_t
-        private
         !> Time of the start, s, its attitude, and its angles, rad.
-        real(dp) :: time = 0, start(4) = 0, angle(3) = 0
+        real(dp), private :: time = 0, start(4) = 0, angle(3) = 0
         !> Moments of inertia, kg m^2, and angular velocity of the start, rad/s, in body axes.
-        real(dp) :: inertia(3) = 1, omega(3) = 0
+        real(dp), private :: inertia(3) = 1, omega(3) = 0
         !> Whether the body turns about one fixed axis; the series that applies otherwise.
-        logical :: is_steady = .true., is_circular = .true.
-        type(circular_series_t) :: circular
-        type(hyperbolic_series_t) :: hyperbolic
+        logical, private :: is_steady = .true., is_circular = .true.
+        type(circular_series_t), private :: circular
+        type(hyperbolic_series_t), private :: hyperbolic
         !> The body axes x, y, z, and their signs.
-        integer :: axis(3) = [1, 2, 3]
-        real(dp) :: sign_of(3) = 1
+        integer, private :: axis(3) = [1, 2, 3]
+        real(dp), private :: sign_of(3) = 1
         !> Largest components of the angular velocity along x, y, z, rad/s.
-        real(dp) :: greatest(3) = 0
+        real(dp), private :: greatest(3) = 0
         !> The conjugate of the attitude relative to the momentum at the start, in the axes x, y, z.
-        real(dp) :: unturn(4) = 0
+        real(dp), private :: unturn(4) = 0
         !> Angular momentum, kg m^2/s.
-        real(dp), public :: momentum = 0
+        real(dp) :: momentum = 0
     contains
         procedure :: at
         procedure :: quaternion_at

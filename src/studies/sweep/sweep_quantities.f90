@@ -8,7 +8,7 @@ module spintop_sweep_quantities
     use spintop_case, only: case_t
     use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
-    use spintop_free_motion, only: free_constants_t, free_motion_t, inclination_range, prepare_free_motion
+    use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_nutation, only: nutation_t, find_nutation
@@ -26,7 +26,7 @@ module spintop_sweep_quantities
     public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
         precession_period, lowest_height
     public :: explain_no_period, explain_no_exact_motion, explain_not_stuck
-    public :: find_free_constants, set_free_constants
+    public :: find_free_constants
 
 contains
 
@@ -320,14 +320,14 @@ contains
                 call slot%note%add(note_not_free, trim(status_meanings(status)))
                 return
             end if
-            call set_free_constants(slot, free%free_constants_t, wanted)
+            call set_free_constants(slot, free, wanted)
         end associate
     end subroutine find_free_constants
 
     !> The constants of a free body.
     subroutine set_free_constants(slot, free, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        type(free_constants_t), intent(in) :: free !! what does not depend on time
+        type(free_motion_t), intent(in) :: free !! the motion
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         real(dp) :: momentum(3), gamma(3), range(2)
 

@@ -21,7 +21,6 @@ module spintop_sweep_worker
     use spintop_sweep_columns, only: columns_at, work_for
     use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, slot_t, task_t
     use spintop_sweep_exact, only: sweep_exact_t
-    use spintop_sweep_free, only: sweep_free_t
     use spintop_sweep_notes, only: note_t
     use spintop_sweep_proof, only: prove_case, sweep_proofs
     use spintop_sweep_result, only: asks_for_span, of_proof, of_threshold, sweep_result_t
@@ -45,7 +44,7 @@ module spintop_sweep_worker
     integer, parameter :: kinds_of_body = affected
 
     !> Number of engines, and which of them computes cases one by one.
-    integer, parameter :: engine_count = 5, stepping = 4
+    integer, parameter :: engine_count = 4, stepping = 3
 
     !> The plan for bodies of one kind.
     type :: kept_plan_t
@@ -112,11 +111,10 @@ contains
     subroutine make_engines(engines)
         type(engine_entry_t), intent(out) :: engines(engine_count)
         allocate (sweep_exact_t :: engines(1)%engine)
-        allocate (sweep_free_t :: engines(2)%engine)
-        allocate (sweep_lanes_t :: engines(3)%engine)
+        allocate (sweep_lanes_t :: engines(2)%engine)
         allocate (sweep_stepping_t :: engines(stepping)%engine)
-        allocate (perturbations_t :: engines(5)%engine)
-        engines(5)%engine%gives = lacks_perturbations
+        allocate (perturbations_t :: engines(4)%engine)
+        engines(4)%engine%gives = lacks_perturbations
     end subroutine make_engines
 
     !> Makes the scene, the slots and the plan of the thread.

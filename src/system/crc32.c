@@ -1,6 +1,5 @@
-// The CRC-32 of gzip, PNG and zlib, of bytes that come in pieces. Any other program can compute it as well: it is
-// zlib.crc32 of Python. Where the processor multiplies without carry, 64 bytes are folded at a time: Gopal et al., Fast
-// CRC Computation for Generic Polynomials Using PCLMULQDQ Instruction, Intel 2009.
+// The CRC-32 of gzip, PNG and zlib, of bytes that come in pieces, eight at a time by tables. Any other program can compute it
+// as well: it is zlib.crc32 of Python.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -44,38 +43,6 @@ static uint32_t by_tables(uint32_t state, const unsigned char *bytes, size_t cou
     return state;
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#include <immintrin.h>
-
-enum { lanes = 4, lane = 16, stripe = lanes * lane };
-
-__attribute__((target("pclmul"))) static __m128i fold(__m128i sum, __m128i next, __m128i by) {
-    return _mm_xor_si128(next, _mm_xor_si128(_mm_clmulepi64_si128(sum, by, 0x00), _mm_clmulepi64_si128(sum, by, 0x11)));
-}
-
-// All whole stripes. Their remainder stays that of 16 bytes.
-__attribute__((target("pclmul"))) static uint32_t by_folding(uint32_t state, const unsigned char *bytes, size_t count) {
-    const __m128i by_stripe = _mm_set_epi64x(0x1c6e41596, 0x154442bd4), by_lane = _mm_set_epi64x(0x0ccaa009e, 0x1751997d0);
-    const __m128i *next = (const __m128i *)(const void *)bytes;
-    unsigned char last[lane];
-    __m128i sum[lanes];
-    for (int i = 0; i < lanes; ++i) sum[i] = _mm_loadu_si128(next++);
-    sum[0] = _mm_xor_si128(sum[0], _mm_cvtsi32_si128((int)state));
-    for (; count >= 2 * stripe; count -= stripe) {
-        for (int i = 0; i < lanes; ++i) sum[i] = fold(sum[i], _mm_loadu_si128(next++), by_stripe);
-    }
-    for (int i = 1; i < lanes; ++i) sum[0] = fold(sum[0], sum[i], by_lane);
-    _mm_storeu_si128((__m128i *)(void *)last, sum[0]);
-    return by_tables(0, last, sizeof last);
-}
-
-static int can_fold(size_t count) { return count >= stripe && __builtin_cpu_supports("pclmul"); }
-#else
-enum { stripe = 1 };
-static uint32_t by_folding(uint32_t state, const unsigned char *bytes, size_t count) { return by_tables(state, bytes, count); }
-static int can_fold(size_t count) { return count == 0; }
-#endif
-
 // Lines that begin in these bytes with anything but #. The loop over a part of fixed length becomes one over vectors.
 static int64_t lines_in(const char *bytes, long long count, int in_line) {
     enum { part = 128 };
@@ -91,10 +58,7 @@ static int64_t lines_in(const char *bytes, long long count, int in_line) {
 }
 
 static void add(struct crc32 *self, const unsigned char *bytes, size_t count) {
-    const size_t whole = can_fold(count) ? count / stripe * stripe : 0;
-    self->state = ~self->state;
-    if (whole > 0) self->state = by_folding(self->state, bytes, whole);
-    self->state = ~by_tables(self->state, bytes + whole, count - whole);
+    self->state = ~by_tables(~self->state, bytes, count);
 }
 
 void spintop_add_reals_to_crc32(struct crc32 *self, const double *values, long long count) {

@@ -24,35 +24,24 @@ inlined void lanes_expand_with(const struct motion_kinds *has, int joins, int or
     lanes_expand(has, joins, order, e, &of, share, share_rest, c, x, 0);
 }
 
-// A single effect has a build of its own, in which nothing is asked in loops.
 static void expand_affected_lanes(int order, const struct motion_kinds *which, const double *constants, const double *t,
                                   const double *side, const double *state, const double *share, const double *share_rest,
                                   double *c, double *x) {
     const struct lanes_constants *const e = (const struct lanes_constants *)constants;
     const struct motion_kinds any = {
         .rotor = which->rotor, .frame = which->frame, .torque = which->torque, .push = which->push, .drags = which->drags};
-#define try_kind(...)                                                                      \
-    do {                                                                                   \
+#define build_kind(...)                                                                    \
+    {                                                                                      \
         const struct motion_kinds has = {__VA_ARGS__};                                     \
         if (memcmp(&has, &any, sizeof has) == 0) {                                         \
             lanes_expand_with(&has, 1, order, e, t, side, state, share, share_rest, c, x); \
             return;                                                                        \
         }                                                                                  \
-    } while (0)
-#define try_kinds(...)     \
-    try_kind(__VA_ARGS__); \
-    try_kind(.rotor = 1, __VA_ARGS__)
-    try_kinds(.drags = 0);
-    try_kinds(.frame = along);
-    try_kinds(.frame = anyhow);
-    try_kinds(.torque = along);
-    try_kinds(.torque = anyhow);
-    try_kinds(.push = along);
-    try_kinds(.push = anyhow);
-    try_kinds(.drags = of_moment + 1);
-    try_kinds(.drags = of_force + 1);
-#undef try_kinds
-#undef try_kind
+    }
+#define build_kinds(...) build_kind(__VA_ARGS__) build_kind(.rotor = 1, __VA_ARGS__)
+    for_single_effects(build_kinds);
+#undef build_kinds
+#undef build_kind
     lanes_expand_with(&any, 0, order, e, t, side, state, share, share_rest, c, x);
 }
 

@@ -40,3 +40,8 @@ inlined int list_rows(const struct motion_kinds *has, struct turned_row *row) {
     }
     return n;
 }
+
+// The kinds that have a build of their own, in which nothing is asked in loops: a single effect, with and without a rotor.
+#define for_single_effects(build)                                                                                 \
+    build(.drags = 0) build(.frame = along) build(.frame = anyhow) build(.torque = along) build(.torque = anyhow) \
+        build(.push = along) build(.push = anyhow) build(.drags = of_moment + 1) build(.drags = of_force + 1)

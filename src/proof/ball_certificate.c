@@ -4,20 +4,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The precisions that are tried one after the other, bits; and those of any body, whole words with some bits for sums.
-static const slong precisions[] = {128, 192, 288, 432, 648, 972, 1458, 2187, 3280, 4920, 7380, 11070, 16384, 0};
-static const slong precisions_of_steps[] = {112, 176, 240, 368, 560, 880, 0};
+// The precisions that are tried one after the other, bits: whole words with some bits for sums.
+static const slong precisions[] = {112, 176, 240, 368, 560, 880};
 // With radii of data, steps at the first precision are as good as they can be where widths are beyond this.
 static const double rounding_of_steps = 0x1p-60;
-enum { LEVELS = sizeof precisions / sizeof *precisions, LEVELS_OF_RADII = 3 };
+enum { LEVELS = sizeof precisions / sizeof *precisions };
 
-// A top, and its motion at the precisions that were needed so far.
+// A motion at the precisions that were needed so far.
 typedef struct {
     top_data data;
     int has_radii;
-    top_motion *motion[LEVELS];
+    ball_tube *tube[LEVELS];
     int reason[LEVELS];
-    ball_turns turns; // of phi and psi, counted so far
 } top_proof;
 
 void *spintop_proof_open(const double value[DATA], const double radius[DATA], int given) {
@@ -33,58 +31,9 @@ void *spintop_proof_open(const double value[DATA], const double radius[DATA], in
 }
 
 void spintop_proof_close(top_proof *proof) {
-    int level, i;
-    if (!proof) return;
-    for (level = 0; level < LEVELS; level++) {
-        top_motion *m = proof->motion[level];
-        if (!m) continue;
-        for (i = 0; i < BALLS; i++) arb_clear(m->ball + i);
-        acb_clear(m->w + PLUS), acb_clear(m->w + MINUS);
-        ball_components_clear(&m->first), ball_tube_close(m->tube);
-        free(m);
-    }
+    int level;
+    for (level = 0; proof && level < LEVELS; level++) ball_tube_close(proof->tube[level]);
     free(proof);
-}
-
-// Whether the axis comes so close to a pole, at most through_pole = 2^-35 rad, that it counts as passing through it.
-static int passes_pole(const top_motion *m) {
-    int passes;
-    arb_t gap, least;
-    arb_init(gap), arb_init(least);
-    arb_set_d(least, 0x1p-71); // 1 - u or 1 + u, half of the square
-    arb_sub(gap, BALL(m, sh), BALL(m, y2), m->bits), passes = arb_lt(gap, least);
-    arb_add(gap, BALL(m, ch), BALL(m, y1), m->bits), passes = passes || arb_lt(gap, least);
-    arb_clear(gap), arb_clear(least);
-    return passes;
-}
-
-static slong bits_of_level(const top_proof *proof, int level) {
-    return (proof->data.given & ANY_BODY ? precisions_of_steps : precisions)[level];
-}
-
-// The motion at a precision; NULL without memory.
-static top_motion *motion_at_level(top_proof *proof, int level) {
-    top_motion *m = proof->motion[level];
-    int i, *reason = proof->reason + level;
-    if (m) return m;
-    m = proof->motion[level] = calloc(1, sizeof *m);
-    if (!m) return NULL;
-    for (i = 0; i < BALLS; i++) arb_init(m->ball + i);
-    acb_init(m->w + PLUS), acb_init(m->w + MINUS);
-    ball_components_init(&m->first);
-    m->bits = bits_of_level(proof, level);
-    if (proof->data.given & ANY_BODY) {
-        m->regime = STEPPING, *reason = ball_tube_open(m, &proof->data);
-        return m;
-    }
-    *reason = proof->data.given & FREE_BODY ? ball_free_body(m, &proof->data) : ball_start(m, &proof->data);
-    if (m->regime == NUTATING || m->regime == FREE) {
-        if (*reason == PROVED) *reason = ball_roots(m);
-        if (*reason == PROVED) *reason = ball_phases(m);
-    }
-    m->meets_pole = m->regime == SLEEPING || m->pole || m->meets_top || m->meets_bottom;
-    if (m->regime == NUTATING && *reason == PROVED) m->meets_pole = m->meets_pole || passes_pole(m);
-    return m;
 }
 
 // The rotation from the attitude q to the printed one, which is normalised, as upper bound of its angle.
@@ -140,24 +89,6 @@ static void add_turns(arb_t angle, double near, slong bits) {
     arb_clear(turn);
 }
 
-// phi and psi with their whole turns: those that are counted, or on a way over a pole those of the printed angles.
-// Returns why they are not known.
-static int find_turns(arb_ptr answer, top_proof *proof, const top_motion *m, double t, const int wanted[],
-                      const double printed[]) {
-    int reason = NO_ANGLES, i;
-    if (ball_knows_turns(m) || !(wanted[ANGLE_PHI] || wanted[ANGLE_PSI])) return PROVED;
-    if (!(arb_is_finite(answer + ANGLE_PHI) && arb_is_finite(answer + ANGLE_PSI))) return NO_ANGLES;
-    if (m->regime == STEPPING) reason = ball_tube_turns(&proof->turns.phi, &proof->turns.psi, m);
-    else if (ball_has_turns(m)) reason = ball_count_turns(&proof->turns, m, &proof->data, t);
-    if (reason != PROVED && reason != NO_ANGLES) return reason;
-    for (i = ANGLE_PHI; i <= ANGLE_PSI; i++) {
-        if (mag_cmp_2exp_si(arb_radref(answer + i), 0) > 0) return TOO_WIDE;
-        if (reason == NO_ANGLES) add_turns(answer + i, printed[i], m->bits);
-        else add_turns(answer + i, i == ANGLE_PHI ? proof->turns.phi : proof->turns.psi, m->bits);
-    }
-    return PROVED;
-}
-
 // The bound of a printed number; with `certified` the number is the middle of its ball, or 0 if that is within.
 static double bound_of(arb_srcptr answer, int which, double printed[], int certified, slong bits) {
     double bound;
@@ -183,68 +114,53 @@ static double width(arb_srcptr answer, const int wanted[]) {
     return sum;
 }
 
-// Whether a quantity does not exist, whatever the precision; `turns` is what is known of the turns of phi and psi.
-static int reason_of_absence(const top_motion *m, arb_srcptr answer, int which, int turns) {
-    if (which == ANGLE_PHI || which == ANGLE_PSI) return turns;
-    if (arb_is_finite(answer + which)) return PROVED;
-    if (m->regime == STEPPING && which >= PERIOD && which <= MOMENTUM_TURN) return NO_CLOSED_FORM;
-    if (which == MOMENTUM_PERIOD || which == MOMENTUM_TURN)
-        return m->regime == TUMBLING && !arb_is_zero(BALL(m, tau)) ? PROVED : NO_CIRCULATION;
-    if (which == PERIOD && m->regime == SLEEPING) return NO_PERIOD;
-    if ((which == PERIOD || which == PRECESSION) && ball_has_turns(m) && !arb_is_finite(answer + PERIOD)) return NOT_PERIODIC;
+// Whether one of two components is zero but for the width of its ball: a body that stays on a pole.
+static int is_middle_zero(arb_srcptr x, arb_srcptr y) { return arf_is_zero(arb_midref(x)) && arf_is_zero(arb_midref(y)); }
+
+// phi and psi with their whole turns: those that are counted, or on a way over a pole those of the printed angles.
+static int find_turns(arb_ptr answer, const double turned[2], const double printed[], slong bits) {
+    int i;
+    if (!(arb_is_finite(answer + ANGLE_PHI) && arb_is_finite(answer + ANGLE_PSI)))
+        return is_middle_zero(answer + Q0, answer + Q3) || is_middle_zero(answer + Q1, answer + Q2) ? NO_ANGLES : TOO_WIDE;
+    for (i = 0; i < 2; i++) {
+        if (mag_cmp_2exp_si(arb_radref(answer + ANGLE_PHI + i), 0) > 0) return TOO_WIDE;
+        add_turns(answer + ANGLE_PHI + i, isnan(turned[i]) ? printed[ANGLE_PHI + i] : turned[i], bits);
+    }
     return PROVED;
-}
-
-// Whether one of some quantities is wanted.
-static int is_wanted(const int wanted[], int first, int last) {
-    while (first < last && !wanted[first]) first++;
-    return wanted[first];
-}
-
-// Whether no other precision is to be tried.
-static int is_final(int reason) {
-    return reason == PROVED || reason == NO_ANGLES || reason == NO_PERIOD || reason == NOT_PERIODIC || reason == TOO_MANY_TURNS
-           || reason == NO_CIRCULATION || reason == TOO_MANY_STEPS || reason == NO_CLOSED_FORM;
 }
 
 // Bounds of the wanted quantities at a time. A reason other than PROVED goes with an infinite bound. Returns the
 // bits of the highest precision that was used.
-int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
-                         double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES]) {
-    int level, i, open = 1, used = 0, is_last, turns = PROVED;
-    const int needs_rates = is_wanted(wanted, RATE1, RATE3);
-    const int needs_attitude = needs_rates || wanted[ORIENTATION] || is_wanted(wanted, Q0, ANGLE_PSI);
-    double last_width = INFINITY, now_width;
+int spintop_proof_bounds(top_proof *proof, double t, const int wanted[QUANTITIES], int certified, double printed[QUANTITIES],
+                         double bound[QUANTITIES], int reason[QUANTITIES]) {
+    int level, i, open = 1, used = 0, is_last = 0;
+    double last_width = INFINITY, now_width, turned[2];
     arb_ptr answer = _arb_vec_init(QUANTITIES);
     for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? TOO_WIDE : PROVED;
-    for (level = 0; open && bits_of_level(proof, level) && bits_of_level(proof, level) <= most_bits; level++) {
-        const top_motion *m = motion_at_level(proof, level);
-        int why = m ? proof->reason[level] : TOO_WIDE;
-        if (!m) break;
-        used = (int)m->bits, is_last = 0, open = 0;
-        if (why == PROVED) ball_periods(answer, m);
-        if (why == PROVED && needs_attitude) why = ball_attitude(answer, m, t);
-        if (why == PROVED && needs_rates) ball_rates(answer, m, t);
-        if (why == PROVED) turns = find_turns(answer, proof, m, t, wanted, printed);
+    for (level = 0; open && !is_last && level < LEVELS; level++) {
+        const slong bits = precisions[level];
+        int why, turns = PROVED;
+        if (!proof->tube[level]) proof->tube[level] = ball_tube_open(&proof->data, bits, proof->reason + level);
+        why = proof->reason[level], used = (int)bits, open = 0;
+        if (why == PROVED) why = ball_tube_answer(answer, turned, proof->tube[level], t);
+        if (why == PROVED) turns = find_turns(answer, turned, printed, bits);
         if (why == PROVED && proof->has_radii) {
-            now_width = width(answer, wanted);
-            is_last = now_width > 0.5 * last_width || (m->regime == STEPPING && now_width > rounding_of_steps);
+            now_width = width(answer, wanted), is_last = now_width > 0.5 * last_width || now_width > rounding_of_steps;
             last_width = now_width;
         }
-        if (proof->has_radii && level >= (m->regime == STEPPING ? 1 : LEVELS_OF_RADII)) is_last = 1;
+        is_last = is_last || (proof->has_radii && level >= 1);
         for (i = 0; i < QUANTITIES; i++) {
-            if (!wanted[i] || is_final(reason[i])) continue;
-            reason[i] = why == PROVED ? reason_of_absence(m, answer, i, turns) : why;
-            if (why == PROVED && reason[i] == PROVED) {
+            if (!wanted[i] || reason[i] == PROVED) continue;
+            reason[i] = why != PROVED ? why : i == ANGLE_PHI || i == ANGLE_PSI ? turns : PROVED;
+            if (reason[i] == PROVED) {
                 reason[i] = TOO_WIDE;
                 if (are_narrow(answer, i) || (is_last && (i == ORIENTATION || arb_is_finite(answer + i)))) {
-                    bound[i] = bound_of(answer, i, printed, certified, m->bits);
+                    bound[i] = bound_of(answer, i, printed, certified, bits);
                     if (isfinite(bound[i])) reason[i] = PROVED;
                 }
             }
-            open = open || !is_final(reason[i]);
+            open = open || reason[i] == TOO_WIDE || reason[i] == NO_START;
         }
-        if (is_last) break;
     }
     _arb_vec_clear(answer, QUANTITIES);
     return used;

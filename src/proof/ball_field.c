@@ -32,6 +32,12 @@ static void cross(arb_t c, arb_srcptr a, arb_srcptr b, int i, slong bits) {
     arb_mul(c, a + j, b + k, bits), arb_submul(c, a + k, b + j, bits);
 }
 
+// A moment or momentum over a moment of inertia: none turns a thin rod about itself.
+static void divide(arb_t quotient, const arb_t x, const arb_t inertia, slong bits) {
+    if (arb_is_zero(x)) arb_zero(quotient);
+    else arb_div(quotient, x, inertia, bits);
+}
+
 static void read_vector(arb_ptr v, const top_data *data, int first) {
     int i;
     for (i = 0; i < 3; i++) ball_datum(v + i, data, first + i);
@@ -82,7 +88,7 @@ static void add_forms(ball_field *f, int n, const load *l) {
                 arb_addmul_si(sum, part, ball_rotation(s, i, p), bits);
             }
             if (p < 4) arb_add(sum, sum, l->torque + i, bits);
-            arb_div(f->form + (n * 3 + i) * PAIRS + p, sum, l->inertia + i, bits);
+            divide(f->form + (n * 3 + i) * PAIRS + p, sum, l->inertia + i, bits);
         }
     }
     _arb_vec_clear(w, 8);
@@ -94,8 +100,8 @@ static void add_gyro(ball_field *f, int n, arb_srcptr rotor, const load *l) {
     for (i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         arb_ptr row = f->gyro + (n * 3 + i) * 3;
-        if (n == 0) arb_div(row + i, l->damping + i, l->inertia + i, f->bits), arb_neg(row + i, row + i);
-        arb_div(row + k, rotor + j, l->inertia + i, f->bits), arb_div(row + j, rotor + k, l->inertia + i, f->bits);
+        if (n == 0) divide(row + i, l->damping + i, l->inertia + i, f->bits), arb_neg(row + i, row + i);
+        divide(row + k, rotor + j, l->inertia + i, f->bits), divide(row + j, rotor + k, l->inertia + i, f->bits);
         arb_neg(row + j, row + j);
     }
 }
@@ -120,12 +126,12 @@ static void find_coefficients(ball_field *f, const top_data *data) {
     arb_ptr w = _arb_vec_init(34), rotor = w + 22, drive = w + 25, z = w + 28;
     const load l = {w, w + 3, w + 4, w + 7, w + 10, w + 13, w + 16, w + 19};
     int i, n;
-    ball_datum(l.inertia, data, INERTIA1), ball_datum(l.inertia + 1, data, INERTIA2), ball_datum(l.inertia + 2, data, INERTIA3);
-    ball_datum(l.mass, data, MASS), read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
+    read_vector(l.inertia, data, INERTIA), ball_datum(l.mass, data, MASS);
+    read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
     read_frame(l.frame, data, bits), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
     for (i = 0; i < 3; i++) {
         arb_sub(f->coupling + i, l.inertia + (i + 1) % 3, l.inertia + (i + 2) % 3, bits);
-        arb_div(f->coupling + i, f->coupling + i, l.inertia + i, bits);
+        divide(f->coupling + i, f->coupling + i, l.inertia + i, bits);
     }
     _arb_vec_set(f->turn, l.frame, 3);
     // Gravity, constant torques, damping, and the rotor: of momentum h + h' t.
@@ -205,9 +211,8 @@ static void find_doubles(ball_field *f) {
 }
 
 // The start: w = omega + R^T O.
-static int find_start(ball_field *f, top_motion *m, const top_data *data) {
-    const int is_known = ball_given(m, data);
-    _arb_vec_set(f->start, BALL(m, q0), 4), _arb_vec_set(f->start + 4, BALL(m, rate1), 3);
+static int find_start(ball_field *f, const top_data *data) {
+    const int is_known = ball_given(f->start, f->start + 4, data, f->bits);
     ball_into_body(f->start + 4, f->start, f->turn, 1, f->bits);
     return is_known;
 }
@@ -221,22 +226,21 @@ static void open_field(ball_field *f, slong bits) {
 }
 
 // All numbers; whether they are known.
-static int find_numbers(ball_field *f, top_motion *m, const top_data *data) {
+static int find_numbers(ball_field *f, const top_data *data) {
     int i, is_known;
-    _arb_vec_zero(f->ball, NUMBERS), find_coefficients(f, data), is_known = find_start(f, m, data);
+    _arb_vec_zero(f->ball, NUMBERS), find_coefficients(f, data), is_known = find_start(f, data);
     for (i = 0; i < NUMBERS; i++) is_known = is_known && arb_is_finite(f->ball + i);
     return is_known;
 }
 
 // Adds the difference of the numbers at two values of a datum, times a factor; whether they are known.
-static int add_difference(ball_field *f, top_motion *m, const top_data *data, int which, double from, double to, double radius,
-                          int factor) {
+static int add_difference(ball_field *f, const top_data *data, int which, double from, double to, double radius, int factor) {
     top_data there = *data;
     ball_field other;
     int i, side, is_known = 1;
     open_field(&other, f->bits), there.radius[which] = radius;
     for (side = -1; side < 2; side += 2) {
-        there.value[which] = side < 0 ? from : to, is_known = find_numbers(&other, m, &there) && is_known;
+        there.value[which] = side < 0 ? from : to, is_known = find_numbers(&other, &there) && is_known;
         for (i = 0; i < NUMBERS; i++) arb_addmul_si(f->ball + i, other.ball + i, side * factor, f->bits);
     }
     ball_field_clear(&other);
@@ -245,23 +249,23 @@ static int add_difference(ball_field *f, top_motion *m, const top_data *data, in
 
 // The derivatives of the numbers by a datum, in balls that hold for all data. By an angle they are sums of its sine and cosine
 // and of those of its half; by a moment of inertia of a constant, the moment and its reciprocal; by others of first degree.
-static int differentiate(ball_field *f, top_motion *m, const top_data *data, int which) {
+static int differentiate(ball_field *f, const top_data *data, int which) {
     const double here = data->value[which], radius = data->radius[which], right = 1.5707963267948966;
     const double rounded = radius + (fabs(here) + 8) * 0x1p-50;
     int is_known, divisor = 1;
     arb_t scale;
     arb_init(scale), arb_one(scale);
     if (which >= PHI && which <= PSI) {
-        is_known = add_difference(f, m, data, which, here - 2 * right, here + 2 * right, rounded, 1)
-                   && add_difference(f, m, data, which, here - right, here + right, rounded, 1)
-                   && add_difference(f, m, data, which, here - 3 * right, here + 3 * right, rounded, -1);
+        is_known = add_difference(f, data, which, here - 2 * right, here + 2 * right, rounded, 1)
+                   && add_difference(f, data, which, here - right, here + right, rounded, 1)
+                   && add_difference(f, data, which, here - 3 * right, here + 3 * right, rounded, -1);
         divisor = 4;
-    } else if (which == INERTIA1 || which == INERTIA2 || which == INERTIA3) {
-        is_known = add_difference(f, m, data, which, -2 * here, 2 * here, 2 * radius, 4)
-                   && add_difference(f, m, data, which, -here, here, radius, -5);
+    } else if (which >= INERTIA && which < INERTIA + 3) {
+        is_known = add_difference(f, data, which, -2 * here, 2 * here, 2 * radius, 4)
+                   && add_difference(f, data, which, -here, here, radius, -5);
         ball_datum(scale, data, which), divisor = 6;
     } else {
-        is_known = add_difference(f, m, data, which, 0, 1, 0, 1);
+        is_known = add_difference(f, data, which, 0, 1, 0, 1);
     }
     arb_mul_si(scale, scale, divisor, f->bits), _arb_vec_scalar_div(f->ball, f->ball, NUMBERS, scale, f->bits);
     arb_clear(scale);
@@ -269,11 +273,11 @@ static int differentiate(ball_field *f, top_motion *m, const top_data *data, int
 }
 
 // The field of a datum: its middle, by the mean value theorem, and the rest, which the balls of the whole field contain.
-static int find_moved(ball_field *f, ball_field *moved, top_motion *m, const top_data *data, int which) {
+static int find_moved(ball_field *f, ball_field *moved, const top_data *data, int which) {
     int i, n, is_known;
     arb_t rest, radius;
     arb_init(rest), arb_init(radius), arb_set_d(radius, data->radius[which]), open_field(moved, f->bits);
-    is_known = differentiate(moved, m, data, which), change_unit(moved, f->unit);
+    is_known = differentiate(moved, data, which), change_unit(moved, f->unit);
     _arb_vec_scalar_mul(moved->ball, moved->ball, NUMBERS, radius, f->bits);
     for (i = 0; i < NUMBERS; i++) {
         arb_set_d(rest, arf_get_d(arb_midref(moved->ball + i), ARF_RND_NEAR)), arb_sub(rest, moved->ball + i, rest, f->bits);
@@ -288,17 +292,17 @@ static int find_moved(ball_field *f, ball_field *moved, top_motion *m, const top
     return is_known;
 }
 
-int ball_field_init(ball_field *f, top_motion *m, const top_data *data) {
+int ball_field_init(ball_field *f, const top_data *data, slong bits) {
     top_data middle = *data;
     int i, is_known, count = 0;
-    open_field(f, m->bits), memset(middle.radius, 0, sizeof middle.radius);
-    is_known = find_numbers(f, m, &middle), change_unit(f, choose_unit(f));
+    open_field(f, bits), memset(middle.radius, 0, sizeof middle.radius);
+    is_known = find_numbers(f, &middle), change_unit(f, choose_unit(f));
     for (i = 0; i < DATA; i++) count += data->radius[i] > 0;
     if (count > 0) f->moved = flint_calloc((size_t)count, sizeof *f->moved);
     for (i = 0; i < DATA && is_known; i++)
-        if (data->radius[i] > 0) is_known = f->radii < RADII && find_moved(f, f->moved + f->radii++, m, data, i);
+        if (data->radius[i] > 0) is_known = f->radii < RADII && find_moved(f, f->moved + f->radii++, data, i);
     if (is_known) find_doubles(f);
-    return is_known ? PROVED : UNDECIDED_SIGN;
+    return is_known ? PROVED : NO_START;
 }
 
 void ball_field_clear(ball_field *f) {

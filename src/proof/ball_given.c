@@ -1,9 +1,23 @@
-// The start of a motion that is given in any way: quaternion or angles, rates of the angles or angular velocity; for
-// a top about body x or y in the axes of which z is its axis. Sums and products of what is exact are exact, so that
-// zeros are.
+// The start of a motion that is given in any way: quaternion or angles, rates of the angles or angular velocity. Sums and
+// products of what is exact are exact, so that zeros are.
 #include "balls.h"
 #ifdef SPINTOP_FLINT
 #include <math.h>
+
+void ball_datum(arb_t x, const top_data *data, int which) {
+    mag_t radius;
+    mag_init(radius), mag_set_d(radius, data->radius[which]);
+    arb_set_d(x, data->value[which]), arb_add_error_mag(x, radius);
+    mag_clear(radius);
+}
+
+double ball_most(const arb_t x) {
+    double bound;
+    arf_t size;
+    arf_init(size), arb_get_abs_ubound_arf(size, x, ARF_PREC_EXACT), bound = arf_get_d(size, ARF_RND_UP);
+    arf_clear(size);
+    return bound;
+}
 
 // The quaternion, not yet divided by its size.
 static void read_attitude(arb_ptr q, const top_data *data, slong bits) {
@@ -24,18 +38,6 @@ static void read_attitude(arb_ptr q, const top_data *data, slong bits) {
     _arb_vec_clear(t, 3);
 }
 
-// The reciprocal size of a quaternion: 1 if it comes from angles.
-static void find_scale(arb_t scale, arb_srcptr q, const top_data *data, slong bits) {
-    int i;
-    if (data->given & BY_QUATERNION) {
-        arb_zero(scale);
-        for (i = 0; i < 4; i++) arb_addmul(scale, q + i, q + i, ARF_PREC_EXACT);
-        if (!arb_is_one(scale)) arb_rsqrt(scale, scale, bits);
-    } else {
-        arb_one(scale);
-    }
-}
-
 // exp(i psi) sin(theta)/2 of a quaternion.
 static void find_tilt(acb_t tilt, arb_srcptr q) {
     acb_t lower;
@@ -47,9 +49,7 @@ static void find_tilt(acb_t tilt, arb_srcptr q) {
 
 // sin(psi), cos(psi), sin(theta), cos(theta) at the start, q being a unit quaternion. 0 at a pole where psi is not
 // given.
-static int find_angles(arb_ptr t, const top_motion *m, const top_data *data) {
-    const slong bits = m->bits;
-    arb_srcptr q = BALL(m, q0);
+static int find_angles(arb_ptr t, arb_srcptr q, const top_data *data, slong bits) {
     acb_t tilt;
     int is_known;
     if (!(data->given & BY_QUATERNION)) {
@@ -68,146 +68,35 @@ static int find_angles(arb_ptr t, const top_motion *m, const top_data *data) {
 }
 
 // The angular velocity.
-static int read_rates(top_motion *m, const top_data *data) {
+static int read_rates(arb_ptr omega, arb_srcptr q, const top_data *data, slong bits) {
     int i, is_known = 1;
-    arb_ptr omega = BALL(m, omega1), t = _arb_vec_init(8), turn = t + 5, fall = t + 6, term = t + 7;
+    arb_ptr t = _arb_vec_init(8), turn = t + 5, fall = t + 6, term = t + 7;
     if (data->given & BY_OMEGA) {
-        for (i = 0; i < 3; i++) ball_datum(omega + i, data, OMEGA1 + i);
+        for (i = 0; i < 3; i++) ball_datum(omega + i, data, OMEGA + i);
     } else {
         ball_datum(turn, data, PHI_RATE), ball_datum(fall, data, THETA_RATE), ball_datum(omega + 2, data, SPIN);
         if (!(arb_is_zero(turn) && arb_is_zero(fall))) {
-            is_known = find_angles(t, m, data);
+            is_known = find_angles(t, q, data, bits);
             arb_mul(term, turn, t + 2, ARF_PREC_EXACT), arb_mul(omega, term, t, ARF_PREC_EXACT);
             arb_mul(omega + 1, term, t + 1, ARF_PREC_EXACT);
             arb_addmul(omega, fall, t + 1, ARF_PREC_EXACT), arb_submul(omega + 1, fall, t, ARF_PREC_EXACT);
             if (!(data->given & BY_OMEGA3)) arb_addmul(omega + 2, turn, t + 3, ARF_PREC_EXACT);
         }
     }
-    _arb_vec_set(BALL(m, rate1), omega, 3), _arb_vec_clear(t, 8);
+    _arb_vec_clear(t, 8);
     return is_known;
 }
 
-int ball_given(top_motion *m, const top_data *data) {
-    arb_t scale;
-    arb_init(scale);
-    read_attitude(BALL(m, q0), data, m->bits), find_scale(scale, BALL(m, q0), data, m->bits);
-    if (!arb_is_one(scale)) _arb_vec_scalar_mul(BALL(m, q0), BALL(m, q0), 4, scale, m->bits);
-    arb_clear(scale);
-    return read_rates(m, data);
-}
-
-void ball_quaternion_product(arb_ptr r, arb_srcptr p, arb_srcptr q, slong bits) {
-    static const int other[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};
-    static const int sign[4][4] = {{1, -1, -1, -1}, {1, 1, 1, -1}, {1, -1, 1, 1}, {1, 1, -1, 1}};
-    int i, j;
-    arb_ptr t = _arb_vec_init(4);
-    for (i = 0; i < 4; i++)
-        for (j = 0; j < 4; j++) {
-            if (sign[i][j] > 0) arb_addmul(t + i, p + j, q + other[i][j], bits);
-            else arb_submul(t + i, p + j, q + other[i][j], bits);
-        }
-    _arb_vec_set(r, t, 4);
-    _arb_vec_clear(t, 4);
-}
-
-void ball_about_axis(arb_ptr q, int axis, int side) {
-    // q (1, s, s, s)/2, s = -1 from body x to z and from z to body y.
-    const int s = axis == 0 ? -side : side;
+int ball_given(arb_ptr q, arb_ptr omega, const top_data *data, slong bits) {
     int i;
-    arb_ptr turn = _arb_vec_init(4);
-    for (i = 0; i < 4; i++) arb_set_si(turn + i, i == 0 ? 1 : s);
-    ball_quaternion_product(q, q, turn, ARF_PREC_EXACT), _arb_vec_scalar_mul_2exp_si(q, q, 4, -1);
-    _arb_vec_clear(turn, 4);
-}
-
-// The argument of x + i y, next to a number; 0 if it is closer to its opposite, or not known.
-static int find_argument(arb_t angle, const arb_t x, const arb_t y, double near, slong bits) {
-    acb_t turned, back;
-    int is_near;
-    acb_init(turned), acb_init(back);
-    arb_set_d(angle, -near), arb_sin_cos(acb_imagref(back), acb_realref(back), angle, bits);
-    acb_set_arb_arb(turned, x, y), acb_mul(turned, turned, back, bits);
-    is_near = arb_is_positive(acb_realref(turned));
-    acb_arg(angle, turned, bits);
-    arb_set_d(acb_realref(back), near), arb_add(angle, angle, acb_realref(back), bits);
-    acb_clear(turned), acb_clear(back);
-    return is_near;
-}
-
-// phi and psi; those of a motion that starts on a pole are such that it leaves it along theta.
-static int read_angles(top_motion *m, arb_ptr q, const top_data *data) {
-    const slong bits = m->bits;
-    arb_ptr phi = BALL(m, phi), psi = BALL(m, psi), t = _arb_vec_init(2), sum = t, difference = t + 1;
-    double near[2] = {(data->value[PHI] + data->value[PSI]) / 2, (data->value[PHI] - data->value[PSI]) / 2}, part[4];
-    int i, is_known = 1;
-    if (m->body_axis != 2 || m->pole) {
-        for (i = 0; i < 4; i++) part[i] = arf_get_d(arb_midref(q + i), ARF_RND_NEAR);
-        near[0] = atan2(part[3], part[0]), near[1] = atan2(part[2], part[1]);
+    arb_t size;
+    arb_init(size);
+    read_attitude(q, data, bits);
+    for (i = 0; i < 4 && data->given & BY_QUATERNION; i++) arb_addmul(size, q + i, q + i, ARF_PREC_EXACT);
+    if (data->given & BY_QUATERNION && !arb_is_one(size)) {
+        arb_sqrt(size, size, bits), _arb_vec_scalar_div(q, q, 4, size, bits);
     }
-    m->is_negated = 0;
-    if (m->pole != -1 && !find_argument(sum, q, q + 3, near[0], bits)) m->is_negated = 1;
-    if (m->pole != 1 && !find_argument(difference, q + 1, q + 2, near[1], bits)) m->is_negated = 1;
-    if (m->is_negated) {
-        _arb_vec_neg(q, q, 4);
-        if (m->pole != -1) is_known = find_argument(sum, q, q + 3, near[0], bits);
-        if (m->pole != 1) is_known = find_argument(difference, q + 1, q + 2, near[1], bits) && is_known;
-    }
-    if (m->pole) {
-        acb_t omega;
-        acb_init(omega);
-        acb_set_arb_arb(omega, BALL(m, omega1), BALL(m, omega2));
-        acb_arg(psi, omega, bits), arb_neg(psi, psi);
-        if (m->pole > 0) arb_sub(difference, sum, psi, bits);
-        else arb_add(sum, difference, psi, bits);
-        acb_clear(omega);
-    }
-    arb_add(phi, sum, difference, bits), arb_sub(psi, sum, difference, bits);
-    _arb_vec_clear(t, 2);
-    return is_known;
-}
-
-int ball_given_top(top_motion *m, const top_data *data) {
-    const slong bits = m->bits;
-    int is_known;
-    arb_ptr q = _arb_vec_init(6), scale = q + 4, term = q + 5, omega = BALL(m, omega1);
-    acb_t tilt, rate;
-    acb_init(tilt), acb_init(rate);
-    m->body_axis = data->given & AXIS_X ? 0 : data->given & AXIS_Y ? 1 : 2;
-    is_known = ball_given(m, data);
-    read_attitude(q, data, bits), find_scale(scale, q, data, bits);
-    if (m->body_axis != 2) {
-        ball_about_axis(q, m->body_axis, -1);
-        if (m->body_axis == 0) arb_swap(omega, omega + 1), arb_swap(omega + 1, omega + 2);
-        else arb_swap(omega + 1, omega + 2), arb_swap(omega, omega + 1);
-    }
-    find_tilt(tilt, q);
-    if (m->body_axis == 2 && !(data->given & BY_QUATERNION)) {
-        ball_datum(term, data, PSI), arb_sin_cos(acb_imagref(tilt), acb_realref(tilt), term, bits);
-        ball_datum(term, data, THETA), arb_sin(term, term, bits), arb_mul_2exp_si(term, term, -1);
-        acb_mul_arb(tilt, tilt, term, bits);
-    }
-    m->pole = (arb_is_zero(q + 1) && arb_is_zero(q + 2)) - (arb_is_zero(q) && arb_is_zero(q + 3));
-    acb_set_arb_arb(rate, omega, omega + 1);
-    if (m->pole) acb_abs(BALL(m, theta_rate), rate, bits);
-    acb_mul(rate, rate, tilt, ARF_PREC_EXACT), acb_mul_2exp_si(rate, rate, 1);
-    arb_sqr(term, scale, bits), acb_mul_arb(rate, rate, term, bits);
-    _arb_vec_scalar_mul(q, q, 4, scale, bits);
-    arb_hypot(BALL(m, cosine), q, q + 3, bits), arb_hypot(BALL(m, sine), q + 1, q + 2, bits);
-    arb_mul(BALL(m, s2), acb_realref(tilt), acb_realref(tilt), ARF_PREC_EXACT);
-    arb_addmul(BALL(m, s2), acb_imagref(tilt), acb_imagref(tilt), ARF_PREC_EXACT);
-    arb_sqr(term, scale, bits), arb_sqr(term, term, bits), arb_mul(BALL(m, s2), BALL(m, s2), term, bits);
-    arb_mul_2exp_si(BALL(m, s2), BALL(m, s2), 2), arb_sqrt(term, BALL(m, s2), bits);
-    arb_zero(BALL(m, phi_rate));
-    if (!m->pole) {
-        arb_div(BALL(m, theta_rate), acb_realref(rate), term, bits);
-        arb_div(BALL(m, phi_rate), acb_imagref(rate), BALL(m, s2), bits);
-    }
-    arb_mul(BALL(m, u0), q, q, ARF_PREC_EXACT), arb_addmul(BALL(m, u0), q + 3, q + 3, ARF_PREC_EXACT);
-    arb_submul(BALL(m, u0), q + 1, q + 1, ARF_PREC_EXACT), arb_submul(BALL(m, u0), q + 2, q + 2, ARF_PREC_EXACT);
-    arb_set(BALL(m, spin), omega + 2);
-    is_known = read_angles(m, q, data) && is_known;
-    _arb_vec_clear(q, 6);
-    acb_clear(tilt), acb_clear(rate);
-    return is_known;
+    arb_clear(size);
+    return read_rates(omega, q, data, bits);
 }
 #endif

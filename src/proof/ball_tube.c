@@ -11,18 +11,18 @@
 enum { MOST_STEPS = 30000 };
 static const double most_skew = 0x1p14, least_component = 1e-12;
 
-typedef struct ball_tube {
+struct ball_tube {
     ball_field field;
     ball_step step;
-    arb_ptr state, time, row; // exact, at the start of the step, time in units of time; balls of the last row
-    matrix axes;              // Q
+    arb_ptr state, time; // exact, at the start of the step, time in units of time
+    matrix axes;         // Q
     double radius[STATES], moved[STATES * RADII], next[STATES * RADII]; // S, and at the last point of the step
     slong halvings;                                                     // of h in the next step
     int steps, has_step, reach, reason;                                 // reach: where the step ends, in 64ths of h
     // phi and psi at the point `counted` of the step, whether they are known, and at the start.
     double counted, phi, psi, given[2];
     int has_turns;
-} ball_tube;
+};
 
 // The start of the motion, forwards or backwards in time.
 static void begin(ball_tube *tube, int sense) {
@@ -186,7 +186,7 @@ static void place_in_step(arb_t s, const ball_tube *tube, double t) {
 static int reach_time(arb_t s, ball_tube *tube, double t) {
     const int sense = t < 0 ? -1 : 1;
     place_in_step(s, tube, t);
-    if (sense != tube->step.sense || (tube->has_step && arf_cmp_d(arb_midref(s), tube->counted) < 0)) begin(tube, sense);
+    if (sense != tube->step.sense || arf_cmp_d(arb_midref(s), tube->has_step ? tube->counted : 0) < 0) begin(tube, sense);
     while (tube->reason == PROVED) {
         if (!tube->has_step) tube->reason = prepare(tube);
         if (tube->reason != PROVED) break;
@@ -198,16 +198,32 @@ static int reach_time(arb_t s, ball_tube *tube, double t) {
     return tube->reason;
 }
 
-int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) {
-    ball_tube *tube = m->tube;
+// phi or psi of a quaternion, but for whole turns; NaN where the ball holds a pole.
+static void find_angle(arb_t angle, arb_srcptr x, int side, slong bits) {
+    acb_t upper, lower;
+    arb_t pi;
+    acb_init(upper), acb_init(lower), arb_init(pi), arb_const_pi(pi, bits);
+    acb_set_arb_arb(upper, x, x + 3), acb_set_arb_arb(lower, x + 1, x + 2);
+    if (side == MINUS) acb_conj(lower, lower);
+    acb_mul(upper, upper, lower, bits);
+    if (acb_contains_zero(upper)) {
+        arb_indeterminate(angle);
+    } else if (arb_contains_negative(acb_realref(upper))) { // away from the cut
+        acb_neg(upper, upper), acb_arg(angle, upper, bits), arb_add(angle, angle, pi, bits);
+    } else {
+        acb_arg(angle, upper, bits);
+    }
+    acb_clear(upper), acb_clear(lower), arb_clear(pi);
+}
+
+int ball_tube_answer(arb_ptr answer, double turned[2], ball_tube *tube, double t) {
     const slong bits = tube->field.bits;
     int i, j, reason;
     double rest;
     matrix a;
     mag_t radius;
-    arb_ptr x = tube->row;
-    arb_t s;
-    mag_init(radius), arb_init(s);
+    arb_ptr x = _arb_vec_init(STATES + 3), s = x + STATES, high = s + 1, low = s + 2;
+    mag_init(radius);
     reason = reach_time(s, tube, t);
     if (reason == PROVED) reason = spread(a, &rest, tube, arf_get_d(arb_midref(s), ARF_RND_NEAR));
     if (reason == PROVED) value_at(x, &tube->step, s);
@@ -217,38 +233,33 @@ int ball_tube_attitude(acb_t upper, acb_t lower, const top_motion *m, double t) 
         for (j = 0; j < tube->field.radii; j++) sum += fabs(tube->next[i * tube->field.radii + j]);
         mag_set_d(radius, sum * SAFE), mag_mul_2exp_si(radius, radius, -bits), arb_add_error_mag(x + i, radius);
     }
-    acb_set_arb_arb(upper, x, x + 3), acb_set_arb_arb(lower, x + 1, x + 2);
-    mag_clear(radius), arb_clear(s);
+    _arb_vec_set(answer + Q0, x, 4), _arb_vec_set(answer + RATE1, x + 4, 3);
+    ball_into_body(answer + RATE1, x, tube->field.turn, -1, bits);
+    _arb_vec_scalar_mul_2exp_si(answer + RATE1, answer + RATE1, 3, tube->field.unit);
+    arb_hypot(high, x, x + 3, bits), arb_hypot(low, x + 1, x + 2, bits);
+    arb_atan2(answer + ANGLE_THETA, low, high, bits), arb_mul_2exp_si(answer + ANGLE_THETA, answer + ANGLE_THETA, 1);
+    find_angle(answer + ANGLE_PHI, x, PLUS, bits), find_angle(answer + ANGLE_PSI, x, MINUS, bits);
+    turned[0] = tube->has_turns ? tube->phi : NAN, turned[1] = tube->has_turns ? tube->psi : NAN;
+    mag_clear(radius), _arb_vec_clear(x, STATES + 3);
     return reason;
 }
 
-void ball_tube_rates(arb_ptr omega, const top_motion *m) {
-    const ball_tube *tube = m->tube;
-    _arb_vec_set(omega, tube->row + 4, 3);
-    ball_into_body(omega, tube->row, tube->field.turn, -1, tube->field.bits);
-    _arb_vec_scalar_mul_2exp_si(omega, omega, 3, tube->field.unit);
-}
-
-int ball_tube_turns(double *phi, double *psi, const top_motion *m) {
-    *phi = m->tube->phi, *psi = m->tube->psi;
-    return m->tube->has_turns ? PROVED : NO_ANGLES;
-}
-
-int ball_tube_open(top_motion *m, const top_data *data) {
-    ball_tube *tube = m->tube = flint_calloc(1, sizeof *tube);
-    const int reason = ball_field_init(&tube->field, m, data), n = tube->field.order + 1;
+ball_tube *ball_tube_open(const top_data *data, slong bits, int *reason) {
+    ball_tube *tube = flint_calloc(1, sizeof *tube);
+    int n;
+    *reason = ball_field_init(&tube->field, data, bits), n = tube->field.order + 1;
     tube->step.field = &tube->field, tube->step.x = _arb_vec_init(STATES * n), tube->step.wave = _arb_vec_init(WAVES * n);
-    tube->state = _arb_vec_init(2 * STATES + 1), tube->row = tube->state + STATES, tube->time = tube->row + STATES;
+    tube->state = _arb_vec_init(STATES + 1), tube->time = tube->state + STATES;
     tube->given[0] = data->value[PHI], tube->given[1] = data->value[PSI];
-    if (reason == PROVED) begin(tube, 1);
-    return reason;
+    if (*reason == PROVED) begin(tube, 1);
+    return tube;
 }
 
 void ball_tube_close(ball_tube *tube) {
     const int n = tube ? tube->field.order + 1 : 0;
     if (!tube) return;
     _arb_vec_clear(tube->step.x, STATES * n), _arb_vec_clear(tube->step.wave, WAVES * n);
-    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, 2 * STATES + 1);
+    ball_field_clear(&tube->field), _arb_vec_clear(tube->state, STATES + 1);
     flint_free(tube);
 }
 #endif

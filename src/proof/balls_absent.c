@@ -11,10 +11,10 @@ void *spintop_proof_open(const double value[DATA], const double radius[DATA], in
 
 void spintop_proof_close(void *proof) { (void)proof; }
 
-int spintop_proof_bounds(void *proof, double t, const int wanted[QUANTITIES], int certified, int most_bits,
-                         double printed[QUANTITIES], double bound[QUANTITIES], int reason[QUANTITIES]) {
+int spintop_proof_bounds(void *proof, double t, const int wanted[QUANTITIES], int certified, double printed[QUANTITIES],
+                         double bound[QUANTITIES], int reason[QUANTITIES]) {
     int i;
-    (void)proof, (void)t, (void)certified, (void)most_bits, (void)printed;
+    (void)proof, (void)t, (void)certified, (void)printed;
     for (i = 0; i < QUANTITIES; i++) bound[i] = INFINITY, reason[i] = wanted[i] ? NO_LIBRARY : PROVED;
     return 0;
 }

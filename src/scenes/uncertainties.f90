@@ -1,6 +1,6 @@
 !> Radii of the data of a scene: proved bounds hold for every top within them.
 module spintop_uncertainties
-    use spintop_compare, only: is_equal
+    use spintop_certificate, only: radius_count
     use spintop_kinds, only: degree, dp
     use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
@@ -11,19 +11,20 @@ module spintop_uncertainties
 
 contains
 
-    !> Radii of I1, I3, m, g, l, phi, theta, psi and their rates, or omega3 in place of psi'; I2, omega, quaternion, rotor, centre
-    !> of mass, damping: the order of the data in spintop_certificate. 0 where none is given.
+    !> Radii of the moments of inertia, m, g, phi, theta, psi and their rates, or omega3 in place of psi'; omega, quaternion,
+    !> centre of mass, damping: the order of the data in spintop_certificate. 0 where none is given. A length is that of the
+    !> centre of mass on body z.
     pure function data_radii(scene) result(radii)
         type(scene_t), intent(in) :: scene !! contents of the input
-        real(dp) :: radii(26)
+        real(dp) :: radii(radius_count)
         real(dp) :: angle(3)
         angle = given(scene%uncertainty%angle)
         ! Rounded up, as the product may be rounded down.
         where (is_set(scene%uncertainty%angle_deg)) angle = scene%uncertainty%angle_deg * degree * (1 + 4 * epsilon(degree))
         associate (of => scene%uncertainty)
-            radii = [given(of%inertia([1, 3])), given(of%mass), given(of%gravity), given(of%length), angle, given(of%rate(1:2)), &
-                     max(given(of%rate(3)), given(of%omega3)), given(of%inertia(2)), given(of%omega), spread(0.0_dp, 1, 5), &
-                     given(of%centre_of_mass), given(of%damping)]
+            radii = [given(of%inertia), given(of%mass), given(of%gravity), angle, given(of%rate(1:2)), &
+                     max(given(of%rate(3)), given(of%omega3)), given(of%omega), spread(0.0_dp, 1, 4), &
+                     given(of%centre_of_mass(1:2)), max(given(of%centre_of_mass(3)), given(of%length)), given(of%damping)]
         end associate
     end function data_radii
 
@@ -57,12 +58,6 @@ contains
                                   'give the body by its mass properties')
             end if
         end if
-        associate (radii => scene%uncertainty%inertia)
-            if (all(is_set(radii)) .and. abs(radii(1) - radii(2)) > 0 .and. is_equal(scene%inertia(1), scene%inertia(2))) then
-                call problems%add('uncertainty.top.inertia', 'the first two radii are not equal, as the moments are', &
-                                  'give equal moments of inertia one radius')
-            end if
-        end associate
         call need(scene%uncertainty%mass, scene%mass, 'top.mass')
         call need(scene%uncertainty%length, scene%length, 'top.length')
         call need(scene%uncertainty%omega3, scene%omega3, 'initial.omega3')

@@ -185,8 +185,23 @@ contains
             return
         end if
         if (hint == '') hint = '`spintop list columns` shows them all'
+        call refuse_bound(known, name, problem, hint)
         call problems%add(key, problem, hint, is_certain=.true.)
     end subroutine find_named
+
+    !> Says why there is no bound of a column, if a name asks for that: proofs enclose the motion at a time.
+    subroutine refuse_bound(known, name, problem, hint)
+        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
+        character(*), intent(in) :: name
+        character(:), allocatable, intent(inout) :: problem, hint
+        character(*), parameter :: ending = '_bound'
+        integer :: last
+        last = len(name) - len(ending)
+        if (last < 1) return
+        if (name(last + 1:) /= ending .or. .not. any(known%name == name(:last))) return
+        problem = "column '" // name // "': proofs bound the attitude and the angular velocity at a time, not " // name(:last)
+        hint = 'omit it; `spintop list columns` shows the bounds that there are'
+    end subroutine refuse_bound
 
     !> The kinds of study that have a column of that name, as text; '' if there is none.
     function owners_of(name) result(owners)

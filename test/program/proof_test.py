@@ -23,9 +23,8 @@ SWEEP = """\
 &top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
 &initial theta_deg = 30 /
 &span t_end = 2.0 /
-&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'psi_end', 'nutation_period',
-                  'nutation_period_bound', 'precession_per_nutation',
-                  'precession_per_nutation_bound', 'proof' /
+&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'psi_end', 'psi_end_bound',
+                  'nutation_period', 'proof' /
 &sweep parameter(1) = 'initial.psi_rate', values(1,:) = 0, 0.5, 3, 40 /
 """
 BOUNDS = "t,theta,theta_bound,phi_bound,psi_bound,q0,q0_bound,orientation_bound,proof"
@@ -208,6 +207,8 @@ class ProofTest(ProgramCase):
         self.assertGreater(ratio, 30)
         self.assertLess(ratio, 300)
         self.assertIn("top.length = 1e-10", wide.resolved())
+        both = self.compute(self.top, columns, "uncertainty.top.inertia=1e-10,2e-10,1e-10")
+        self.assertEqual(set(both.texts("proof")), {"proved"})
         radii = "&uncertainty top.length = 1e-9 top.mass = 1e-9 /\n&span"
         scene = self.write(TOP.replace("&span", radii), "b.nml")
         both = self.compute(scene, columns)
@@ -240,10 +241,6 @@ class ProofTest(ProgramCase):
             (("uncertainty.top.length=1e-9", "output.certified=.true."), "no certified digits"),
             (("uncertainty.initial.omega3=1", "output.columns=t,q0_bound"), "omega3 is not given"),
             (("uncertainty.top.spin=1", "output.columns=t,q0_bound"), "unknown key"),
-            (
-                ("uncertainty.top.inertia=1e-6,2e-6,1e-6", "output.columns=t,q0_bound"),
-                "the first two radii are not equal",
-            ),
             (
                 ("uncertainty.initial.omega=1,1,1", "output.columns=t,q0_bound"),
                 "omega is not given",
@@ -300,11 +297,23 @@ class ProofTest(ProgramCase):
         self.assertEqual(table.texts("status"), ["ok"] * 4)
         self.assertEqual(table.texts("proof"), ["proved"] * 4)
         self.assertLess(table.largest("theta_end_bound"), 1e-12)
-        self.assertLess(table.largest("nutation_period_bound"), 1e-12)
-        self.assertEqual(table.texts("precession_per_nutation_bound")[0], "0")  # a plane pendulum
+        self.assertLess(table.largest("psi_end_bound"), 1e-12)
         self.assertIn("0 wrong", self.verify())
-        self.change("nutation_period", 3, "0.7")
-        self.assertIn("first wrong  row 3, nutation_period = 0.7", self.verify(code=3))
+        self.change("theta_end", 3, "0.7")
+        self.assertIn("first wrong  row 3, theta_end = 0.7", self.verify(code=3))
+
+    def test_bounds_of_periods_are_refused(self) -> None:
+        """Proofs are of a motion at a time; the message says so."""
+        for name in ("nutation_period", "precession_per_nutation", "momentum_period"):
+            run = self.run_program(
+                "--check", self.write(SWEEP), "--set", f"output.columns=theta_end,{name}_bound"
+            )
+            self.assertEqual(run.returncode, 2)
+            self.assertIn(f"column '{name}_bound': proofs bound the attitude and the", run.stderr)
+            self.assertIn(f"at a time, not {name}\n", run.stderr)
+        self.write(TOP)
+        run = self.run_program("--check", self.top, "--set", "output.columns=t,energy_bound")
+        self.assertIn("at a time, not energy\n", run.stderr)
 
     def test_bytes_do_not_depend_on_threads(self) -> None:
         scene = self.write(SWEEP)

@@ -18,8 +18,8 @@ module spintop_claims
 
 contains
 
-    !> The largest error that a printed quantity should have; NaN where nothing is claimed: of periods, and of phi and
-    !> psi where rounding of the data decides them.
+    !> The largest error that a printed quantity should have; NaN where nothing is claimed: of phi and psi
+    !> where rounding of the data decides them.
     pure real(dp) function claim_of(quantity, case, printed, inherent, in_block) result(claim)
         integer, intent(in) :: quantity !! number of the quantity (spintop_certificate)
         type(case_t), intent(in) :: case !! body and start

@@ -7,7 +7,7 @@ module spintop_verification
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
-        proof_of_omega1, proof_of_orientation, proof_of_psi, proof_of_theta, proof_reasons, proved
+        proof_of_omega1, proof_of_orientation, proof_of_theta, proof_reasons, proved
     use spintop_claims, only: claim_of
     use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
@@ -97,7 +97,7 @@ contains
         do k = 1, proof_count
             if (k == proof_of_orientation .or. (found%is_sweep .and. k >= proof_of_omega1)) cycle
             found%names(k) = proof_names(k)
-            if (found%is_sweep .and. k <= proof_of_psi) found%names(k) = trim(proof_names(k)) // '_end'
+            if (found%is_sweep) found%names(k) = trim(proof_names(k)) // '_end'
             call read_column(found%table, trim(found%names(k)), found%printed(k, :), found%has_number(k), error)
             if (.not. allocated(error)) call read_column(found%table, trim(found%names(k)) // '_bound', found%bounds(k, :), &
                                                          found%has_bound(k), error)

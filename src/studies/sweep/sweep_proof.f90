@@ -1,7 +1,6 @@
 !> The proof of the numbers of a case of a sweep: upper bounds of their errors, and certified digits.
 module spintop_sweep_proof
-    use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
-        proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_reasons, proof_words
+    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_theta, proof_reasons, proof_words
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
     use spintop_row_proof, only: row_proof_t
@@ -16,8 +15,7 @@ module spintop_sweep_proof
     public :: sweep_proofs, prove_case
 
     !> The quantities of sweeps that have bounds.
-    integer, parameter :: quantities(7) = [proof_of_theta, proof_of_phi, proof_of_psi, proof_of_period, proof_of_precession, &
-        proof_of_momentum_period, proof_of_momentum_turn]
+    integer, parameter :: quantities(3) = [proof_of_theta, proof_of_phi, proof_of_psi]
 
 contains
 
@@ -43,8 +41,7 @@ contains
 
         associate (case => slot%case, values => slot%result)
             printed = 0
-            printed(quantities) = [values%theta_end, values%phi_end, values%psi_end, values%nutation_period, &
-                                   values%precession_per_nutation, values%momentum_period, values%momentum_turn]
+            printed(quantities) = [values%theta_end, values%phi_end, values%psi_end]
             call proof%open(wanted .and. is_finite(printed), scene%certified, case%given_body, case%given_start, &
                             data_radii(scene))
             call proof%prove(merge(values%t_end, case%t_end, is_finite(values%t_end)), printed)
@@ -53,10 +50,6 @@ contains
                 values%theta_end = printed(proof_of_theta)
                 values%phi_end = printed(proof_of_phi)
                 values%psi_end = printed(proof_of_psi)
-                values%nutation_period = printed(proof_of_period)
-                values%precession_per_nutation = printed(proof_of_precession)
-                values%momentum_period = printed(proof_of_momentum_period)
-                values%momentum_turn = printed(proof_of_momentum_turn)
             end if
             where (proof%wanted) values%bounds = proof%bounds
             values%proof = findloc(proof_cells, proof_words(merge(1, 0, proof%is_proved())), dim=1) - 1

@@ -1,8 +1,7 @@
 !> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
 !> does not exist or was not asked for.
 module spintop_sweep_result
-    use spintop_certificate, only: proof_count, proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, &
-        proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta, proof_words
+    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_theta, proof_words
     use spintop_kinds, only: dp, nan => no_number
     use spintop_nutation_recorder, only: no_class
     implicit none
@@ -47,7 +46,7 @@ module spintop_sweep_result
     integer, parameter :: kinds_of_work = of_geometric
 
     !> Number of values in the list of a result, as many as there are columns.
-    integer, parameter :: value_count = 53
+    integer, parameter :: value_count = 49
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -117,9 +116,7 @@ contains
                   self%sleeping_ratio, self%growth_rate, self%lyapunov_exponent, self%largest_singular_value, &
                   self%upright_multiplier, &
                   self%momentum_period, self%momentum_turn, self%momentum_turn_geometric, self%momentum_axis, self%omega_max, &
-                  self%bounds(proof_of_theta), self%bounds(proof_of_phi), self%bounds(proof_of_psi), &
-                  self%bounds(proof_of_period), self%bounds(proof_of_precession), &
-                  self%bounds(proof_of_momentum_period), self%bounds(proof_of_momentum_turn), real(self%proof, dp)]
+                  self%bounds([proof_of_theta, proof_of_phi, proof_of_psi]), real(self%proof, dp)]
     end function list
 
 end module spintop_sweep_result

@@ -1,4 +1,4 @@
-!> What the proof of a motion costs, measured in the running process: that of a body without closed form goes step by step.
+!> What the proof of a motion costs, measured in the running process: it goes step by step.
 module spintop_proof_cost
     use spintop_certificate, only: proof_count, proof_of_q0
     use spintop_clock, only: seconds

@@ -4,7 +4,7 @@
 !> A line says what the column needs, which is computed for a case where it is wanted. The value of the column is that in its
 !> place in the list of the results of the case (spintop_sweep_result).
 module spintop_sweep_columns
-    use spintop_certificate, only: proof_of_period, proof_of_phi, proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_certificate, only: proof_of_phi, proof_of_psi, proof_of_theta
     use spintop_study_column, only: chosen_column_t
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_free_columns, only: sweep_free_columns
@@ -39,14 +39,14 @@ contains
             sweep_column_t('delta_u_fast_top', '', 'the same by Eq 29', 'fast_top', set_of([of_fast_top]), &
                            is_default=.true.), &
             sweep_column_t('nutation_period', 's', 'nutation period', &
-                           'nutation', set_of(whole_nutation), is_default=.true., proof_of=proof_of_period), &
+                           'nutation', set_of(whole_nutation), is_default=.true.), &
             sweep_column_t('nutation_rate', 'rad/s', '2 pi over the nutation period', &
                            'nutation', set_of(whole_nutation), is_default=.true.), &
             sweep_column_t('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', 'fast_top', set_of([of_fast_top]), &
                            is_default=.true.), &
             sweep_column_t('precession_per_nutation', 'rad', &
                            'change of phi in a nutation, without the half turns at exact passages of a pole', &
-                           'nutation', set_of(whole_nutation), is_default=.true., proof_of=proof_of_precession), &
+                           'nutation', set_of(whole_nutation), is_default=.true.), &
             sweep_column_t('precession_rate', 'rad/s', 'mean precession rate', &
                            'nutation', set_of(whole_nutation), is_default=.true.), &
             sweep_column_t('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', 'fast_top', set_of([of_fast_top]), &

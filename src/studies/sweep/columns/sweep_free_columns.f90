@@ -1,6 +1,5 @@
 !> The columns of a sweep table that are constants of the motion of a free body.
 module spintop_sweep_free_columns
-    use spintop_certificate, only: proof_of_momentum_period, proof_of_momentum_turn
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_result, only: of_free, of_geometric, set_of
     implicit none
@@ -14,9 +13,8 @@ contains
         type(sweep_column_t), allocatable :: columns(:)
         columns = [ &
             sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
-                           'free', set_of([of_free]), proof_of=proof_of_momentum_period), &
-            sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', set_of([of_free]), &
-                           proof_of=proof_of_momentum_turn), &
+                           'free', set_of([of_free])), &
+            sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', set_of([of_free])), &
             sweep_column_t('momentum_turn_geometric', 'rad', 'geometric phase, momentum_turn less 2 E momentum_period/L', &
                            'free', set_of([of_free, of_geometric])), &
             sweep_column_t('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &

@@ -1,12 +1,11 @@
 !> The columns of a sweep table that prove its numbers: upper bounds of their errors (spintop_certificate).
 module spintop_sweep_proof_columns
     use spintop_case, only: case_t
-    use spintop_certificate, only: proof_of_momentum_period, proof_of_momentum_turn, proof_of_period, proof_of_phi, &
-        proof_of_precession, proof_of_psi, proof_of_theta
+    use spintop_certificate, only: proof_of_phi, proof_of_psi, proof_of_theta
     use spintop_study_column, only: proof_group
     use spintop_sweep_column, only: sweep_column_t
     use spintop_sweep_notes, only: note_nothing_to_bound, note_t
-    use spintop_sweep_result, only: of_nutation, of_whole, of_end, of_proof, set_of
+    use spintop_sweep_result, only: of_end, of_proof, set_of
     implicit none
     private
     public :: sweep_proof_columns
@@ -23,21 +22,8 @@ contains
                            proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_phi), &
             sweep_column_t('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
                            proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_psi), &
-            sweep_column_t('nutation_period_bound', 's', 'upper bound of the error of nutation_period, proved', &
-                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
-                           proof_of=proof_of_period), &
-            sweep_column_t('precession_per_nutation_bound', 'rad', &
-                           'upper bound of the error of precession_per_nutation, proved', &
-                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
-                           proof_of=proof_of_precession), &
-            sweep_column_t('momentum_period_bound', 's', 'upper bound of the error of momentum_period, proved', &
-                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
-                           proof_of=proof_of_momentum_period), &
-            sweep_column_t('momentum_turn_bound', 'rad', 'upper bound of the error of momentum_turn, proved', &
-                           proof_group, set_of([of_proof, of_nutation, of_whole]), explain=explain_no_number, &
-                           proof_of=proof_of_momentum_turn), &
             sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
-                           proof_group, set_of([of_proof, of_nutation, of_whole]), is_proof=.true.)]
+                           proof_group, set_of([of_proof]), is_proof=.true.)]
     end function sweep_proof_columns
 
     !> Notes that there is nothing to bound.

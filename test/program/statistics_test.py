@@ -284,7 +284,7 @@ class SameBytesTest(StatisticsCase):
             self.run_well(path, "--shard", part)
         states = [f"output/map.{part}-of-2.statistics.state" for part in (1, 2)]
         whole = (self.folder / states[1]).read_bytes()
-        begin = whole.index(b"spintop statistics 1: ")
+        begin = whole.index(b"spintop statistics 2")
         damages = [whole[: begin + 30], whole[:-1], whole[:-40], whole[:begin]]
         for place in (
             begin + 25,

@@ -70,9 +70,8 @@ inlined void NAME(begin)(const struct motion_kinds *has, int lane, const struct 
     const int n = list_rows(has, row);
     vec axes[3], frame = {0};
 
-    for_all(i, is_many && !has->rotor ? 0 : 2) {
-        const vec rotor = add(constant(rotor[i]), by(t, constant(drive[i])));
-        store_constant(of->rotor[i] + lane, rotor);
+    if (!is_many || has->rotor) {
+        for_all(i, 2) store_constant(of->rotor[i] + lane, add(constant(rotor[i]), by(t, constant(drive[i]))));
     }
     if (!is_many || n > 0) find_axes(state, side, axes);
     if (is_many) axes[2] = load_vec(at(NAME(g), 0));

@@ -46,12 +46,15 @@ contains
     !> Adds all formulations to the registry.
     subroutine list_formulations(known)
         type(registry_t), intent(out) :: known
+        type(rigid_body_t) :: body
+        type(body_with_effects_t) :: affected
+        type(space_frame_t) :: top
         call known%add(euler_t())
         call known%add(lagrange_t())
         call known%add(energy_rate_t(has_ends=.true.))
         call known%add(lagrange_t(resets_speed=.true.))
-        call known%add(rigid_body_t(), with_effects=body_with_effects_t())
-        call known%add(space_frame_t())
+        call known%add(body, with_effects=affected)
+        call known%add(top)
     end subroutine list_formulations
 
     !> Adds a formulation.

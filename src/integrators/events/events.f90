@@ -525,8 +525,9 @@ contains
                 distances = [value_at(g, near(1)), value_at(g, near(2))]
                 near = a + near * (b - a)
                 t = a + t * (b - a)
-                if (all(side%sign * [1, -1] * distances > error)) &
+                if (all(side%sign * [1, -1] * distances > error)) then
                     call bracket%begin(near(1), distances(1), near(2), distances(2), tolerance)
+                end if
                 if (.not. bracket%found .and. t > near(1) .and. t < near(2)) bracket%trial = t
             end if
             do while (.not. bracket%found)

@@ -56,6 +56,10 @@ SKIPPED = {
         'docker run --rm -v "$PWD:/work" spintop input/toy_top.nml',
     ],
     "cluster.md": [
+        "scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00",
+        "scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16"
+        " --time=04:00:00",
+        "scripts/setup --mpi",
         "python3 -m venv $HOME/spintop",
         "source $HOME/spintop/bin/activate",
         "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",
@@ -120,12 +124,6 @@ SKIPPED = {
     "report.md": [
         "scripts/report results input/slow_top.nml input/slow_top_scenario2_rk4.nml"
         " --title 'The slow top'"
-    ],
-    "sweep_clusters.md": [
-        "scripts/slurm_sweep.sh input/million_spins.nml 8 --cpus-per-task=16 --time=04:00:00",
-        "scripts/slurm_sweep.sh input/million_spins.nml mpi --ntasks=8 --cpus-per-task=16"
-        " --time=04:00:00",
-        "scripts/setup --mpi",
     ],
     "sweep_netcdf.md": [
         "SPINTOP_NETCDF=1 scripts/run --set output.format=netcdf input/random_tops.nml",

@@ -89,7 +89,6 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "benchmarks": {"benchmark": _NAME, "what it is": _WHAT, "source": _cell("source")},
     "cases": {"case": _NAME, "what it is, and why it is hard": _WHAT},
     "studies": {"kind": _NAME, "what it computes": _WHAT},
-    "statuses": {"status": _NAME, "meaning": _WHAT},
     "exit_codes": {"code": _cell("code"), "meaning": _WHAT},
 }
 """The heads of the tables, and what fills a cell."""

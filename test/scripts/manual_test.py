@@ -165,7 +165,7 @@ REFUSED = {
     "slow_top_lagrange_rk4 project=unit": "has no quaternion",
     "damped_top max_steps=2147483647": "too large",
 }
-"""Inputs with settings of &integration that the page of known limits calls refused, and why."""
+"""Inputs with settings of &integration that the manual calls refused, and why."""
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w])")
 STUB = """\
@@ -475,7 +475,7 @@ class CommandsTest(ManualCase):
             self.assertIn(f" | {' | '.join(row)} |\n", page)
 
     def test_limits(self) -> None:
-        """Settings on the page of known limits are refused, for the reason given there."""
+        """Settings that the manual calls refused are refused, for the reason given there."""
         for case, reason in REFUSED.items():
             name, *settings = case.split()
             text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")

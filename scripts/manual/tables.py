@@ -89,7 +89,6 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "benchmarks": {"benchmark": _NAME, "what it is": _WHAT, "source": _cell("source")},
     "cases": {"case": _NAME, "what it is, and why it is hard": _WHAT},
     "studies": {"kind": _NAME, "what it computes": _WHAT},
-    "statuses": {"status": _NAME, "meaning": _WHAT},
     "exit_codes": {"code": _cell("code"), "meaning": _WHAT},
 }
 """The heads of the tables, and what fills a cell."""
@@ -105,14 +104,17 @@ def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def _listed(program: Path, topic: str, part: str) -> list[str]:
-    """A table of a topic, or of a part of it."""
+    """A table of a topic, or of a part of it, without columns that are empty."""
     cells = _TABLES[topic]
     entries = registries(program)[topic]
     if part:
         entries = [entry for entry in entries if entry[_PARTS[topic]] == part]
-    return _table(
-        tuple(cells), [tuple(cell(entry) for cell in cells.values()) for entry in entries]
-    )
+    filled = {
+        name: column
+        for name, cell in cells.items()
+        if any(column := [cell(entry) for entry in entries])
+    }
+    return _table(tuple(filled), list(zip(*filled.values(), strict=True)))
 
 
 def _options(program: Path) -> list[str]:

@@ -297,7 +297,7 @@ class ArchitectureTest(unittest.TestCase):
         self.assertEqual(unused, [])
 
     def test_dummy_arguments_are_documented(self) -> None:
-        """Each dummy argument of an exported procedure, but for the passed object, has a docstring."""
+        """Each dummy argument of an exported procedure, but for `self`, has a docstring."""
         library = (ROOT / "src/spintop.f90").read_text(encoding="utf-8")
         exported = dict(re.findall(r"use spintop_(\w+), only: ((?:[^\n]*&\n)*[^\n]*)", library))
         found = []

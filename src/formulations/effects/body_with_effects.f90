@@ -18,7 +18,7 @@ module spintop_body_with_effects
         structure_quadruple, structure_series
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t
     use spintop_kinds, only: dp, no_number, qp
-    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum
+    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body, only: bracket_of_turns, move_by_turns
@@ -67,13 +67,13 @@ module spintop_body_with_effects
             real(c_double), intent(inout) :: constants(*)
         end subroutine c_set_series
 
-        pure subroutine c_expand(order, kinds, constants, t, state, table, law, share, share_rest, c, exists) &
+        pure subroutine c_expand(order, kinds, constants, t, state, table, law, given, share, share_rest, c, exists) &
             bind(C, name='spintop_expand_effects')
             import :: c_double, c_int, motion_kinds_t
             integer(c_int), value :: order
             type(motion_kinds_t), intent(in) :: kinds
             real(c_double), value :: t
-            real(c_double), dimension(*), intent(in) :: constants, state, table, law, share, share_rest
+            real(c_double), dimension(*), intent(in) :: constants, state, table, law, given, share, share_rest
             real(c_double), intent(inout) :: c(*)
             integer(c_int), intent(out) :: exists
         end subroutine c_expand
@@ -244,10 +244,11 @@ contains
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        real(dp) :: table(3, 0:3), law(5, 2)
+        real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:order)
         integer(c_int) :: exists
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
-        call c_expand(order, self%kinds, self%constants, t, y, table, law, short_share, share_rest, coefficient, exists)
+        if (self%kinds%given > 0) given = real(torque_series(self%effects, t, order), dp)
+        call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
         if (exists == 0) coefficient(:, 1:order) = no_number
     end subroutine expand
 

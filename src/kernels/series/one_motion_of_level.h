@@ -8,16 +8,16 @@ static void set_one(const struct body_numbers *body, double *constants) { one_se
 
 // A single effect has a build of its own, in which nothing is asked in loops.
 static void expand_effects(int order, const struct motion_kinds *which, const double *constants, double t, const double *state,
-                           const double *table, const double *law, const double *share, const double *share_rest, double *c,
-                           int *exists) {
+                           const double *table, const double *law, const double *given, const double *share,
+                           const double *share_rest, double *c, int *exists) {
     const struct one_constants *const e = (const struct one_constants *)constants;
-#define try_kind(...)                                                                                 \
-    do {                                                                                              \
-        const struct motion_kinds has = {__VA_ARGS__};                                                \
-        if (memcmp(&has, which, sizeof has) == 0) {                                                   \
-            *exists = one_expand_with(&has, 1, order, e, t, state, table, law, share, share_rest, c); \
-            return;                                                                                   \
-        }                                                                                             \
+#define try_kind(...)                                                                                        \
+    do {                                                                                                     \
+        const struct motion_kinds has = {__VA_ARGS__};                                                       \
+        if (memcmp(&has, which, sizeof has) == 0) {                                                          \
+            *exists = one_expand_with(&has, 1, order, e, t, state, table, law, given, share, share_rest, c); \
+            return;                                                                                          \
+        }                                                                                                    \
     } while (0)
 #define try_kinds(...)     \
     try_kind(__VA_ARGS__); \
@@ -33,7 +33,7 @@ static void expand_effects(int order, const struct motion_kinds *which, const do
     try_kinds(.drags = of_force + 1);
 #undef try_kinds
 #undef try_kind
-    *exists = one_expand_with(which, 0, order, e, t, state, table, law, share, share_rest, c);
+    *exists = one_expand_with(which, 0, order, e, t, state, table, law, given, share, share_rest, c);
 }
 
 #include "algebra_end.h"

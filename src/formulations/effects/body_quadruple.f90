@@ -4,7 +4,7 @@ module spintop_body_quadruple
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_loc, c_ptr
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, series_effects
     use spintop_formulation, only: max_series_order, max_states
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t
     use spintop_kinds, only: dp, no_number, qp
@@ -83,6 +83,7 @@ contains
                                 c_loc(c), exists)
         coefficient(:, 0:order) = c
         undefined = no_number
+        if (allocated(body%effects)) exists = merge(exists, 0_c_int, body%effects%only(series_effects))
         if (exists == 0) coefficient(:, 1:order) = undefined
     end subroutine expand_body_quadruple
 

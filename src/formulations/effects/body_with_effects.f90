@@ -11,7 +11,7 @@ module spintop_body_with_effects
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
     use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t, kernel_effects, timeless_effects
+    use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_effects_action, only: effects_action_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_series_order, max_states, structure_group, &
@@ -37,6 +37,8 @@ module spintop_body_with_effects
         type(stage_effects_t) :: stage
         type(motion_kinds_t) :: kinds
         real(dp) :: constants(one_constants) = 0
+        !> Whether the series have all effects.
+        logical :: has_series = .true.
     contains
         procedure :: info
         procedure :: prepare
@@ -89,7 +91,11 @@ contains
             'quaternion and body momentum, for any body with effects; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true., &
             runs_in_lanes=.true.)
-        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+        info%offers(structure_group) = .true.
+        info%offers([structure_series, structure_quadruple]) = .true.
+        ! An effect that only the loads know has no series.
+        if (allocated(self%body%effects)) info%offers([structure_series, structure_quadruple]) = &
+            self%body%effects%only(series_effects)
     end function info
 
     !> Initial state.
@@ -109,6 +115,7 @@ contains
         self%has_stages = self%effects%only(kernel_effects)
         call set_stages(self)
         self%kinds = kinds_of(body)
+        self%has_series = self%effects%only(series_effects)
         call c_set_series(numbers_of(body), self%constants)
         if (.not. allocated(self%action)) allocate (self%action)
         call self%action%set(body)
@@ -249,7 +256,7 @@ contains
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
         if (self%kinds%given > 0) given = real(torque_series(self%effects, t, order), dp)
         call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
-        if (exists == 0) coefficient(:, 1:order) = no_number
+        if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand
 
     !> The state at the start in quadruple precision.

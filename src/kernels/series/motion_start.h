@@ -70,7 +70,8 @@ inlined void NAME(begin)(const struct motion_kinds *has, int lane, const struct 
     const int n = list_rows(has, row);
     vec axes[3], frame = {0};
 
-    for_all(i, is_many && !has->rotor ? 0 : 2) {
+    for_all(i, 2) {
+        if (is_many && !has->rotor) continue;
         const vec rotor = add(constant(rotor[i]), by(t, constant(drive[i])));
         store_constant(of->rotor[i] + lane, rotor);
     }

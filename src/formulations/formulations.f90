@@ -98,6 +98,7 @@ contains
             if (info%name /= name) cycle
             if (affected .and. allocated(known%entry(i)%with_effects)) then
                 allocate (formulation, source=known%entry(i)%with_effects)
+                formulation%body = body ! what the equations offer depends on the effects
             else
                 allocate (formulation, source=known%entry(i)%prototype)
             end if

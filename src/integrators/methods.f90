@@ -2,7 +2,7 @@
 !> at the first question, and shared by all threads.
 module spintop_methods
     use spintop_stepper, only: stepper_t, method_info_t
-    use spintop_butcher, only: euler_table, midpoint_table, classical_table, dormand_prince_table
+    use spintop_butcher, only: explicit_table, classical_table, dormand_prince_table
     use spintop_runge_kutta, only: runge_kutta_t
     use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
     use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
@@ -61,9 +61,9 @@ contains
     subroutine list_methods(known)
         type(registry_t), intent(out) :: known
         known%family = 'explicit Runge-Kutta'
-        call known%add(runge_kutta_t(table=euler_table(), info=method_info_t( &
+        call known%add(runge_kutta_t(table=explicit_table(1, [real(dp) ::], [1.0_dp]), info=method_info_t( &
             'euler_forward', 'explicit Euler method', order=1, fixed_step=.true., caught_by_reset=.true.)))
-        call known%add(runge_kutta_t(table=midpoint_table(), info=method_info_t( &
+        call known%add(runge_kutta_t(table=explicit_table(2, [0.5_dp], [0.0_dp, 1.0_dp]), info=method_info_t( &
             'rk2', 'explicit midpoint rule (the paper, Appendix C)', order=2, fixed_step=.true.)))
         call known%add(runge_kutta_t(table=classical_table(), info=method_info_t( &
             'rk4', 'classical Runge-Kutta method (Kutta 1901)', order=4, fixed_step=.true.)))

@@ -9,11 +9,12 @@ PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, cons
           const double *state, const double *share, const double *share_rest, double *c)
 
 // series/motion_series.h: the same of one body with effects, whose constants are set first. `table` has the terms of a torque
-// over time, `law` those of friction by a table towards smaller and larger angular velocities, after the one they are about.
+// over time in space axes, `law` those of friction by a table towards smaller and larger angular velocities, after the one they
+// are about, `given` all terms of torques over time in body axes.
 PROCEDURE(set_one, (body, constants), const struct body_numbers *body, double *constants)
-PROCEDURE(expand_effects, (order, has, constants, t, state, table, law, share, share_rest, c, exists), int order,
+PROCEDURE(expand_effects, (order, has, constants, t, state, table, law, given, share, share_rest, c, exists), int order,
           const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
-          const double *law, const double *share, const double *share_rest, double *c, int *exists)
+          const double *law, const double *given, const double *share, const double *share_rest, double *c, int *exists)
 
 // series_terms.h: the time at which the larger of the last two terms reaches the admissible error, not finite if they are not;
 // the change after a time h, the sum of all terms but the first; the changes after several times, of one variable after the

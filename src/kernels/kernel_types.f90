@@ -48,9 +48,10 @@ module spintop_kernel_types
     !> Which parts of the equations there are, for the series: a rotor, or a torque that is constant in body axes; the rotation of
     !> the frame, the torque in space axes and the motion of the pivot, 1 along the vertical, 2 in any direction; drags, 1 by the
     !> angular velocity, 2 of the centre of mass, 3 both; harmonic torques, 1 in space axes, 2 in body axes, 3 both; a table of
-    !> torques, 1 or 2; dry friction, 2 with load; friction by a table.
+    !> torques in space axes; dry friction, 2 with load; friction by a table; torques over time in body axes whose terms are given.
     type, bind(C) :: motion_kinds_t
-        integer(c_int) :: rotor = 0, frame = 0, torque = 0, push = 0, drags = 0, harmonic = 0, table = 0, friction = 0, law = 0
+        integer(c_int) :: rotor = 0, frame = 0, torque = 0, push = 0, drags = 0, harmonic = 0, table = 0, friction = 0, law = 0, &
+            given = 0
     end type motion_kinds_t
 
     !> The same for stages.

@@ -36,7 +36,7 @@ struct body_numbers {
 
 // Which parts of the equations there are, the same in all lanes: see kernel_types.f90 and series/motion_kinds.h.
 struct motion_kinds {
-    int rotor, frame, torque, push, drags, harmonic, table, friction, law;
+    int rotor, frame, torque, push, drags, harmonic, table, friction, law, given;
 };
 
 // The same for stages. The pivot's acceleration in space axes is `swing[0] cos(rate t) + swing[1] sin(rate t)`.

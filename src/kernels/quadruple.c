@@ -32,13 +32,15 @@ struct share {
 #include "series/one_motion.h"
 
 void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
-                              const void *state, const double *table, const double *law, void *c, int *exists);
+                              const void *state, const double *table, const double *law, const void *given, void *c,
+                              int *exists);
 
 void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
-                              const void *state, const double *table, const double *law, void *c, int *exists) {
+                              const void *state, const double *table, const double *law, const void *given, void *c,
+                              int *exists) {
     struct quadruple_constants e;
     quadruple share[highest_order], none[highest_order] = {0};
     for_all(k, highest_order) share[k] = 1 / (quadruple)(k + 1);
     quadruple_set(body, 0, &e);
-    *exists = quadruple_expand_with(has, 0, order, &e, t, state, table, law, share, none, c);
+    *exists = quadruple_expand_with(has, 0, order, &e, t, state, table, law, given, share, none, c);
 }

@@ -175,7 +175,7 @@ contains
 
         if (has_effects .and. .not. has_structure(form, method)) then
             call problems%add('integration.method', 'method ' // trim(method%name) // ' needs equations with ' &
-                              // trim(structure_names(method%needs)) // ', and those with effects have none', &
+                              // trim(structure_names(method%needs)) // ', and those with these effects have none', &
                               "use method = 'auto'")
         else if (.not. has_structure(form, method)) then
             allocate (forms, source=formulation_infos())

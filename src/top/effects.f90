@@ -9,7 +9,7 @@ module spintop_effects
     public :: effects_t, harmonic_t
     public :: effect_friction, effect_friction_table, effect_drag, effect_lift, effect_shake, effect_frame, effect_upright_frame
     public :: effect_rotor, effect_axial_rotor, effect_drive, effect_torque, effect_harmonic, effect_table, effect_bits
-    public :: kernel_effects, timeless_effects, braking_effects
+    public :: kernel_effects, series_effects, timeless_effects, braking_effects
 
     !> What may act, as bits of `acting`. Who does not have every effect names those that he admits, so that another one is
     !> refused until it is admitted. A pivot is lifted along the vertical and shaken across it. A frame and a rotor that are
@@ -17,10 +17,12 @@ module spintop_effects
     integer, parameter :: effect_friction = 1, effect_friction_table = 2, effect_drag = 4, effect_lift = 8, effect_shake = 16, &
         effect_upright_frame = 32, effect_frame = 64 + effect_upright_frame, effect_axial_rotor = 128, &
         effect_rotor = 256 + effect_axial_rotor, effect_drive = 512, effect_torque = 1024, effect_harmonic = 2048, &
-        effect_table = 4096, effect_bits(13) = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096]
-    !> Those that the vector kernels have, those that do not depend on the time, and those that act against the motion.
+        effect_table = 4096, effect_bits(13) = 2**[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]
+    !> Those that the vector kernels have, those with which a body has series, those that do not depend on the time, and those
+    !> that act against the motion.
     integer, parameter :: &
         kernel_effects = effect_drag + effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque, &
+        series_effects = kernel_effects + effect_friction + effect_friction_table + effect_harmonic + effect_table, &
         timeless_effects = effect_friction + effect_friction_table + effect_drag + effect_frame + effect_rotor + effect_torque, &
         braking_effects = effect_friction + effect_friction_table + effect_drag
 

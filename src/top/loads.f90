@@ -8,11 +8,12 @@ module spintop_loads
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t
-    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_kinds, only: dp, epsilon_dp, qp
+    use spintop_torque_table, only: max_degree
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: loads_t, acceleration, find_loads, find_kinematics, total_momentum, rotor_momentum_at
+    public :: loads_t, acceleration, find_loads, torque_series, find_kinematics, total_momentum, rotor_momentum_at
     public :: momentum_rate, frame_energy, friction_jams, works
     public :: work_damping, work_friction, work_drag, work_vibration, work_torque, work_rotor
 
@@ -157,6 +158,22 @@ contains
         if (effects%has_friction()) call add_friction(body, effects, loads)
         loads%force = force_at(body, effects, loads, loads%rate)
     end subroutine find_loads
+
+    !> The power series about a time of the torques over time in body axes, but for harmonic ones, of which the kernels have series.
+    pure function torque_series(effects, t, order) result(terms)
+        type(effects_t), intent(in) :: effects !! effects on the body
+        real(dp), intent(in) :: t !! time, s
+        integer, intent(in) :: order !! order of the highest term
+        real(qp) :: terms(3, 0:order) !! coefficients of powers of the time after t, N m/s^k
+        real(dp) :: table(3, 0:max_degree)
+        integer :: k
+        terms = 0
+        if (.not. allocated(effects%table) .or. effects%table_in_space) return
+        table = effects%table%expansion(t)
+        do k = 0, min(order, max_degree)
+            terms(:, k) = table(:, k)
+        end do
+    end function torque_series
 
     !> The support force where P has a rate, in body axes, N.
     pure function force_at(body, effects, loads, rate) result(force)

@@ -27,7 +27,8 @@ contains
             if (kinds%push > 0) kinds%push = max(kinds%push, kinds%frame)
             kinds%drags = merge(1, 0, has_drag_moment(effects)) + merge(2, 0, has_drag_force(body))
             kinds%harmonic = merge(1, 0, allocated(effects%harmonic_space)) + merge(2, 0, allocated(effects%harmonic_body))
-            if (allocated(effects%table)) kinds%table = merge(1, 2, effects%table_in_space)
+            if (allocated(effects%table)) kinds%table = merge(1, 0, effects%table_in_space)
+            kinds%given = merge(1, 0, allocated(effects%table) .and. .not. effects%table_in_space)
             if (effects%has_friction()) kinds%friction = merge(2, 1, effects%friction_arm > 0)
             kinds%law = merge(1, 0, allocated(effects%friction_table))
         end associate
@@ -92,8 +93,8 @@ contains
         end associate
     end function numbers_of
 
-    !> What tables say at a time in a state: terms of the torque over time, and of the laws of friction about the axis towards
-    !> smaller and larger angular velocities, after the one that these are about.
+    !> What tables say at a time in a state: terms of the torque over time, for that in space axes, and of the laws of friction
+    !> about the axis towards smaller and larger angular velocities, after the one that these are about.
     pure subroutine look_up(body, t, y, table, law)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: t, y(:)

@@ -4,10 +4,11 @@ module spintop_body_quadruple
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_loc, c_ptr
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
-    use spintop_effects, only: effects_t
+    use spintop_effects, only: effects_t, series_effects
     use spintop_formulation, only: max_series_order, max_states
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t
     use spintop_kinds, only: dp, no_number, qp
+    use spintop_loads, only: torque_series
     use spintop_motion, only: motion_t
     use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
     implicit none
@@ -16,13 +17,13 @@ module spintop_body_quadruple
 
     interface
         ! Numbers of quadruple precision have no type that Fortran and C are sure to share.
-        pure subroutine c_expand_quadruple(order, kinds, body, t, state, table, law, c, exists) &
+        pure subroutine c_expand_quadruple(order, kinds, body, t, state, table, law, given, c, exists) &
             bind(C, name='spintop_expand_quadruple')
             import :: body_numbers_t, c_double, c_int, c_ptr, motion_kinds_t
             integer(c_int), value :: order
             type(motion_kinds_t), intent(in) :: kinds
             type(body_numbers_t), intent(in) :: body
-            type(c_ptr), value :: state, c
+            type(c_ptr), value :: state, given, c
             real(c_double), value :: t
             real(c_double), dimension(*), intent(in) :: table, law
             integer(c_int), intent(out) :: exists
@@ -71,14 +72,18 @@ contains
         real(qp), intent(in) :: y(max_states) !! state
         integer, intent(in) :: order !! order of the highest coefficient
         real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
-        real(qp), target :: state(max_states), c(max_states, 0:order)
+        real(qp), target :: state(max_states), c(max_states, 0:order), given(3, 0:order)
         real(dp) :: table(3, 0:3), law(5, 2), undefined
         integer(c_int) :: exists
         call look_up(body, t, real(y, dp), table, law)
         state = y
-        call c_expand_quadruple(order, kinds_of(body), numbers_of(body), t, c_loc(state), table, law, c_loc(c), exists)
+        given = 0
+        if (allocated(body%effects)) given = torque_series(body%effects, t, order)
+        call c_expand_quadruple(order, kinds_of(body), numbers_of(body), t, c_loc(state), table, law, c_loc(given), &
+                                c_loc(c), exists)
         coefficient(:, 0:order) = c
         undefined = no_number
+        if (allocated(body%effects)) exists = merge(exists, 0_c_int, body%effects%only(series_effects))
         if (exists == 0) coefficient(:, 1:order) = undefined
     end subroutine expand_body_quadruple
 

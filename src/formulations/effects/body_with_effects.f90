@@ -11,13 +11,13 @@ module spintop_body_with_effects
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
     use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
     use spintop_compare, only: is_zero
-    use spintop_effects, only: effects_t, kernel_effects, timeless_effects
+    use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_series_order, max_states, structure_group, &
         structure_quadruple, structure_series
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t
     use spintop_kinds, only: dp, no_number, qp
-    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum
+    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_rigid_body, only: bracket_of_turns, move_by_turns
@@ -36,6 +36,8 @@ module spintop_body_with_effects
         type(stage_effects_t) :: stage
         type(motion_kinds_t) :: kinds
         real(dp) :: constants(one_constants) = 0
+        !> Whether the series have all effects.
+        logical :: has_series = .true.
     contains
         procedure :: info
         procedure :: prepare
@@ -66,13 +68,13 @@ module spintop_body_with_effects
             real(c_double), intent(inout) :: constants(*)
         end subroutine c_set_series
 
-        pure subroutine c_expand(order, kinds, constants, t, state, table, law, share, share_rest, c, exists) &
+        pure subroutine c_expand(order, kinds, constants, t, state, table, law, given, share, share_rest, c, exists) &
             bind(C, name='spintop_expand_effects')
             import :: c_double, c_int, motion_kinds_t
             integer(c_int), value :: order
             type(motion_kinds_t), intent(in) :: kinds
             real(c_double), value :: t
-            real(c_double), dimension(*), intent(in) :: constants, state, table, law, share, share_rest
+            real(c_double), dimension(*), intent(in) :: constants, state, table, law, given, share, share_rest
             real(c_double), intent(inout) :: c(*)
             integer(c_int), intent(out) :: exists
         end subroutine c_expand
@@ -88,7 +90,11 @@ contains
             'quaternion and body momentum, for any body with effects; no pole is singular', 7, &
             symmetric_only=.false., singular_at_poles=.false., quaternion=1, takes_effects=.true., &
             runs_in_lanes=.true.)
-        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+        info%offers(structure_group) = .true.
+        info%offers([structure_series, structure_quadruple]) = .true.
+        ! An effect that only the loads know has no series.
+        if (allocated(self%body%effects)) info%offers([structure_series, structure_quadruple]) = &
+            self%body%effects%only(series_effects)
     end function info
 
     !> Initial state.
@@ -108,6 +114,7 @@ contains
         self%has_stages = self%effects%only(kernel_effects)
         call set_stages(self)
         self%kinds = kinds_of(body)
+        self%has_series = self%effects%only(series_effects)
         call c_set_series(numbers_of(body), self%constants)
         if (.not. allocated(self%action)) allocate (self%action)
         call self%action%set(body)
@@ -243,11 +250,12 @@ contains
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        real(dp) :: table(3, 0:3), law(5, 2)
+        real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:order)
         integer(c_int) :: exists
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
-        call c_expand(order, self%kinds, self%constants, t, y, table, law, short_share, share_rest, coefficient, exists)
-        if (exists == 0) coefficient(:, 1:order) = no_number
+        if (self%kinds%given > 0) given = real(torque_series(self%effects, t, order), dp)
+        call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
+        if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand
 
     !> The state at the start in quadruple precision.

@@ -3,8 +3,7 @@ module spintop_butcher
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: butcher_t, max_stages, euler_table, midpoint_table, classical_table
-    public :: dormand_prince_table
+    public :: butcher_t, max_stages, explicit_table, classical_table, dormand_prince_table
 
     !> Maximum number of stages of a table.
     integer, parameter :: max_stages = 7
@@ -27,31 +26,26 @@ module spintop_butcher
 
 contains
 
-    !> Explicit Euler method.
-    pure type(butcher_t) function euler_table() result(table)
-        table%stages = 1
-        table%order = 1
-        table%b(1) = 1
-    end function euler_table
-
-    !> Explicit midpoint rule (Runge 1895), RK2 of the paper's Appendix C.
-    pure type(butcher_t) function midpoint_table() result(table)
-        table%stages = 2
-        table%order = 2
-        table%a(1, 2) = 0.5_dp
-        table%b(2) = 1
-        table%c(2) = 0.5_dp
-    end function midpoint_table
+    !> The table of a method whose rows below the first are given one after another: a stage lies where the sum of its row puts
+    !> it.
+    pure type(butcher_t) function explicit_table(order, rows, b) result(table)
+        integer, intent(in) :: order !! order of the method
+        real(dp), intent(in) :: rows(:), b(:) !! a21, a31, a32, ..., and the weights of the stages
+        integer :: i, before
+        table%stages = size(b)
+        table%order = order
+        table%b(:size(b)) = b
+        before = 0
+        do i = 2, size(b)
+            table%a(:i - 1, i) = rows(before + 1:before + i - 1)
+            table%c(i) = sum(table%a(:i - 1, i))
+            before = before + i - 1
+        end do
+    end function explicit_table
 
     !> The classical Runge-Kutta method (Kutta 1901).
     pure type(butcher_t) function classical_table() result(table)
-        table%stages = 4
-        table%order = 4
-        table%a(1, 2) = 0.5_dp
-        table%a(2, 3) = 0.5_dp
-        table%a(3, 4) = 1
-        table%b(1:4) = [1, 2, 2, 1] / 6.0_dp
-        table%c(2:4) = [0.5_dp, 0.5_dp, 1.0_dp]
+        table = explicit_table(4, [0.5_dp, 0.0_dp, 0.5_dp, 0.0_dp, 0.0_dp, 1.0_dp], [1, 2, 2, 1] / 6.0_dp)
     end function classical_table
 
     !> The Dormand-Prince pair 5(4) (J. Comp. Appl. Math. 6, 1980) with the interpolant of order 4 of Shampine

@@ -1,6 +1,6 @@
 // What acts on a body, for motion_series.h: which of its parts are compiled, and which rows turn with the body.
 
-// How a vector in space is directed: along the vertical, whose row then does, or anyhow; axes of a torque over time; friction.
+// How a vector in space is directed: along the vertical, whose row then does, or anyhow; axes of a harmonic torque; friction.
 enum { along = 1, anyhow = 2, in_space = 1, in_body = 2, with_load = 2, table_terms = 4 };
 
 // The drags, of which the kinds are the sum of their numbers from 1 on.
@@ -27,16 +27,14 @@ inlined int list_rows(const struct motion_kinds *has, struct turned_row *row) {
         row[n++] = (struct turned_row){of_partner, is_partner, 1, of_pivot, -1};
     }
     for (int i = 0; i < 2; ++i) {
-        const int turns = i == 0, role = turns ? is_torque : is_moment, axes = i + 1, place = of_harmonics + 2 * i;
-        if (has->harmonic & axes) {
-            row[n++] = (struct turned_row){place, role, turns, of_harmonic_in_space + i, 1};
-            row[n++] = (struct turned_row){place + 1, is_partner, turns, of_harmonic_in_space + i, -1};
-        }
-        if (has->table != axes) continue;
-        for (int term = 0; term < table_terms; ++term) {
-            const int rate = term + 1 < table_terms ? by_time : at_rest;
-            row[n++] = (struct turned_row){of_table + term, term == 0 ? role : is_partner, turns, rate, 1};
-        }
+        const int turns = i == 0, role = turns ? is_torque : is_moment, place = of_harmonics + 2 * i;
+        if (!(has->harmonic & (i + 1))) continue;
+        row[n++] = (struct turned_row){place, role, turns, of_harmonic_in_space + i, 1};
+        row[n++] = (struct turned_row){place + 1, is_partner, turns, of_harmonic_in_space + i, -1};
+    }
+    for (int term = 0; has->table && term < table_terms; ++term) {
+        const int rate = term + 1 < table_terms ? by_time : at_rest;
+        row[n++] = (struct turned_row){of_table + term, term == 0 ? is_torque : is_partner, 1, rate, 1};
     }
     return n;
 }

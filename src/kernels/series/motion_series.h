@@ -72,6 +72,7 @@ struct NAME(start) {
     // Of drags: v in term 0; the slopes of s by the angular velocity, and of y by s.
     element v[most_drags][components * stride], slope[most_drags][components * stride], steep[most_drags][stride];
     element law[2][5], spin;
+    const element *given; // terms of torques over time in body axes
     int exists;
 };
 
@@ -237,8 +238,11 @@ inlined void NAME(append)(const struct motion_kinds *has, int joins, int k, int 
         const vec last = load_vec(has->frame ? more_at(NAME(total), k - 1) : at(NAME(w), k - 1));
         rate = add(rate, sub(mul(constant(drive[0]), behind(last)), mul(constant(drive[1]), ahead(last))));
     }
-    if (has->harmonic & in_body || has->table == in_body) rate = add(rate, moment);
-    if (has->torque || has->table == in_space || has->harmonic & in_space) {
+#if !is_many
+    if (has->given) moment = add(moment, vec_of(of->given[3 * k], of->given[3 * k + 1], of->given[3 * k + 2]));
+#endif
+    if (has->harmonic & in_body || has->given) rate = add(rate, moment);
+    if (has->torque || has->table || has->harmonic & in_space) {
         rate = add(rate, is_many ? mul(constant(per_inertia), torque) : torque);
     }
     if (is_many && has->torque == along) store_vec(more_at(room * of_torque, k), torque);

@@ -2,13 +2,14 @@
 // one.
 
 inlined int NAME(expand_with)(const struct motion_kinds *has, int joins, int order, const struct NAME(constants) * e, num t,
-                              const element *state, const double *table, const double *law, const element *share,
-                              const element *share_rest, element *c) {
+                              const element *state, const double *table, const double *law, const element *given,
+                              const element *share, const element *share_rest, element *c) {
     element terms[NAME(rows) * most_terms] __attribute__((aligned(64))),
         more[NAME(more) * most_terms] __attribute__((aligned(64)));
     struct NAME(start) of;
     element *const x = more;
     for_all(i, numbers) c[i] = state[i];
+    of.given = given;
     for_all(i, 10) of.law[i / 5][i % 5] = has->law ? law[i] : 0;
     NAME(begin)(has, 0, e, t, 0, state, table, &of, terms, more);
     NAME(expand)(has, joins, order, e, &of, share, share_rest, terms, more, c);

@@ -7,6 +7,7 @@ module spintop_sweep_worker
     use spintop_certificate, only: proof_count
     use spintop_clock, only: processor_seconds, seconds
     use spintop_compare, only: is_equal, is_finite, is_zero
+    use spintop_effects, only: series_effects
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -39,9 +40,9 @@ module spintop_sweep_worker
     integer, parameter :: block_of_stepping = 16
 
     !> Kinds of body, for each of which there is a plan: symmetric tops and free bodies, which have a closed form,
-    !> others without damping, with damping, with effects.
-    integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4, affected = 5
-    integer, parameter :: kinds_of_body = affected
+    !> others without damping, with damping, with effects, with effects without series.
+    integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4, affected = 5, &
+        without_series = 6, kinds_of_body = without_series
 
     !> Number of engines, and which of them computes cases one by one.
     integer, parameter :: engine_count = 4, stepping = 3
@@ -305,7 +306,7 @@ contains
         kind = damped
         if (all(is_zero(body%damping))) kind = merge(free_body, undamped, body%is_free())
         if (body%is_lagrange()) kind = symmetric_top
-        if (allocated(body%effects)) kind = affected
+        if (allocated(body%effects)) kind = merge(affected, without_series, body%effects%only(series_effects))
     end function kind_of
 
 end module spintop_sweep_worker

@@ -236,13 +236,13 @@ contains
     subroutine update_extremes(self, motion, given)
         class(nutation_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion, given
-        real(dp) :: gamma(3)
+        real(dp) :: gamma(3), height
         if (is_finite(given%rate(1)) .and. abs(given%rate(1)) > abs(self%phi_rate_max) .and. .not. self%is_plane) then
             gamma = vertical_from_quaternion(given%quaternion)
             if (.not. precession_is_lost(gamma(:2), given%omega(:2))) self%phi_rate_max = given%rate(1)
         end if
-        self%com_z_min = min(self%com_z_min, dot_product(self%case%body%centre_of_mass, &
-                                                         vertical_from_quaternion(motion%quaternion)))
+        height = dot_product(self%case%body%centre_of_mass, vertical_from_quaternion(motion%quaternion))
+        self%com_z_min = min(self%com_z_min, height)
         if (self%measures%has_forces()) call update_force_extremes(self, motion, given)
     end subroutine update_extremes
 

@@ -1,0 +1,283 @@
+"""An effect, a method and a watch are added as `doc/developing.md` says, in few lines.
+
+A copy of the sources takes the patches in `test/additions`, and is built once. It has a second
+effect, too, which only the loads know: everything else has to see that it does not know this one.
+"""
+
+import csv
+import faulthandler
+import math
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+ADDITIONS = ("effect", "method", "watch")
+"""A torque in body axes that decays; Heun's method of order 3; the largest height of the centre."""
+OF_LOADS = "effect_of_loads"
+"""A torque in body axes that is divided by 1 + t."""
+MOST_LINES = 40
+PATIENCE = 3600  # s
+
+
+def added(name: str) -> int:
+    """Return the number of lines that an addition adds or changes: no empty ones, nor comments."""
+    text = (ROOT / f"test/additions/{name}.patch").read_text(encoding="utf-8")
+    lines = [line[1:].strip() for line in text.splitlines() if line.startswith("+")]
+    return sum(line != "" and not line.startswith(("!", "++ b/")) for line in lines)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A built copy of the sources with the additions."""
+    root = tmp_path_factory.mktemp("additions")
+    for name in ("app", "src", "include", "scripts"):
+        shutil.copytree(ROOT / name, root / name, symlinks=True)
+    shutil.copy(ROOT / "fpm.toml", root)
+    (root / ".venv").symlink_to(ROOT / ".venv")
+    for name in (*ADDITIONS, OF_LOADS):
+        patch = ROOT / f"test/additions/{name}.patch"
+        subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
+    environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O1"}
+    faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
+    build = subprocess.run(
+        ["bash", "-c", "source scripts/setup; build release"],
+        cwd=root,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert build.returncode == 0, build.stderr[-2000:]
+    yield root
+    shutil.rmtree(root)
+
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(PATIENCE)]
+
+MASS, GRAVITY = 1.3, 9.81
+CENTRE = np.array([0.02, -0.03, 0.5])
+SMOOTH = np.diag([0.9, 1.0, 0.3])
+SKEW = np.array([[0.9, 0.05, -0.02], [0.05, 1.0, 0.03], [-0.02, 0.03, 0.4]])
+TORQUE, RATE = np.array([0.4, -0.7, 0.6]), 1.7
+START = np.array([0.8, 0.1, -0.5, 0.3])
+OMEGA = np.array([1.0, -0.5, 9.0])
+T_END = 1.5
+
+Moment = Callable[[float], np.ndarray]
+
+
+def decaying(t: float) -> np.ndarray:
+    """Return the torque of the new effect."""
+    return TORQUE * math.exp(-RATE * t)
+
+
+def fading(t: float) -> np.ndarray:
+    """Return the torque of the effect that only the loads know."""
+    return TORQUE / (1 + t)
+
+
+def path(inertia: np.ndarray, moment: Moment, steps: int = 3000) -> np.ndarray:
+    """Return the states (q, omega) of a motion, by the classical Runge-Kutta method."""
+    inverse = np.linalg.inv(inertia)
+
+    def slope(t: float, y: np.ndarray) -> np.ndarray:
+        q, w = y[:4], y[4:]
+        turn = np.concatenate([[-q[1:] @ w], q[0] * w + np.cross(q[1:], w)]) / 2
+        torque = MASS * GRAVITY * np.cross(vertical(q), CENTRE) + moment(t)
+        return np.concatenate([turn, inverse @ (np.cross(inertia @ w, w) + torque)])
+
+    h = T_END / steps
+    states = [np.concatenate([START / np.linalg.norm(START), OMEGA])]
+    for i in range(steps):
+        t, y = i * h, states[-1]
+        a = slope(t, y)
+        b = slope(t + h / 2, y + h / 2 * a)
+        c = slope(t + h / 2, y + h / 2 * b)
+        d = slope(t + h, y + h * c)
+        states.append(y + h / 6 * (a + 2 * b + 2 * c + d))
+    return np.array(states)
+
+
+def vertical(q: np.ndarray) -> np.ndarray:
+    """Return the upward vertical in body axes."""
+    a, b, c, d = q
+    return np.array([2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c])
+
+
+def listed(values: np.ndarray) -> str:
+    """Return numbers as they stand in an input."""
+    return ", ".join(repr(float(x)) for x in values)
+
+
+def scene(inertia: np.ndarray, effects: str, more: str) -> str:
+    """Return an input of the motion."""
+    body = " ".join(f"inertia_tensor({i + 1},:) = {listed(inertia[i])}" for i in range(3))
+    if inertia is SMOOTH:
+        body = f"inertia = {listed(np.diag(inertia))}"
+    return (
+        f"&top mass = {MASS} gravity = {GRAVITY} {body} centre_of_mass = {listed(CENTRE)} /\n"
+        f"&initial quaternion = {listed(START / np.linalg.norm(START))} omega = {listed(OMEGA)} /\n"
+        f"&span t_end = {T_END} /\n&effects {effects} /\n{more}\n"
+    )
+
+
+DECAYS = f"decaying_torque = {listed(TORQUE)} decay_rate = {RATE}"
+FADES = f"fading_torque = {listed(TORQUE)}"
+
+
+def call(copy: Path, *words: object) -> subprocess.CompletedProcess[str]:
+    """Call the program of the copy."""
+    command = [copy / "build/release/spintop", *words]
+    return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+
+
+def rows(copy: Path, text: str, *options: str) -> list[dict[str, str]]:
+    """Return the rows of the table of an input."""
+    (copy / "scene.nml").write_text(text, encoding="utf-8")
+    done = call(copy, "--quiet", "-o", "out", *options, "scene.nml")
+    assert done.returncode == 0, done.stderr
+    table = (copy / "out/scene.csv").read_text(encoding="utf-8")
+    return list(csv.DictReader(x for x in table.splitlines() if not x.startswith("#")))
+
+
+def last_state(row: dict[str, str]) -> np.ndarray:
+    """Return the state in a row."""
+    return np.array([float(row[name]) for name in NAMES])
+
+
+NAMES = ("q0", "q1", "q2", "q3", "omega1", "omega2", "omega3")
+COLUMNS = f"&output columns = 't', {', '.join(map(repr, NAMES))}, 'energy_error' /"
+ADAPTIVE = "relative_tolerance = 1e-13"
+
+
+def distance(a: np.ndarray, b: np.ndarray) -> float:
+    """Return the distance of two states; a quaternion has two signs."""
+    sign = math.copysign(1, a[:4] @ b[:4])
+    return float(np.linalg.norm(a - np.concatenate([sign * b[:4], b[4:]])))
+
+
+def test_additions_are_short() -> None:
+    """The effect, the method and the watch take fewer lines than a page has."""
+    assert sum(map(added, ADDITIONS)) < MOST_LINES
+
+
+def test_lists_have_them(copy: Path) -> None:
+    """Keys, methods and columns are listed."""
+    parameters = call(copy, "list", "parameters").stdout
+    assert "effects.decaying_torque" in parameters
+    assert "effects.decay_rate" in parameters
+    assert "heun_3" in call(copy, "list", "methods").stdout
+    assert "com_z_max" in call(copy, "list", "columns").stdout
+
+
+@pytest.mark.parametrize("inertia", [SMOOTH, SKEW], ids=["principal", "tensor"])
+def test_effect_changes_the_motion(copy: Path, inertia: np.ndarray) -> None:
+    """By slopes and by series, also in quadruple precision, as another integration says."""
+    expected = path(inertia, decaying)[-1]
+    assert distance(expected, path(inertia, lambda _: np.zeros(3))[-1]) > 0.1
+    adaptive = [f"{name!r} {ADAPTIVE}" for name in ("dop853", "taylor", "auto")]
+    for method in (*adaptive, "'taylor_quadruple'", "'rk4' steps = 6000"):
+        text = scene(inertia, DECAYS, f"&integration method = {method} /\n{COLUMNS}")
+        row = rows(copy, text)[-1]
+        assert distance(last_state(row), expected) < 1e-9, method
+        assert abs(float(row["energy_error"])) < 1e-10, method
+
+
+def test_effect_of_loads_alone(copy: Path) -> None:
+    """It is right with every method that takes it; series are refused, and not chosen."""
+    expected = path(SMOOTH, fading)[-1]
+    for method in (f"'dop853' {ADAPTIVE}", f"'auto' {ADAPTIVE}", "'gauss_8' steps = 3000"):
+        text = scene(SMOOTH, FADES, f"&integration method = {method} /\n{COLUMNS}")
+        row = rows(copy, text)[-1]
+        assert distance(last_state(row), expected) < 1e-9, method
+        assert abs(float(row["energy_error"])) < 1e-10, method
+    for method in ("taylor", "taylor_quadruple"):
+        text = scene(SMOOTH, FADES, f"&integration method = '{method}' /")
+        (copy / "scene.nml").write_text(text, encoding="utf-8")
+        check = call(copy, "--check", "scene.nml")
+        assert check.returncode != 0
+        assert "those with these effects have none" in check.stderr
+
+
+@pytest.mark.parametrize(
+    ("key", "moment"), [("decaying_torque", decaying), ("fading_torque", fading)]
+)
+def test_sweep_takes_the_effect_one_by_one(copy: Path, key: str, moment: Moment) -> None:
+    """Lanes leave the cases that they do not know."""
+    text = scene(
+        SMOOTH,
+        f"torque_body = 0.1, 0, 0 decay_rate = {RATE} {key} = 0, {TORQUE[1]}, {TORQUE[2]}",
+        f"&study kind = 'sweep' /\n&sweep parameter = 'effects.{key}(1)' from = 0 "
+        f"to = {TORQUE[0]} count = 3 /\n"
+        "&output columns = 'theta_end', 'com_z_min', 'com_z_max', 'energy_error_max' /",
+    )
+    for i, row in enumerate(rows(copy, text)):
+        scaled = np.array([i / 2, 1, 1])
+
+        def torque(t: float, scaled: np.ndarray = scaled) -> np.ndarray:
+            return scaled * moment(t) + np.array([0.1, 0, 0])
+
+        check_extremes(row, path(SMOOTH, torque), 1e-7)
+        assert float(row["energy_error_max"]) < 1e-6
+
+
+def check_extremes(row: dict[str, str], states: np.ndarray, tolerance: float) -> None:
+    """Compare the end and the extremes of the height with those of a motion."""
+    ups = np.array([vertical(y[:4]) for y in states])
+    heights = ups @ CENTRE
+    assert abs(float(row["theta_end"]) - math.acos(ups[-1, 2])) < tolerance
+    assert abs(float(row["com_z_max"]) - heights.max()) < 1e-6
+    assert abs(float(row["com_z_min"]) - heights.min()) < 1e-6
+    assert heights.max() > heights.min() + 0.05
+
+
+def test_watch_in_lanes_and_alone(copy: Path) -> None:
+    """The new column is the same in lanes, and one by one by a method that has none."""
+    sweep = "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega(3)' values(1,:) = 9 /\n"
+    columns = "&output columns = 'theta_end', 'com_z_min', 'com_z_max' /"
+    for method in ("taylor", "dop853"):
+        text = scene(SMOOTH, "", f"{sweep}&integration method = '{method}' {ADAPTIVE} /\n{columns}")
+        check_extremes(rows(copy, text)[0], path(SMOOTH, lambda _: np.zeros(3)), 1e-9)
+
+
+def test_watch_of_closed_forms(copy: Path) -> None:
+    """The new column of a symmetric top is that of its closed form."""
+    top = (
+        "&study kind = 'sweep' /\n&top mass = 1 inertia = 0.9, 0.9, 0.3 length = 0.5 /\n"
+        "&initial theta = 0.5 omega3 = 9 /\n&span nutations = 3 /\n"
+        "&sweep parameter = 'initial.omega3' from = 8 to = 12 count = 3 /\n"
+        "&output columns = 'theta_min', 'theta_max', 'com_z_min', 'com_z_max' /\n"
+    )
+    for row in rows(copy, top):
+        for height, angle in (("com_z_max", "theta_min"), ("com_z_min", "theta_max")):
+            assert abs(float(row[height]) - 0.5 * math.cos(float(row[angle]))) < 1e-14
+
+
+def test_proof_does_not_enclose_the_effect(copy: Path) -> None:
+    """Balls do not know it, so nothing is proved of it."""
+    columns = "&output columns = 't', 'omega3', 'omega3_bound' /"
+    text = scene(SMOOTH, DECAYS, f"&integration {ADAPTIVE} /\n{columns}")
+    (copy / "scene.nml").write_text(text, encoding="utf-8")
+    if "has no FLINT" in call(copy, "--check", "scene.nml").stderr:
+        pytest.skip("this build has no FLINT")
+    bounds = [float(row["omega3_bound"]) for row in rows(copy, text, "--set", "span.samples=3")]
+    assert all(math.isinf(bound) for bound in bounds)
+
+
+def test_method_converges(copy: Path) -> None:
+    """With half the step, an eighth of the error."""
+    expected = path(SMOOTH, decaying)[-1]
+    errors = []
+    for steps in (400, 800, 1600):
+        text = scene(SMOOTH, DECAYS, f"&integration method = 'heun_3' steps = {steps} /\n{COLUMNS}")
+        errors.append(distance(last_state(rows(copy, text)[-1]), expected))
+    assert 7.5 < errors[0] / errors[1] < 8.5
+    assert 7.5 < errors[1] / errors[2] < 8.5

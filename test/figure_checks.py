@@ -5,13 +5,13 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
-from spintop_figures.style.log_axes import axes_of
 from spintop_figures.style.saving import lay_out
 
 FORMULA = re.compile(r"\$[^$]*\$")
@@ -47,6 +47,12 @@ def problems_of(figure: Figure) -> list[str]:
         if round(text.get_fontsize(), 2) < LETTERS:
             problems.append(f"{text.get_fontsize():.1f} points of {words!r}")
     return problems
+
+
+def axes_of(figure: Figure) -> list[tuple[Axes, str, Axis]]:
+    """Every axis of a figure, also within and beside panels, with its panel and its letter."""
+    panels = [each for axes in figure.axes for each in (axes, *axes.child_axes)]
+    return [(panel, name, axis) for panel in panels for name, axis in panel._axis_map.items()]
 
 
 def look_at_axis(axis: Axis) -> tuple[list[Text], list[str]]:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from spintop_figures.registry import FigureKind
-from spintop_figures.style.options import DEFAULT, Options
+from spintop_figures.kinds import FigureKind
+from spintop_figures.style.look import DEFAULT, Options
 from spintop_figures.style.saving import save_as
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.own_units import in_own_units
@@ -110,10 +110,8 @@ def without_overflow(table: Table) -> Table:
 
 def too_large(table: Table, columns: Sequence[str]) -> str:
     """Which of the numbers of a table are too large to be drawn; empty if none is."""
-    for name in columns:
-        if not table.numeric(name):
-            continue
-        values = np.abs(table.rows[name].to_numpy(float))
+    for name in filter(table.numeric, columns):
+        values = np.abs(table.column(name))
         if (values[np.isfinite(values)] > LARGEST).any():
             return f"has numbers beyond {LARGEST:g} in column {name}"
     return ""

@@ -6,17 +6,20 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from spintop_figures.methods.best import name_at_the_side
-from spintop_figures.methods.curves import Curve, curves_of
+from spintop_figures.kinds import figure
+from spintop_figures.methods.curves import Curve, curves_of, name_at_the_side
 from spintop_figures.methods.known import order_of
 from spintop_figures.methods.precision import (
-    ERROR_LABEL,
+    ERROR,
     LEAST_ERROR,
     MOST_ERROR,
+    PRECISION,
     draw_precision_curves,
     object_to_precision,
     problem_panels,
 )
+from spintop_figures.style.axes import name_axes, name_axis
+from spintop_figures.style.numbers import DASH, write_fixed
 from spintop_figures.tables.table import Table
 
 STEP = "step"
@@ -28,9 +31,6 @@ for the order to show, and the errors are not of rounding yet."""
 
 LEAST_SLOPE = 0.5
 """Errors of rounding fall by less."""
-
-
-DASH = "\N{EN DASH}"
 
 
 def equal_steps(table: Table) -> pd.DataFrame:
@@ -45,9 +45,8 @@ def object_to_orders(table: Table) -> str:
     if objection := object_to_precision(table):
         return objection
     curves = curves_of(equal_steps(table), (STEP, "error_max"))
-    if all(len(curve.rows) < 2 for curve in curves):
-        return "has no method with several fixed step sizes"
-    return ""
+    several = any(len(curve.rows) > 1 for curve in curves)
+    return "" if several else "has no method with several fixed step sizes"
 
 
 def measured_order(rows: pd.DataFrame) -> float:
@@ -68,26 +67,33 @@ def measured_order(rows: pd.DataFrame) -> float:
 def with_order(curve: Curve) -> str:
     """The label of a curve with its measured order and, after a slash, that of the method."""
     order = measured_order(curve.rows)
-    measured = f"{order:.2f}" if np.isfinite(order) else DASH
-    order = order_of(curve.method)
-    return f"{curve.label}: {measured} / {order if order else DASH}"
+    measured = write_fixed(order, 2) if np.isfinite(order) else DASH
+    return f"{curve.label}: {measured} / {order_of(curve.method) or DASH}"
 
 
+@figure(
+    "orders",
+    "error against step size of the fixed-step methods, with measured orders",
+    needs="error_max",
+    objection=object_to_orders,
+    **PRECISION,
+)
 def draw_orders(table: Table) -> Figure:
     """Error against the size of the step, a panel a problem, each curve with its name and order."""
     rows = equal_steps(table)
     title = "Convergence of the fixed-step methods, with measured / theoretical order"
     figure, panels = problem_panels(table, title, rows)
+    words = "step size over the time span"
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
         draw_precision_curves(axes, part, STEP)
-        axes.set_ylabel(ERROR_LABEL)
         named = [(curve, coarse_end(curve)) for curve in curves_of(part, (STEP, "error_max"))]
         name_at_the_side(axes, named, with_order)
-    words = "step size over the time span"
-    if DASH in "".join(text.get_text() for axes in panels.values() for text in axes.texts):
-        words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
-    axes.set_xlabel(words)
+        name_axes(axes, y=ERROR)
+        if any(DASH in text.get_text() for text in axes.texts) and "\n" not in words:
+            words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
+        name_axis(axes.xaxis, "")
+    name_axis(axes.xaxis, words)
     return figure
 
 

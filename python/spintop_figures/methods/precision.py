@@ -7,19 +7,27 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.methods.best import best_of_families, name_at_the_top
-from spintop_figures.methods.curves import EXACT, curves_of, problems_of, time_to
-from spintop_figures.methods.known import family_of, order_of
-from spintop_figures.methods.styles import look_of, style_of
+from spintop_figures.kinds import figure
+from spintop_figures.methods.curves import (
+    EXACT,
+    GOAL,
+    best_of_families,
+    curves_of,
+    name_at_the_top,
+    problems_of,
+    time_to,
+)
+from spintop_figures.methods.known import family_of, look_of, order_of, style_of
+from spintop_figures.style.axes import name_axes
 from spintop_figures.style.look import FAINT, GREY, by_width
 from spintop_figures.style.numbers import write, write_count
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.page import head, new_figure
 from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
-WORDS = ("problem", "method", "formulation", "setting", "status")
-"""The columns of words of a work-precision study."""
+PRECISION = {"kind": "work_precision", "words": "problem method formulation setting status"}
+"""What figures of a work-precision study ask."""
 
 LEAST_ERROR, MOST_ERROR = 1e-16, 4.0
 """Smaller errors are drawn at the first, rad; no turn is larger than the second."""
@@ -33,18 +41,15 @@ PANEL_HEIGHT, NAMES_HEIGHT = 3.4, 0.8
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
 
-OTHERS = {"color": "0.78", "linewidth": 0.9, "zorder": 1}
+OTHERS = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
 """Curves that are not the best of their family."""
 
-NOTE = "named: the best of each family at 10\u207b\u2079 rad; grey: the others"
-
-GOAL = "10\u207b\u2079 rad"
-"""The error at which methods are compared, as it is written."""
+NOTE = f"named: the best of each family at {GOAL}; grey: the others"
 
 LEAST_LEAD = 1.05
 """A method that is ahead by less, as a ratio, is not said to be."""
 
-ERROR_LABEL = "largest error of the attitude (rad)"
+ERROR = "largest error of the attitude", "rad"
 
 
 def draw_precision_curves(axes: Axes, rows: pd.DataFrame, x: str, y: str = "error_max") -> None:
@@ -69,22 +74,18 @@ def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     """The exact motion as a point with its name, if it has a cost that a log axis can show."""
     there = cost > 0
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
+    style = {"textcoords": "offset points", "va": by_width("top", "bottom"), "fontsize": "small"}
     for place in zip(cost[there][:1], error[there][:1], strict=True):
-        style = {"ha": "left", "va": by_width("top", "bottom"), "fontsize": 9}
-        axes.annotate(
-            "exact solution", place, (6, by_width(-1, 1)), textcoords="offset points", **style
-        )
+        axes.annotate("exact solution", place, (6, by_width(-1, 1)), **style)
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
     """The band of errors that rounding of the data makes by itself, where it is known."""
     if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
-        top = max(floor, LEAST_ERROR)
-        axes.axhspan(1e-30, top, color=FAINT, linewidth=0, zorder=0)
-        style = {"fontsize": 8.5, "color": GREY, "va": "bottom", "ha": "right", "zorder": 5}
-        outline = [withStroke(linewidth=3, foreground=FAINT)]
-        place = {"xy": (0.99, 0.015), "xycoords": "axes fraction", "path_effects": outline}
-        axes.annotate("inherent error", **place, **style)
+        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
+        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
+        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
+        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
 
 
 def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
@@ -96,11 +97,15 @@ def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
     axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
     least = max(error[shown].min(), LEAST_ERROR)
     axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=9))
+    few_ticks(axes, 9, 9)
+
+
+def few_ticks(axes: Axes, x: int, y: int) -> None:
+    """So many ticks on log axes at most, and a faint grid."""
+    for axis, count in ((axes.xaxis, x), (axes.yaxis, y)):
+        axis.set_major_locator(LogLocator(numticks=count))
         axis.set_minor_locator(NullLocator())
-    axes.grid(color="0.92", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(alpha=0.4)
 
 
 def object_to_precision(table: Table) -> str:
@@ -125,22 +130,22 @@ def problem_panels(
     problems = list(dict.fromkeys(rows["problem"]))
     figure = new_figure(table, title, 1.0 + (PANEL_HEIGHT + above) * len(problems))
     panels = figure.subplots(len(problems), 1, squeeze=False)[:, 0]
-    by_problem = dict(zip(problems, panels, strict=True))
     if len(problems) > 1:
-        for problem, axes in by_problem.items():
-            axes.set_title(name_of(problem), loc="left", pad=4)
-    return figure, by_problem
+        for problem, axes in zip(problems, panels, strict=True):
+            head(axes, name_of(problem))
+    return figure, dict(zip(problems, panels, strict=True))
 
 
-def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tuple[Figure, list]:
+def draw_over(table: Table, cost: str, less: str, words: str, unit: str) -> tuple[Figure, list]:
     """Error against a cost, one panel per problem: the best of each family, the others grey."""
-    rows = table.rows
-    figure, panels = problem_panels(table, title, rows, NAMES_HEIGHT)
+    title = f"Error against {words.partition(' (')[0]}{tell_lead(table, cost, less)}"
+    figure, panels = problem_panels(table, title, table.rows, NAMES_HEIGHT)
     for problem, axes in panels.items():
-        draw_best_curves(axes, rows[rows["problem"] == problem], cost)
-        axes.set_ylabel(ERROR_LABEL)
-    axes.set_xlabel(f"{label}\n{NOTE}")
-    return figure, list(panels.values())
+        draw_best_curves(axes, table.rows[table.rows["problem"] == problem], cost)
+        name_axes(axes, (words, unit, f"\n{NOTE}"), ERROR)
+        if axes is not [*panels.values()][-1]:
+            axes.set_xlabel("")
+    return figure, [*panels.values()]
 
 
 def draw_best_curves(axes: Axes, rows: pd.DataFrame, cost: str) -> None:
@@ -158,18 +163,13 @@ def draw_best_curves(axes: Axes, rows: pd.DataFrame, cost: str) -> None:
             style = curve.style() | {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
             style["color"] = look_of(family_of(curve.method)).colour
             axes.plot(x, y, **style, label=curve.label)
-            named.append((curve, upper_end(x, y)))
+            place = int(np.argmax(y <= MOST_ERROR))  # no turn is beyond
+            named.append((curve, (float(x[place]), min(float(y[place]), MOST_ERROR))))
         else:
             axes.plot(x, y, **OTHERS, label=curve.label)
     draw_floor(axes, rows)
     set_limits(axes, rows, cost, "error_max")
     name_at_the_top(axes, named)
-
-
-def upper_end(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """The first point of a curve that no turn is beyond; the highest of one that is not there."""
-    place = int(np.argmax(y <= MOST_ERROR))
-    return float(x[place]), min(float(y[place]), MOST_ERROR)
 
 
 def tell_lead(table: Table, cost: str, less: str) -> str:
@@ -187,20 +187,31 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
+@figure(
+    "precision_time",
+    "work-precision diagram: error against time, one panel per problem",
+    needs="error_max time_s",
+    objection=object_to_precision,
+    **PRECISION,
+)
 def draw_precision_time(table: Table) -> Figure:
     """Error against time, the fastest of the repeats."""
-    lead = tell_lead(table, "time_s", "is {ratio} times as fast as {other}")
-    title = f"Error against computing time{lead}"
-    figure, _ = draw_precision_over(table, "time_s", title, "computing time (s)")
-    return figure
+    less = "is {ratio} times as fast as {other}"
+    return draw_over(table, "time_s", less, "computing time", "s")[0]
 
 
+@figure(
+    "precision_work",
+    "work-precision diagram: error against evaluations, one panel per problem",
+    needs="error_max evaluations",
+    objection=object_to_precision,
+    **PRECISION,
+)
 def draw_precision_work(table: Table) -> Figure:
     """Error against evaluations, with lines whose slopes are orders."""
-    lead = tell_lead(table, "evaluations", "takes {ratio} times fewer than {other}")
-    title = f"Error against function evaluations{lead}"
-    label = "function evaluations (a Taylor series of order p counts as p)"
-    figure, panels = draw_precision_over(table, "evaluations", title, label)
+    less = "takes {ratio} times fewer than {other}"
+    words = "function evaluations (a Taylor series of order p counts as p)"
+    figure, panels = draw_over(table, "evaluations", less, words, "")
     for (_, rows), axes in zip(table.rows.groupby("problem", sort=False), panels, strict=True):
         methods = rows.loc[stepping(rows) & rows["setting"].str.startswith("steps "), "method"]
         orders = {order for name in methods.unique() if (order := order_of(name))}
@@ -215,16 +226,13 @@ def draw_slopes(axes: Axes, orders: list[int]) -> None:
     (left, right), (low, high) = (np.log10(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
     floor = max((np.log10(patch.get_corners()[:, 1].max()) for patch in axes.patches), default=low)
     ratio = (right - left) / (high - low)
-    apex = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + FAN[1]
+    x, y = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + FAN[1]
+    style = {"fontsize": "small", "color": GREY}
     for order in orders:
-        slope = order * ratio
-        run = 1 / np.hypot(1 / FAN[0], slope / FAN[1])
-        ends = [apex, (apex[0] + run, apex[1] - slope * run)]
-        points = [
-            (10 ** (left + x * (right - left)), 10 ** (low + y * (high - low))) for x, y in ends
-        ]
-        axes.plot(*np.transpose(points), color=GREY, linewidth=0.9, zorder=1)
-        style = {"fontsize": 9, "color": GREY, "ha": "left", "va": "top"}
-        axes.annotate(f"{order}", points[1], (1, 2), textcoords="offset points", **style)
-    style = {"fontsize": 9, "color": GREY, "va": "bottom"}
-    axes.text(apex[0], apex[1] + 0.01, "order", transform=axes.transAxes, **style)
+        run = 1 / np.hypot(1 / FAN[0], order * ratio / FAN[1])
+        across, up = np.array([x, x + run]), np.array([y, y - order * ratio * run])
+        line = 10 ** (left + across * (right - left)), 10 ** (low + up * (high - low))
+        axes.plot(*line, color=GREY, linewidth=0.9, zorder=1)
+        end = line[0][1], line[1][1]
+        axes.annotate(f"{order}", end, (1, 2), textcoords="offset points", va="top", **style)
+    axes.text(x, y + 0.01, "order", transform=axes.transAxes, va="bottom", **style)

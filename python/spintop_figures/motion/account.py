@@ -4,18 +4,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.motion.trajectory import TIME, numbers
-from spintop_figures.style.lines import draw_line, draw_sizes, set_degree_ticks
-from spintop_figures.style.look import FAINT, HIDDEN, LINES, by_width
-from spintop_figures.style.page import new_figure
+from spintop_figures.kinds import figure
+from spintop_figures.motion.trajectory import draw_column
+from spintop_figures.style.axes import name_axis
+from spintop_figures.style.lines import draw_line, draw_sizes
+from spintop_figures.style.look import FAINT, FAULT, GREY, HIDDEN, LINES, OURS, by_width
+from spintop_figures.style.page import TIME, new_figure
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import columns_of
 
-COLUMNS = ("t", "theta", "omega3", "energy", "energy_error", "work")
-"""What the figure is made of; it also draws the columns of the single works."""
-
-AREAS = ("#e39b35", "#2da4a1", "#8a6fae", "#b0392a", "#7f7f7f")
+AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}area5")
 """Of the works, from the largest."""
 
 
@@ -24,29 +23,26 @@ def object_to_account(table: Table) -> str:
     return "" if table.rows["energy_error"].any() else "has no energy error that is not zero"
 
 
+@figure(
+    "account",
+    "inclination, spin, and account of energy under effects, against time",
+    kind="trajectory",
+    needs="t theta omega3 energy energy_error work",
+    objection=object_to_account,
+)
 def draw_account(table: Table) -> Figure:
     """Inclination, spin, the budget of the energy, and the error of its balance."""
     figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
     ratios = {"height_ratios": (1, 1, 1.4, 1)}
-    panels = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
-    t = numbers(table, "t")
-    degrees = np.degrees(numbers(table, "theta"))
-    draw_line(panels[0], t, degrees)
-    set_degree_ticks(panels[0].yaxis, degrees)
-    panels[0].set_ylabel(axis_of("theta", "deg", "\n"))
-    panels[1].axhline(0, color=FAINT, linewidth=0.8)
-    draw_line(panels[1], t, numbers(table, "omega3"))
-    panels[1].set_ylabel(axis_of("omega3", "rad/s", "\n"))
-    works = works_of(table)
-    if is_spent(works):
-        draw_budget(panels[2], table, t, works)
-    else:
-        draw_works(panels[2], table, t, works)
-    draw_sizes(panels[3], t[1:], numbers(table, "energy_error")[1:])  # it is zero at the start
-    panels[3].set_ylabel("error of the\nbalance (relative)")
-    panels[3].set_xlabel(TIME)
-    for axes in panels:
-        axes.margins(x=0.01)
+    theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
+    t, works = table.column("t"), works_of(table)
+    draw_column(theta, table, "theta", axis_of("theta", between="\n"))
+    draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
+    (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
+    draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
+    name_axis(error.yaxis, "error of the\nbalance (relative)")
+    name_axis(error.xaxis, *TIME)
+    error.margins(x=0.01)
     figure.align_ylabels()
     return figure
 
@@ -55,11 +51,9 @@ def works_of(table: Table) -> dict[str, np.ndarray]:
     """The works that are not zero throughout, by what does them, the largest first."""
     names = [name for name in columns_of("trajectory") if name.startswith("work_")]
     acting = [name for name in names if name in table.rows and table.rows[name].any()]
-    if not acting:
-        return {"effects": numbers(table, "work")}
     acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
-    words = {name: name_of(name) for name in acting}
-    return {words[name].removeprefix("work of "): numbers(table, name) for name in acting}
+    works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
+    return works or {"effects": table.column("work")}
 
 
 def is_spent(works: dict[str, np.ndarray]) -> bool:
@@ -73,40 +67,31 @@ def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.nda
 
     The upper edge is the energy of the start.
     """
-    energy = numbers(table, "energy")
-    ground = numbers(table, "potential") if "potential" in table.rows else np.zeros_like(energy)
+    top = energy = table.column("energy")
+    ground = table.column("potential") if "potential" in table.rows else np.zeros_like(energy)
     axes.fill_between(t, ground, energy, color=HIDDEN, linewidth=0, label="kinetic energy")
-    top = energy
     for number, (name, work) in enumerate(works.items()):
-        colour = AREAS[number % len(AREAS)]
-        axes.fill_between(t, top, top - work, color=colour, linewidth=0, label=f"taken by {name}")
+        style = {"color": AREAS[number % len(AREAS)], "linewidth": 0, "label": f"taken by {name}"}
+        axes.fill_between(t, top, top - work, **style)
         top = top - work
     draw_line(axes, t, energy, label="energy")
     if "potential" in table.rows:
         draw_line(axes, t, ground, 1, label="potential energy")
-    axes.set_ylabel("energy (J)")
+    name_axis(axes.yaxis, "energy", "J")
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1.0), "borderpad": 0.1}
-    axes.legend(
-        **place, ncols=by_width(5, 2), handlelength=1.4, columnspacing=0.7, handletextpad=0.5
-    )
+    place |= {"handlelength": 1.4, "columnspacing": 0.7, "handletextpad": 0.5}
+    axes.legend(**place, ncols=by_width(5, 2))
 
 
 def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
     """The energy and the works as lines, where some give energy."""
     axes.axhline(0, color=FAINT, linewidth=0.8)
-    draw_line(axes, t, numbers(table, "energy"), label="energy")
+    draw_line(axes, t, table.column("energy"), label="energy")
     for line, (name, work) in enumerate(works.items()):
         draw_line(axes, t, work, 1 + line % (len(LINES) - 1), label=f"work of {name}")
     if "potential" in table.rows:
-        axes.plot(
-            t,
-            numbers(table, "potential"),
-            color="0.35",
-            linewidth=0.8,
-            zorder=1,
-            label="potential energy",
-        )
-    axes.set_ylabel("energy, work (J)")
-    axes.legend(
-        loc="upper right", ncols=by_width(2, 1), handlelength=2.2, columnspacing=1.2, borderpad=0.1
-    )
+        style = {"color": GREY, "linewidth": 0.8, "zorder": 1, "label": "potential energy"}
+        axes.plot(t, table.column("potential"), **style)
+    name_axis(axes.yaxis, "energy, work", "J")
+    place = {"loc": "upper right", "handlelength": 2.2, "columnspacing": 1.2, "borderpad": 0.1}
+    axes.legend(**place, ncols=by_width(2, 1))

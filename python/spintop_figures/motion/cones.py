@@ -6,11 +6,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from spintop_figures.kinds import figure
 from spintop_figures.motion.path import HEIGHT
 from spintop_figures.motion.sphere import BACK, ENDS, FRONT, draw_globe, draw_seen, project
-from spintop_figures.motion.trajectory import numbers
+from spintop_figures.style.axes import name_axes
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import GREY, LINES, by_width
+from spintop_figures.style.look import GREY, GROUND, INK, LINES, PALE, by_width
 from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
 
@@ -24,22 +25,20 @@ LEAST = 1e-9
 """What is slower, over the fastest, has no direction."""
 
 BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
-BODY_BACK = {"color": "#f0c4a6", "linewidth": 1.1, "linestyle": (0, (3, 1))}
+BODY_BACK = {"color": PALE, "linewidth": 1.1, "linestyle": (0, (3, 1))}
 """The cone of the body, before the sphere and behind it."""
+
+TOUCH = {"color": INK, "linewidth": 1.3}
 
 ROOM = 1.08
 """What is seen of a plane, over the extent of its curve."""
 
+ANGLES = ("phi", "theta", "psi")
 
-def turn_by_euler(
-    x: np.ndarray,
-    y: np.ndarray,
-    z: np.ndarray,
-    phi: np.ndarray | float,
-    theta: np.ndarray | float,
-    psi: np.ndarray | float,
-) -> np.ndarray:
+
+def turn_by_euler(vector: np.ndarray, phi: object, theta: object, psi: object) -> np.ndarray:
     """A vector of body axes in space axes, by Rz(phi) Rx(theta) Rz(psi); components by rows."""
+    x, y, z = vector
     x, y = x * np.cos(psi) - y * np.sin(psi), x * np.sin(psi) + y * np.cos(psi)
     y, z = y * np.cos(theta) - z * np.sin(theta), y * np.sin(theta) + z * np.cos(theta)
     return np.array([x * np.cos(phi) - y * np.sin(phi), x * np.sin(phi) + y * np.cos(phi), z])
@@ -47,47 +46,46 @@ def turn_by_euler(
 
 def in_body(table: Table) -> np.ndarray:
     """The angular velocity in body axes; components by rows."""
-    return np.array([numbers(table, f"omega{i}") for i in (1, 2, 3)])
+    return np.array([table.column(f"omega{i}") for i in (1, 2, 3)])
 
 
 def in_space(table: Table) -> np.ndarray:
     """The angular velocity in space axes; components by rows."""
-    angles = (numbers(table, name) for name in ("phi", "theta", "psi"))
-    return turn_by_euler(*in_body(table), *angles)
+    return turn_by_euler(in_body(table), *map(table.column, ANGLES))
 
 
 def body_at_start(table: Table) -> np.ndarray:
     """The angular velocities of body axes, placed in space by the attitude of the first row."""
-    start = (numbers(table, name)[0] for name in ("phi", "theta", "psi"))
-    return turn_by_euler(*in_body(table), *start)
+    return turn_by_euler(in_body(table), *(table.column(name)[0] for name in ANGLES))
 
 
+@figure(
+    "cones",
+    "angular velocity in the body and in space (polhode and herpolhode)",
+    kind="trajectory",
+    needs="phi theta psi omega1 omega2 omega3",
+)
 def draw_cones(table: Table) -> Figure:
     """The two cones, that of the body rolling on that in space, and their curves in planes."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
     figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
-    figure.get_layout_engine().set(wspace=0.08)
     (globe, body, space), key = three_panels(figure)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
     draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
     touch = directions(in_space(table))[:, :1]
     if touch.size:
-        x, y, _ = project(*touch)
-        globe.plot([0, x[0]], [0, y[0]], color="black", linewidth=1.3, zorder=4)
-        globe.annotate(
-            r"$\omega$", (x[0], y[0]), (4, 4), textcoords="offset points", fontsize=10, zorder=6
-        )
+        (x,), (y,), _ = project(*touch)
+        globe.plot([0, x], [0, y], **TOUCH, zorder=4)
+        globe.annotate(r"$\omega$", (x, y), (4, 4), textcoords="offset points", zorder=6)
     globe.plot(0, 0, "o", color=GREY, markersize=2.5, zorder=4)
-    globe.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.28), aspect="equal")
-    globe.axis("off")
-    globe.set_title("directions, at the start", fontsize=9.5, pad=4)
+    globe.set_title("directions, at the start", loc="center")
     draw_plane(body, in_body(table), BODY | {"linestyle": "-"}, "12", "in the body")
     draw_plane(space, in_space(table), FRONT, "xy", "in space, from above")
     handles = [
         Line2D([], [], **BODY, label="cone of the body"),
         Line2D([], [], **FRONT, label="cone in space"),
-        Line2D([], [], color="black", linewidth=1.3, label="where they touch"),
+        Line2D([], [], **TOUCH, label="where they touch"),
         *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
     ]
     key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
@@ -109,8 +107,8 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
     passed = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=0))])
     places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), RAYS))
     for place in np.unique(np.minimum(places, len(x) - 1)):
-        style = front if towards[place] >= 0 else back
-        look = {"color": style["color"], "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
+        colour = (front if towards[place] >= 0 else back)["color"]
+        look = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
         axes.plot([0, x[place]], [0, y[place]], **look)
 
 
@@ -128,10 +126,10 @@ def draw_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, heading: 
     axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
     axes.plot(0, 0, "+", color=GREY)
     for name, place in (("end", -1), ("start", 0)):
-        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec="white", zorder=5)
+        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec=GROUND, zorder=5)
     side = ROOM * float(np.nanmax(np.abs(omega[:2]))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
-    for axis, name in ((axes.xaxis, names[0]), (axes.yaxis, names[1])):
-        axis.set_major_locator(MaxNLocator(4))
-        axis.set_label_text(rf"$\omega_{name}$ (rad/s)")
-    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    name_axes(axes, *((rf"$\omega_{name}$", "rad/s") for name in names))
+    axes.set_title(heading)

@@ -9,9 +9,10 @@ from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.numbers import write_fixed
 from spintop_figures.tables.table import Table
 
+NEEDS = COLUMNS.split()
+
 MOST_ARC = np.radians(15)
 """Rows of which the axes are further apart are not joined: the line would be a guess."""
-
 
 STEADY = 1e-9
 """A smaller range of the inclination in radians is that of a steady precession."""
@@ -45,7 +46,7 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
     if largest.value - least.value < STEADY:
         return least._replace(of_rows=False), largest._replace(of_rows=False)
-    if table.missing(COLUMNS) or table.empty(COLUMNS) or broken(LAGRANGE, table):
+    if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
         return least, largest
     reduced = find_reduced(table)
     if isinstance(reduced, str) or not keeps_energy(table):

@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from spintop_figures.kinds import figure
 from spintop_figures.motion.extremes import sparseness
 from spintop_figures.motion.sphere import (
     BACK,
@@ -15,9 +16,9 @@ from spintop_figures.motion.sphere import (
     path_handles,
     thinned,
 )
-from spintop_figures.motion.trajectory import numbers
+from spintop_figures.style.axes import name_axes
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, FAINT, GREY, HIDDEN, by_width
+from spintop_figures.style.look import DOTS, FAINT, GREY, GROUND, HIDDEN, by_width
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import new_figure, three_panels
 from spintop_figures.tables.table import Table
@@ -34,38 +35,35 @@ FLAT = 0.25
 CIRCLE = np.linspace(0, 2 * np.pi, 361)
 
 
+@figure(
+    "path",
+    "path of the centre of mass in space and from above (Figure 11)",
+    kind="trajectory",
+    needs="com_x com_y com_z",
+)
 def draw_path(table: Table) -> Figure:
     """Path of the centre of mass, on its sphere, from above and from the side (Figure 11)."""
-    place = tuple(numbers(table, f"com_{name}") for name in "xyz")
+    x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
     figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
-    figure.get_layout_engine().set(wspace=0.08)
     (space, above, side), key = three_panels(figure)
-    radius = float(np.nanmedian(np.sqrt(sum(part**2 for part in place))))
-    joined = not sparse
+    radius, joined = float(np.nanmedian(np.sqrt(sum(part**2 for part in place)))), not sparse
     if radius > 0:
         draw_path_on(space, tuple(part / radius for part in place), joined)
-    space.axis("off")
-    space.set_title(f"on its sphere of {write(radius)} m", fontsize=9.5, pad=16)
-    x, y, z = place
+    space.set_axis_off()
+    space.set_title(f"on its sphere of {write(radius)} m", loc="center", pad=16)
     draw_plane(above, (x, y), z >= 0, radius, joined)
-    label_plane(above, "x", "y", "from above")
-    if np.ptp(x[np.isfinite(x)]) >= np.ptp(y[np.isfinite(y)]):
-        draw_plane(side, (x, z), y <= 0, radius, joined)
-        label_plane(side, "x", "z", "from $-y$")
-    else:
-        draw_plane(side, (y, z), x >= 0, radius, joined)
-        label_plane(side, "y", "z", "from $+x$")
+    name_axes(above, ("x", "m"), ("y", "m"))
+    above.set_title("from above")
+    is_wide = np.ptp(x[np.isfinite(x)]) >= np.ptp(y[np.isfinite(y)])
+    across, near = (x, y <= 0) if is_wide else (y, x >= 0)
+    draw_plane(side, (across, z), near, radius, joined)
+    name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
+    side.set_title("from $-y$" if is_wide else "from $+x$")
     handles = path_handles([WHOLE], [joined])
     key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
     return figure
-
-
-def label_plane(axes: Axes, across: str, up: str, heading: str) -> None:
-    """What the coordinates are, and from where they are seen."""
-    axes.set(xlabel=f"{across} (m)", ylabel=f"{up} (m)")
-    axes.set_title(heading, loc="left", fontsize=9.5, pad=4)
 
 
 def draw_plane(
@@ -78,15 +76,14 @@ def draw_plane(
     """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
     axes.plot(radius * np.cos(CIRCLE), radius * np.sin(CIRCLE), color=FAINT, linewidth=0.8)
     axes.plot(0, 0, "+", color=GREY)
-    shown = path if joined else thinned((*path, near))
-    x, y, near = *shown[:2], shown[2] if not joined else near
+    x, y, near = (*path, near) if joined else thinned((*path, near))
     front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
     for there, style, order in ((~near, back, 2), (near, front, 3)):
         there = there | np.roll(there, 1) if joined else there
         line = (np.where(there, part, np.nan) for part in (x, y))
         axes.plot(*line, **style, zorder=order, rasterized=len(x) > MANY_POINTS)
     for name, index in (("end", -1), ("start", 0)):
-        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec="white", zorder=5)
+        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec=GROUND, zorder=5)
     set_limits(axes, path, radius)
 
 

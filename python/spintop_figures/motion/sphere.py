@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, GREY, HIDDEN, LINES
+from spintop_figures.style.look import DOTS, FAINT, GREY, GROUND, HIDDEN, LINES, WASH
 from spintop_figures.style.numbers import write
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -142,21 +142,23 @@ def draw_seen(
 def draw_globe(axes: Axes, view: View = WHOLE) -> None:
     """The edge of the sphere or of the window, the graticule, and the vertical."""
     edge = view.window * np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
-    axes.fill(*edge, color="0.975", zorder=0)
-    axes.plot(*edge, color="0.5", linewidth=0.9)
-    front, back = ({"color": shade, "linewidth": 0.5, "zorder": 1} for shade in ("0.72", "0.9"))
+    axes.fill(*edge, color=WASH, zorder=0)
+    axes.plot(*edge, color=GREY, linewidth=0.8)
+    front = {"color": FAINT, "linewidth": 0.5, "zorder": 1}
     if view.window < 1:
         draw_fine_grid(axes, view, front)
-        return
-    for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
-        draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
-    for phi in np.arange(0, np.pi, GRID):
-        draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
-    top = np.cos(ELEVATION)
-    axes.annotate(
-        "", (0, top + 0.3), (0, top), arrowprops={"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
-    )
-    axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize=9)
+    else:
+        back = front | {"alpha": 0.5}
+        for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
+            draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
+        for phi in np.arange(0, np.pi, GRID):
+            draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
+        top, arrow = np.cos(ELEVATION), {"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
+        axes.annotate("", (0, top + 0.3), (0, top), arrowprops=arrow)
+        axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize="small")
+    side = 1.06 * view.window
+    axes.set(xlim=(-side, side), ylim=(-side, side if view.window < 1 else 1.28), aspect="equal")
+    axes.set_axis_off()
 
 
 def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
@@ -167,11 +169,10 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
-        if not 0 < count * step < np.pi * (1 - 1e-12):
-            continue
-        circle = on_sphere(np.full_like(around, count * step), around)
-        draw_seen(axes, circle, style, view=view)
-        name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
+        if 0 < count * step < np.pi * (1 - 1e-12):
+            circle = on_sphere(np.full_like(around, count * step), around)
+            draw_seen(axes, circle, style, view=view)
+            name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
     down = np.linspace(low, high, 181)
     apart = GRID if low == 0 or high == np.pi else step / np.sin(middle)
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
@@ -192,8 +193,8 @@ def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:
     if not inside.any():
         return
     place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
-    outline = [withStroke(linewidth=2, foreground="0.975")]
-    style = {"fontsize": 8, "color": GREY, "ha": "center", "va": "center", "zorder": 2}
+    outline = [withStroke(linewidth=2, foreground=WASH)]
+    style = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
     axes.text(x[place], y[place], name, path_effects=outline, **style)
 
 
@@ -210,11 +211,8 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
         draw_arrow(axes, points, view)
     for name, place in (("end", -1), ("start", 0)):
         (x,), (y,), (towards,) = project(*(part[place:][:1] for part in points), view)
-        face = ENDS[name]["color"] if towards >= 0 else "white"
-        axes.plot(x, y, **ENDS[name], mfc=face, mec="white" if towards >= 0 else None, zorder=5)
-    side = 1.06 * view.window
-    axes.set(xlim=(-side, side), ylim=(-side, side if view.window < 1 else 1.28), aspect="equal")
-    axes.axis("off")
+        face = ENDS[name]["color"] if towards >= 0 else GROUND
+        axes.plot(x, y, **ENDS[name], mfc=face, mec=GROUND if towards >= 0 else None, zorder=5)
     if view.window < 1:
         draw_inset(axes, view)
     return view
@@ -255,8 +253,6 @@ def draw_inset(axes: Axes, view: View) -> None:
         rim, look = view.towards[:, np.newaxis], {"color": LINES[1]["color"], "marker": "o"}
         look["markersize"] = 3
     draw_seen(inset, tuple(rim), look, look | {"alpha": 0.4})
-    inset.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.28), aspect="equal")
-    inset.axis("off")
 
 
 def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:

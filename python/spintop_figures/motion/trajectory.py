@@ -8,16 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from spintop_figures.kinds import figure
 from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
 from spintop_figures.moving.assumptions import LAGRANGE, broken
+from spintop_figures.style.axes import name_axis
 from spintop_figures.style.lines import draw_line, set_degree_ticks
-from spintop_figures.style.look import FAINT, GREY, LINES, by_width
+from spintop_figures.style.look import FAINT, GREY, GROUND, LINES, by_width
 from spintop_figures.style.numbers import write_fixed
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.page import Page, legend_above, time_panels
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
-
-TIME = "time t (s)"
 
 SAME, MOST_INCLINATIONS = 1.0, 3
 """Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
@@ -35,21 +35,28 @@ MOST_OFTEN = 0.25
 """Sign changes between more of the rows than this part are those of rounding."""
 
 
-def numbers(table: Table, column: str) -> np.ndarray:
-    """A column as an array."""
-    return table.rows[column].to_numpy(float)
-
-
-def four_panels(table: Table, what: str) -> tuple[Figure, list[Axes]]:
+def panels(table: Table, title: str) -> tuple[Page, list[Axes]]:
     """A figure with four panels over the same time."""
-    figure = new_figure(table, what, height=by_width(5.4, 8.6))
-    across = by_width(2, 1)
-    axes = figure.subplots(4 // across, across, sharex=True, squeeze=False)
-    for panel in axes[-1]:
-        panel.set_xlabel(TIME)
-    for panel in axes.flat:
-        panel.margins(x=0.01)
-    return figure, list(axes.flat)
+    return time_panels(table, title, 4, by_width(5.4, 8.6))
+
+
+def draw_column(
+    axes: Axes, table: Table, name: str, words: str = "", gaps: Sequence[int] = (), **style: object
+) -> None:
+    """A column against time, as its axis names it; before some rows there may be gaps.
+
+    A force that turns very often has a thin line, or it would be an area.
+    """
+    t, (values, unit) = table.column("t"), table.shown(name)
+    if name.startswith(("force", "R", "omega")):
+        axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(values))))
+    if turns > DENSE and name.startswith("force"):
+        style = {"linewidth": 0.4} | style
+    draw_line(axes, np.insert(t, gaps, np.nan), np.insert(values, gaps, np.nan), **style)
+    if unit == "degrees":
+        set_degree_ticks(axes.yaxis, values)
+    name_axis(axes.yaxis, words or axis_of(name), unit)
 
 
 def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarray:
@@ -65,25 +72,25 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
     return np.flatnonzero(near & (turned > LEAST_JUMP) & (on < SAME_TURN * turned)) + 1
 
 
+@figure(
+    "angles",
+    "angles and height of the centre of mass against time (Figure 8)",
+    kind="trajectory",
+    needs="t phi theta psi com_z",
+)
 def draw_angles(table: Table) -> Figure:
     """Euler angles and height of the centre of mass against time (Figure 8)."""
-    figure, panels = four_panels(table, "Euler angles and height of the centre of mass")
-    t = numbers(table, "t")
-    angles = {name: numbers(table, name) for name in ("phi", "theta", "psi")}
-    jumps = pole_jumps(**angles)
-    for (name, angle), axes in zip(angles.items(), panels, strict=False):
-        degrees = np.degrees(angle)
-        gaps = () if name == "theta" else jumps
-        draw_line(axes, np.insert(t, gaps, np.nan), np.insert(degrees, gaps, np.nan))
-        set_degree_ticks(axes.yaxis, degrees)
-        axes.set_ylabel(axis_of(name, "deg"))
-        if name == "theta":
-            ends = inclination_extremes(table)
-            turned = [end._replace(value=np.degrees(end.value)) for end in ends]
-            mark_extremes(axes, turned, "°", 2)
-    draw_line(panels[3], t, numbers(table, "com_z"))
-    panels[3].set_ylabel("height above the pivot (m)")
-    mark_extremes(panels[3], height_extremes(table), " m", 5)
+    figure, (phi, theta, psi, height) = panels(
+        table, "Euler angles and height of the centre of mass"
+    )
+    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi")))
+    draw_column(phi, table, "phi", gaps=jumps)
+    draw_column(theta, table, "theta")
+    draw_column(psi, table, "psi", gaps=jumps)
+    draw_column(height, table, "com_z", "height above the pivot")
+    ends = [end._replace(value=np.degrees(end.value)) for end in inclination_extremes(table)]
+    mark_extremes(theta, ends, "°", 2)
+    mark_extremes(height, height_extremes(table), " m", 5)
     figure.align_ylabels()
     return figure
 
@@ -99,59 +106,46 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
     room = 0.16 * (high - low or 1)
     decimals = decimals_for(high - low, decimals)
     axes.set_ylim(low - room, high + room)
-    outline = [withStroke(linewidth=2.5, foreground="white")]
+    style = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "ha": "right"}
+    style |= {"fontsize": "small", "color": GREY}
+    style["path_effects"] = [withStroke(linewidth=2.5, foreground=GROUND)]
     sides = (("least", "top", -2), ("largest", "bottom", 2))
     for end, (which, side, shift) in zip(ends, sides, strict=True):
         axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
-        if decimals > MOST_DECIMALS:
-            continue
-        axes.annotate(
-            f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}",
-            (0.99, end.value),
-            xycoords=axes.get_yaxis_transform(),
-            xytext=(0, shift),
-            textcoords="offset points",
-            ha="right",
-            va=side,
-            fontsize=9,
-            path_effects=outline,
-            color=GREY,
-        )
+        if decimals <= MOST_DECIMALS:
+            words = f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}"
+            axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
 
-def draw_force(axes: Axes, t: np.ndarray, force: np.ndarray) -> None:
-    """A force against time; one that turns very often has a thin line, or it would be an area."""
-    is_dense = np.count_nonzero(np.diff(np.sign(np.diff(force)))) > DENSE
-    draw_line(axes, t, force, **({"linewidth": 0.4} if is_dense else {}))
-
-
+@figure(
+    "forces",
+    "support force and energies against time (Figure 9)",
+    kind="trajectory",
+    needs="t force_x force_y force_z energy kinetic potential",
+)
 def draw_forces(table: Table) -> Figure:
     """Support force and energies against time (Figure 9)."""
-    figure, panels = four_panels(table, "Support force on the top, and energy of the top")
-    t = numbers(table, "t")
-    for name, axes in zip(("x", "y", "z"), panels, strict=False):
-        axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_force(axes, t, numbers(table, f"force_{name}"))
-        axes.set_ylabel(f"$F_{name}$ (N)" + (", upward" if name == "z" else ""))
-    limits = [axes.get_ylim() for axes in panels[:2]]  # both are horizontal
-    for axes in panels[:2]:
-        axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+    figure, (x, y, z, energy) = panels(table, "Support force on the top, and energy of the top")
+    for axes, name, words in ((x, "x", ""), (y, "y", ""), (z, "z", "upward force ")):
+        draw_column(axes, table, f"force_{name}", f"{words}$F_{name}$")
+    share_limits(x, y)  # both are horizontal
     if "theta" in table.rows and not broken(LAGRANGE, table):
-        mark_sign_changes(panels[2], t, numbers(table, "force_z"), numbers(table, "theta"))
+        mark_sign_changes(z, *map(table.column, ("t", "force_z", "theta")))
     for line, name in enumerate(("energy", "kinetic", "potential")):
         label = "total" if name == "energy" else name
-        draw_line(panels[3], t, numbers(table, name), line, label=label)
-    panels[3].set_ylabel("energy (J)")
-    panels[3].legend(
-        loc="lower right",
-        bbox_to_anchor=(1.03, 1.0),
-        ncols=3,
-        handlelength=1.6,
-        columnspacing=1.0,
-        borderpad=0,
-    )
+        draw_line(energy, table.column("t"), table.column(name), line, label=label)
+    name_axis(energy.yaxis, "energy", "J")
+    place = {"bbox_to_anchor": (1.03, 1.0), "ncols": 3, "borderpad": 0}
+    legend_above(energy, 3, **place, handlelength=1.6, columnspacing=1.0)
     figure.align_ylabels()
     return figure
+
+
+def share_limits(*panels: Axes) -> None:
+    """Give panels the same range of the y axis."""
+    limits = [axes.get_ylim() for axes in panels]
+    for axes in panels:
+        axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
 def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarray) -> None:
@@ -168,37 +162,31 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     ordered = np.sort(inclinations)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= SAME) + 1)
     is_chain = any(np.ptp(group) >= SAME for group in groups if group.size)
-    if not times.size or len(groups) > MOST_INCLINATIONS or is_chain:
-        return
-    if times.size > MOST_OFTEN * y.size:
+    is_rounding = times.size > MOST_OFTEN * y.size or is_chain
+    if not times.size or len(groups) > MOST_INCLINATIONS or is_rounding:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
-    words = " and ".join(f"{first_in(group, inclinations):.1f}°" for group in groups)
-    title = rf"zero at $\theta$ = {words}"
-    axes.set_title(title, loc="right", fontsize=9, pad=3, color=LINES[1]["color"])
+    firsts = (next(i for i in inclinations if g.min() <= i <= g.max()) for g in groups)
+    words = " and ".join(f"{write_fixed(first, 1)}°" for first in firsts)
+    style = {"loc": "right", "fontsize": "small", "pad": 3, "color": LINES[1]["color"]}
+    axes.set_title(rf"zero at $\theta$ = {words}", **style)
 
 
-def first_in(group: np.ndarray, values: np.ndarray) -> float:
-    """The first of some values that is between the ends of a group."""
-    return float(values[(values >= group.min()) & (values <= group.max())][0])
-
-
+@figure(
+    "support",
+    "support force in the plane of the axis and normal to it, against time",
+    kind="trajectory",
+    needs="t force_r force_n force_z",
+)
 def draw_support(table: Table) -> Figure:
     """Support force in the plane of the axis, normal to it and upward, and its size."""
-    figure, panels = four_panels(table, "Support force: outward, along the nodes and upward")
-    t = numbers(table, "t")
-    force = {name: numbers(table, f"force_{name}") for name in "rnz"}
-    labels = {
-        "r": "$F_r$ (N), outward",
-        "n": "$F_n$ (N), along the nodes",
-        "z": "$F_z$ (N), upward",
-    }
-    for (name, label), axes in zip(labels.items(), panels, strict=False):
-        axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_force(axes, t, force[name])
-        axes.set_ylabel(label)
-    draw_line(panels[3], t, np.sqrt(sum(part**2 for part in force.values())))
-    panels[3].set_ylabel("magnitude of the force (N)")
-    panels[3].set_ylim(bottom=0)
+    figure, axes = panels(table, "Support force: outward, along the nodes and upward")
+    draw_column(axes[0], table, "force_r", "outward force $F_r$")
+    draw_column(axes[1], table, "force_n", "force along the nodes $F_n$")
+    draw_column(axes[2], table, "force_z", "upward force $F_z$")
+    parts = [table.column(f"force_{name}") for name in "rnz"]
+    draw_line(axes[3], table.column("t"), np.sqrt(sum(part**2 for part in parts)))
+    axes[3].set_ylim(bottom=0)
+    name_axis(axes[3].yaxis, "magnitude of the force", "N")
     figure.align_ylabels()
     return figure

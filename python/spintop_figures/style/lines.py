@@ -20,7 +20,7 @@ RIGHT_ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720)
 def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options: object) -> None:
     """Draw a curve; what is not finite is left out."""
     finite = np.where(np.isfinite(y), y, np.nan)
-    axes.plot(x, finite, **LINES[line], rasterized=len(y) > MANY_POINTS, **options)
+    axes.plot(x, finite, **LINES[line] | {"rasterized": len(y) > MANY_POINTS} | options)
 
 
 def has_wide_range(y: np.ndarray) -> bool:
@@ -42,28 +42,16 @@ def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
     there = np.isfinite(sizes)
     beside = np.concatenate([[False], there[:-1]]) | np.concatenate([there[1:], [False]])
     alone = there & ~beside
-    pixels = len(y) > MANY_POINTS
-    style = {"color": LINES[0]["color"], "markersize": 2, "rasterized": pixels}
-    axes.plot(x[alone], sizes[alone], ".", **style)
+    draw_line(axes, x[alone], sizes[alone], linestyle="", marker=".", markersize=2)
     axes.set_ylim(max(np.nanmin(sizes) / 3, 1e-307), min(np.nanmax(sizes) * 3, 1e308))
     axes.yaxis.set_major_locator(LogLocator(numticks=7))
-    if zero.any():
-        mark_zeros(axes, x[zero])
-
-
-def mark_zeros(axes: Axes, x: np.ndarray) -> None:
-    """Ticks at the bottom of a log axis where the values are zero."""
-    style = {"color": GREY, "markersize": 4, "markeredgewidth": 0.5, "linestyle": ""}
-    axes.plot(
-        x,
-        np.full(len(x), 0.03),
-        marker="|",
-        transform=axes.get_xaxis_transform(),
-        rasterized=len(x) > MANY_POINTS,
-        label=f"exactly zero ({len(x)} row{'s' * (len(x) > 1)})",
-        **style,
-    )
-    axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)
+    if zero.any():  # ticks at the bottom
+        style = {"color": GREY, "markersize": 4, "markeredgewidth": 0.5, "linestyle": ""}
+        style |= {"marker": "|", "transform": axes.get_xaxis_transform()}
+        count = int(zero.sum())
+        style["label"] = f"exactly zero ({count} row{'s' * (count > 1)})"
+        axes.plot(x[zero], np.full(count, 0.03), rasterized=count > MANY_POINTS, **style)
+        axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)
 
 
 def set_degree_ticks(axis: Axis, degrees: np.ndarray, most: int = 5) -> None:

@@ -5,29 +5,24 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from spintop_figures.kinds import figure
 from spintop_figures.style.look import FAINT, FAULT, LINES
-from spintop_figures.style.numbers import numbers as plain_numbers
-from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
+from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
 from spintop_figures.sweeps.quantities import (
     Quantity,
-    has_log_axis,
+    draw_class_ticks,
     is_words,
-    label_parameter,
-    order_classes,
-    parameter_words,
     quantities_of,
-    tell_constants,
-    tell_failed,
-    tell_noise,
+    set_parameter_axis,
+    tell_rest,
 )
 from spintop_figures.sweeps.sweep import MOST_MARKS, marks
 from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import name_of, with_unit
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
 """Of a row of panels, and of all of them, in inches."""
-
 
 SAME_THRESHOLD = 1e-6
 """Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
@@ -43,34 +38,33 @@ def object_to_curves(table: Table) -> str:
         return "is no sweep over one parameter"
     if table.rows[table.axes()[0]].nunique() < 2:
         return "is a sweep with a single value of the parameter"
-    if not quantities_of(table):
-        return "has no quantity to draw"
-    return ""
+    return "" if quantities_of(table) else "has no quantity to draw"
 
 
+@figure(
+    "curves",
+    "quantities of a sweep over one parameter",
+    kind="sweep",
+    objection=object_to_curves,
+)
 def draw_curves(table: Table) -> Figure:
     """A curve of each quantity that the table has, and where cases failed."""
-    quantities = quantities_of(table)
-    name = table.axes()[0]
+    quantities, name = quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
-    x = rows[name].to_numpy(float)
-    failed = ~ended_well(rows).to_numpy()
-    height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
-    notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
-    figure = new_figure(table, f"The motion over the {parameter_words(name)}{notes}", height)
+    x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()
+    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
+    figure = new_figure(table, f"The motion over the {name_of(name)}{tell_rest(table)}", height)
     threshold = sleeping_threshold(name, rows)
     panels = add_panels(figure, len(quantities), sharey=False)
+    crosses = {"color": FAULT, "markersize": 4, "clip_on": False}
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
-        cross(axes, x[failed])
+        if failed.any():
+            place = x[failed], np.zeros(failed.sum())
+            axes.plot(*place, "x", transform=axes.get_xaxis_transform(), **crosses)
         if threshold:
             axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
-        if is_lowest(axes):
-            label_parameter(table, 0, axes.xaxis)
-    if has_log_axis(table, 0):
-        panels[0].set_xscale("log")
-        for axes in panels:
-            axes.xaxis.set_major_formatter(plain_numbers())
+    set_parameter_axis(table, 0, *panels)
     return figure
 
 
@@ -83,39 +77,28 @@ def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
     return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
 
 
-def cross(axes: Axes, x: np.ndarray) -> None:
-    """Crosses on the axis where cases failed."""
-    if x.size:
-        style = {"color": FAULT, "markersize": 4, "clip_on": False}
-        axes.plot(x, np.zeros_like(x), "x", transform=axes.get_xaxis_transform(), **style)
-
-
 def draw_curve(
     axes: Axes, x: np.ndarray, quantity: Quantity, values: pd.Series, failed: np.ndarray
 ) -> None:
     """A quantity of the cases that succeeded; a class of motion is a step, a sign change a line."""
-    title = with_unit(quantity.label, quantity.unit)
     style = marks(x, "o", markersize=3) | LINES[0]
     if is_words(values):
-        classes = order_classes(values[~failed])
-        codes = {name: float(code) for code, name in enumerate(classes)}
-        numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
+        numbers = np.where(failed, np.nan, draw_class_ticks(axes, values, values[~failed]))
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
-        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
-        axes.set_ylim(-0.5, len(classes) - 0.5)
-    else:
-        numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
-        none = quantity.is_none(numbers)
-        if none.any():
-            title += f"; 0: {quantity.none}"
-            numbers = np.where(none, 0.0, numbers)
-        if quantity.has_log_scale(numbers):
-            axes.set_yscale("log")
-            numbers = np.where(numbers > 0, numbers, np.nan)
-        elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
-            axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_joined(axes, x, numbers, style)
-    head(axes, title)
+        axes.set_ylim(-0.5, len(axes.get_yticks()) - 0.5)
+        head(axes, quantity.label)
+        return
+    numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
+    none = quantity.is_none(numbers)
+    numbers = np.where(none, 0.0, numbers)
+    if quantity.has_log_scale(numbers):
+        axes.set_yscale("log")
+        numbers = np.where(numbers > 0, numbers, np.nan)
+    elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+    draw_joined(axes, x, numbers, style)
+    after = f"; 0: {quantity.none}" if none.any() else ""
+    head(axes, quantity.label, axes.yaxis, quantity.unit, after)
 
 
 def draw_joined(axes: Axes, x: np.ndarray, y: np.ndarray, style: dict[str, object]) -> None:

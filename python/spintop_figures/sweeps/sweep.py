@@ -1,7 +1,5 @@
 """The figure of a sweep over one parameter: the paper's formulas beside the exact values."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -9,10 +7,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator, NullLocator
 
-from spintop_figures.style.look import LINES, by_width
-from spintop_figures.style.numbers import numbers
+from spintop_figures.kinds import figure
+from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.style.axes import name_axis
+from spintop_figures.style.look import GROUND, LINES, by_width
 from spintop_figures.style.page import new_figure
-from spintop_figures.sweeps.quantities import has_log_axis, is_wide, label_parameter, succeeded
+from spintop_figures.sweeps.quantities import is_wide, set_parameter_axis, succeeded
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
@@ -25,32 +25,17 @@ MANY_DECADES = 100
 MOST_MARKS = 60
 """Curves with more points have no marks at them."""
 
+EQUATIONS = {
+    "delta_u": "Eq 29",
+    "nutation_rate": "Eq 30",
+    "precession_rate": "Eq 32",
+    "nutations_per_turn": "Eq 54",
+}
+"""Quantities that the paper has a formula for."""
 
-class Quantity(NamedTuple):
-    """A quantity that the paper has a formula for."""
-
-    column: str
-    equation: str
-
-
-QUANTITIES = (
-    Quantity("delta_u", "Eq 29"),
-    Quantity("nutation_rate", "Eq 30"),
-    Quantity("precession_rate", "Eq 32"),
-    Quantity("nutations_per_turn", "Eq 54"),
-)
-TOO = {1: "too large", -1: "too small"}
+FORMULAS = [column + FORMULA for column in EQUATIONS]
+MARKERS = "osD^"
 AZIMUTH = "azimuth_after_period_deg"
-
-
-def formula_columns() -> list[str]:
-    """The columns that hold the paper's formulas."""
-    return [quantity.column + FORMULA for quantity in QUANTITIES]
-
-
-def sweep_columns() -> list[str]:
-    """The columns that the figure is made of."""
-    return [*(quantity.column for quantity in QUANTITIES), *formula_columns(), AZIMUTH]
 
 
 def good_rows(table: Table) -> pd.DataFrame:
@@ -58,6 +43,24 @@ def good_rows(table: Table) -> pd.DataFrame:
     return succeeded(table).sort_values(table.axes()[0], kind="stable")
 
 
+def object_to_sweep(table: Table) -> str:
+    """The curves are over one parameter, through the cases that succeeded."""
+    if len(table.axes()) != 1:
+        return "is a sweep over more than one parameter"
+    if good_rows(table).empty:
+        return "has no case that succeeded"
+    return "has no formula for a fast top" if table.empty(FORMULAS) == FORMULAS else ""
+
+
+@figure(
+    "sweep",
+    "formulas for a fast top and exact values against the swept parameter",
+    kind="sweep",
+    needs=" ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
+    objection=object_to_sweep,
+    sparse=True,
+    assumes=LAGRANGE,
+)
 def draw_sweep(table: Table) -> Figure:
     """The paper's formulas and the exact values against the swept parameter."""
     figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
@@ -65,16 +68,12 @@ def draw_sweep(table: Table) -> Figure:
     panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
     rows = good_rows(table)
     x = rows[table.axes()[0]].to_numpy(float)
-    for quantity, axes in zip(QUANTITIES, panels.flat, strict=False):
-        draw_quantity(axes, x, rows, quantity, table.units.get(quantity.column, ""))
+    for column, axes in zip(EQUATIONS, panels.flat, strict=False):
+        draw_quantity(axes, x, rows, column, table.units.get(column, ""))
     draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
     draw_deviations(panels.flat[5], x, rows)
-    for axes in panels[-1]:
-        label_parameter(table, 0, axes.xaxis)
+    set_parameter_axis(table, 0, *panels.flat)
     figure.align_ylabels()
-    if has_log_axis(table, 0):
-        panels[0, 0].set_xscale("log")
-        panels[-1, 0].xaxis.set_major_formatter(numbers())
     return figure
 
 
@@ -83,34 +82,30 @@ def marks(x: np.ndarray, marker: str, **style: object) -> dict[str, object]:
     return {"marker": marker, **style} if len(x) <= MOST_MARKS else {}
 
 
-def draw_quantity(
-    axes: Axes, x: np.ndarray, rows: pd.DataFrame, quantity: Quantity, unit: str
-) -> None:
+def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, unit: str) -> None:
     """A quantity by the paper's formula, and exact."""
-    exact = rows[quantity.column].to_numpy(float)
-    formula = rows[quantity.column + FORMULA].to_numpy(float)
-    equation = f"paper's {quantity.equation}"
-    axes.plot(x, formula, **marks(x, "s", markersize=4, mfc="white"), **LINES[1], label=equation)
+    exact, formula = (rows[name].to_numpy(float) for name in (column, column + FORMULA))
+    empty = marks(x, "s", markersize=4, mfc=GROUND) | {"label": f"paper's {EQUATIONS[column]}"}
+    axes.plot(x, formula, **empty, **LINES[1])
     axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
     if is_wide(values := np.concatenate([exact, formula])):
         axes.set_yscale("log")
         if is_wide(values, MANY_DECADES):
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
-    axes.set_ylabel(axis_of(quantity.column, unit))
+    name_axis(axes.yaxis, axis_of(column), unit)
     axes.legend()
 
 
 def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
     """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
     axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
-    style = marks(x, "o", markersize=3) | LINES[0]
     known = np.isfinite(azimuth).any()
     label = "computed by the run" if known else "not computed: no row at $T_p$"
-    axes.plot(x, azimuth, **style, label=label)
-    axes.set_ylabel("azimuth after $T_p$ (degrees)")
+    axes.plot(x, azimuth, **marks(x, "o", markersize=3) | LINES[0], label=label)
     low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
     axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
     axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
+    name_axis(axes.yaxis, "azimuth after $T_p$", "degrees")
     axes.legend(loc="upper left")
 
 
@@ -119,23 +114,20 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
 
     Between marks of one kind there is a line; where the sign changes, there is none.
     """
-    for line, marker, quantity in zip(LINES, "osD^", QUANTITIES, strict=True):
-        exact = rows[quantity.column].to_numpy(float)
-        formula = rows[quantity.column + FORMULA].to_numpy(float)
+    handles = []
+    for line, marker, (column, equation) in zip(LINES, MARKERS, EQUATIONS.items(), strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
-            deviation = formula / exact - 1
-        few = len(x) <= MOST_MARKS
-        style = {"color": line["color"], "marker": marker if few else "", "markersize": 4}
-        for sign, face, dashes in ((1, line["color"], "-"), (-1, "white", ":")):
+            deviation = (rows[column + FORMULA] / rows[column] - 1).to_numpy(float)
+        style = {"color": line["color"], "marker": marker, "markersize": 4}
+        handles.append(Line2D([], [], **style, label=equation))
+        style |= {} if len(x) <= MOST_MARKS else {"marker": ""}
+        sides = (("too large", 1, line["color"], "-"), ("too small", -1, GROUND, ":"))
+        for words, sign, face, dashes in sides:
             size = np.where(sign * deviation > 0, np.abs(deviation), np.nan)
             look = style | {"markerfacecolor": face, "linestyle": dashes, "linewidth": 1.0}
-            axes.plot(x, size, **look, label=f"{quantity.equation} {TOO[sign]}")
+            axes.plot(x, size, **look, label=f"{equation} {words}")
     axes.set_yscale("log")
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.set_ylabel("relative error of the formula")
-    axes.set_title("full: too large; empty, dotted: too small", loc="left", fontsize=9, pad=3)
-    handles = [
-        Line2D([], [], color=line["color"], marker=marker, markersize=4, label=quantity.equation)
-        for line, marker, quantity in zip(LINES, "osD^", QUANTITIES, strict=True)
-    ]
+    name_axis(axes.yaxis, "relative error of the formula")
+    axes.set_title("full: too large; empty, dotted: too small", fontsize="small", pad=3)
     axes.legend(handles=handles, ncols=2)

@@ -5,7 +5,7 @@ import re
 
 import pandas as pd
 
-from spintop_figures.tables.listed import listed
+from spintop_figures.tables.words import listed
 
 
 @functools.cache

@@ -1,11 +1,19 @@
 """What the registry of the program says of columns: their units, meanings, which hold words."""
 
 import functools
+import json
+from pathlib import Path
 
-from spintop_figures.tables.listed import listed
+COPIES = Path(__file__).parent
+"""Where copies of registries are. scripts/manual_tables renews them, and a test compares them."""
 
 OF_PEERS = frozenset({"program"})
 """Columns of words that scripts/compare_peers adds to those of the program."""
+
+
+def listed(topic: str) -> dict[str, list]:
+    """What `spintop list TOPIC --json` gives, from its copy."""
+    return json.loads((COPIES / f"{topic}.json").read_text(encoding="utf-8"))
 
 
 @functools.cache

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
+from spintop_figures.style.look import DEFAULT, the_look
 from spintop_figures.style.saving import lay_out
 
 FORMULA = re.compile(r"\$[^$]*\$")
@@ -27,6 +28,12 @@ LETTERS = 6.5
 
 def problems_of(figure: Figure) -> list[str]:
     """What is wrong with a figure; its line below is the title of a table, and may say anything."""
+    with the_look(getattr(figure, "options", DEFAULT)):
+        return problems_in_look(figure)
+
+
+def problems_in_look(figure: Figure) -> list[str]:
+    """The same, in the look that the figure is drawn in."""
     lay_out(figure)
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # it places labels and legends

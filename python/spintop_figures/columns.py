@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.kinds import FigureKind
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.lines import draw_line, set_degree_ticks
+from spintop_figures.style.axes import draw_line, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options, drawn_width
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run

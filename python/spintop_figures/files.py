@@ -60,39 +60,24 @@ def draw_all(
     kinds: Sequence[FigureKind], table: Table, folder: Path, files: Files = PICTURES
 ) -> Iterator[list[Path] | TableError]:
     """Draw figures of a table, at once on as many processors as there are; files or errors."""
-    stems = [folder / f"{table.path.stem}_{kind.name}" for kind in kinds]
+    jobs[:] = [(kind, table, folder / f"{table.path.stem}_{kind.name}", files) for kind in kinds]
     workers = min(len(kinds), os.cpu_count() or 1)
     if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from (draw_or_tell(*job, table, files) for job in zip(kinds, stems, strict=True))
+        yield from map(draw_job, range(len(jobs)))
         return
     sys.stdout.flush()  # what a child inherits would be written twice
-    context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context, take_jobs, (kinds, stems, table, files)) as pool:
-        yield from pool.map(draw_job, range(len(kinds)))
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("fork")) as pool:
+        yield from pool.map(draw_job, range(len(jobs)))
 
 
-jobs: list[tuple[FigureKind, Path, Table, Files]] = []
+jobs: list[tuple[FigureKind, Table, Path, Files]] = []
 """What a child may draw, which it inherits: the rows of a table are not sent to it."""
 
 
-def take_jobs(
-    kinds: Sequence[FigureKind], stems: Sequence[Path], table: Table, files: Files
-) -> None:
-    """Remember the jobs, in a child."""
-    jobs.extend((kind, stem, table, files) for kind, stem in zip(kinds, stems, strict=True))
-
-
 def draw_job(number: int) -> list[Path] | TableError:
-    """Draw a figure, in a child."""
-    return draw_or_tell(*jobs[number])
-
-
-def draw_or_tell(
-    kind: FigureKind, stem: Path, table: Table, files: Files
-) -> list[Path] | TableError:
-    """The files of a figure, or why it cannot be drawn."""
+    """The files of a figure, or why it cannot be drawn, in a child."""
     try:
-        return draw_to(kind, table, stem, files)
+        return draw_to(*jobs[number])
     except TableError as error:
         return error
 

@@ -69,6 +69,11 @@ COMPARISONS: list[FigureKind] = []
 """Figures of a table, and of several tables together, of each of which they ask the same."""
 
 
+def unless(holds: Callable[[Table], object], reason: str) -> Callable[[Table], str]:
+    """An objection to tables for which something does not hold."""
+    return lambda table: "" if holds(table) else reason
+
+
 def figure(
     name: str,
     what: str,

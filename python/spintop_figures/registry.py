@@ -12,15 +12,18 @@ from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError
 
 MODULES = {
-    "motion": "trajectory path trace reduced cones account residuals drift fits events",
-    "sweeps": "sweep table1 curves maps scatter statistics indices",
-    "methods": "trials precision orders tolerance benchmarks peers",
+    "motion": "trajectory sphere reduced residuals drift fits events",
+    "sweeps": "curves table1 maps scatter statistics",
+    "methods": "trials precision tolerance benchmarks peers",
 }
 """Where figures are drawn, in the order in which they are listed."""
 
 for folder, names in MODULES.items():
     for module in names.split():
         importlib.import_module(f"spintop_figures.{folder}.{module}")
+
+PLACES = [f"spintop_figures.{f}.{module}" for f in MODULES for module in MODULES[f].split()]
+FIGURES.sort(key=lambda kind: PLACES.index(kind.make.__module__))  # some modules import others
 
 
 def choose_figures(

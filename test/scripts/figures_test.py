@@ -37,23 +37,29 @@ from spintop_figures.methods.trials import (  # noqa: E402
 )
 from spintop_figures.methods.trials import lay_out as lay_out_verdicts  # noqa: E402
 from spintop_figures.motion.events import describe_event, draw_events  # noqa: E402
-from spintop_figures.motion.extremes import (  # noqa: E402
+from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
+from spintop_figures.motion.sphere import (  # noqa: E402
+    draw_path,
+    draw_trace,
+    draw_traces,
+)
+from spintop_figures.motion.trajectory import (  # noqa: E402  # noqa: E402
+    draw_angles,
+    draw_forces,
     height_extremes,
     inclination_extremes,
     sparseness,
 )
-from spintop_figures.motion.path import draw_path  # noqa: E402
-from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
-from spintop_figures.motion.trace import draw_trace, draw_traces  # noqa: E402
-from spintop_figures.motion.trajectory import draw_angles, draw_forces  # noqa: E402
 from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.style.lines import draw_sizes  # noqa: E402
+from spintop_figures.style.axes import draw_sizes  # noqa: E402
 from spintop_figures.style.saving import lay_out, save, save_as, save_small  # noqa: E402
-from spintop_figures.sweeps.curves import sleeping_threshold  # noqa: E402
+from spintop_figures.sweeps.curves import (  # noqa: E402
+    draw_sweep,
+    sleeping_threshold,
+)
 from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
 from spintop_figures.sweeps.maps import SIGNED, draw_maps  # noqa: E402
 from spintop_figures.sweeps.scatter import draw_scatter  # noqa: E402
-from spintop_figures.sweeps.sweep import draw_sweep  # noqa: E402
 from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]

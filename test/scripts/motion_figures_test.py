@@ -15,13 +15,6 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
-from spintop_figures.motion.cones import (  # noqa: E402
-    body_at_start,
-    directions,
-    draw_cones,
-    in_body,
-    in_space,
-)
 from spintop_figures.motion.drift import method_of, running_maximum  # noqa: E402
 from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
 from spintop_figures.motion.reduced import (  # noqa: E402  # noqa: E402
@@ -31,14 +24,20 @@ from spintop_figures.motion.reduced import (  # noqa: E402  # noqa: E402
     draw_potential,
     find_reduced,
 )
-from spintop_figures.motion.sphere import (  # noqa: E402
+from spintop_figures.motion.sphere import (  # noqa: E402  # noqa: E402  # noqa: E402
     WHOLE,
+    body_at_start,
+    directions,
+    draw_cones,
+    draw_trace,
     find_cap,
+    in_body,
+    in_space,
     on_sphere,
     project,
+    tell_turn,
     view_of,
 )
-from spintop_figures.motion.trace import draw_trace, tell_turn  # noqa: E402
 from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes  # noqa: E402
 from spintop_figures.moving.motion import refusal as motion_refusal  # noqa: E402
 from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw  # noqa: E402

@@ -20,14 +20,6 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 
 from plot_case import STAGES, TableCase, a_precision  # noqa: E402
 from spintop_figures.methods import known  # noqa: E402
-from spintop_figures.methods.curves import (  # noqa: E402
-    TARGET,
-    Curve,
-    best_of_families,
-    curves_of,
-    spread,
-    time_to,
-)
 from spintop_figures.methods.known import (  # noqa: E402
     MARKERS,
     OTHER,
@@ -39,17 +31,21 @@ from spintop_figures.methods.known import (  # noqa: E402
     order_of,
     style_of,
 )
-from spintop_figures.methods.orders import (  # noqa: E402
+from spintop_figures.methods.precision import (  # noqa: E402  # noqa: E402  # noqa: E402
     STEP,
+    TARGET,
+    Curve,
+    best_of_families,
+    curves_of,
     draw_orders,
-    equal_steps,
-    measured_order,
-    with_order,
-)
-from spintop_figures.methods.precision import (  # noqa: E402
     draw_precision_time,
     draw_precision_work,
+    equal_steps,
+    measured_order,
     object_to_precision,
+    spread,
+    time_to,
+    with_order,
 )
 from spintop_figures.methods.tolerance import (  # noqa: E402
     choices_of,

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.kinds import figure
+from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, LINES, by_width
 from spintop_figures.style.numbers import with_power, write
@@ -22,19 +22,16 @@ ROW, LETTERS = (0.44, 0.62), (44, 22)
 """Height of a line in inches, and letters of what was published, on a page and in a column."""
 
 
-def object_to_benchmarks(table: Table) -> str:
-    """A published number has to be there."""
-    known = table.rows["published_error"].notna()
-    return "" if known.any() else "has no published number to compare with"
-
-
 @figure(
     "benchmarks",
     "errors of published numbers and of spintop",
     kind="benchmark",
     needs="published_error error truth_error time_s",
     words="benchmark quantity published_method",
-    objection=object_to_benchmarks,
+    objection=unless(
+        lambda table: table.rows["published_error"].notna().any(),
+        "has no published number to compare with",
+    ),
     sparse=True,
 )
 def draw_benchmarks(table: Table) -> Figure:

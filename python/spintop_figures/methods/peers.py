@@ -7,15 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import figure
+from spintop_figures.kinds import figure, unless
 from spintop_figures.methods.known import style_of
 from spintop_figures.methods.precision import few_ticks
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
 from spintop_figures.style.page import add_panels, is_left, is_lowest, new_figure, panel_rows
-from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
 """Pictures of scripts/compare_peers that doc/figures has, too, by the stems of their files."""
@@ -45,7 +45,7 @@ TICKS = 9
     kind="work_precision",
     needs="orientation_error time_s inherent_error",
     words="problem program method status",
-    objection=lambda t: "" if ended_well(t.rows).any() else "has no row that went to its end",
+    objection=unless(lambda t: ended_well(t.rows).any(), "has no row that went to its end"),
     sparse=True,
 )
 def draw_peers(table: Table) -> Figure:

@@ -11,18 +11,24 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from spintop_figures.kinds import figure
-from spintop_figures.methods.curves import EXACT, GOAL, curves_of, problems_of, time_to
 from spintop_figures.methods.known import family_of, known_methods, look_of
-from spintop_figures.methods.precision import PRECISION
+from spintop_figures.methods.precision import (
+    EXACT,
+    GOAL,
+    PRECISION,
+    curves_of,
+    problems_of,
+    time_to,
+)
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
 from spintop_figures.style.numbers import localised, with_power, write, write_fixed
 from spintop_figures.style.page import head, new_figure
 from spintop_figures.sweeps.maps import Grid, cross, label_axes, make_grid, object_to_grid
 from spintop_figures.sweeps.quantities import tell_failed
-from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
 NONE = "none"
 """In place of a method where none reaches the error."""

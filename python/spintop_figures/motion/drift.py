@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import figure
+from spintop_figures.kinds import figure, unless
 from spintop_figures.methods.known import rank_of, style_of
 from spintop_figures.moving.assumptions import CONSERVED, broken, symmetric
 from spintop_figures.style.axes import name_axis
@@ -47,12 +47,6 @@ def is_drawn(table: Table, column: str) -> bool:
     return not (lacks or broken(ASSUMES.get(column, ()), table))
 
 
-def object_to_drift(table: Table) -> str:
-    """Log axes show errors above zero, after the start."""
-    above = (running_maximum(table, "energy_error")[1] > LEAST).any()
-    return "" if above else "has no error of the energy above zero"
-
-
 def method_of(table: Table) -> tuple[str, str]:
     """The method of a run and its formulation."""
     return table.model_and_method[::-1]
@@ -70,7 +64,10 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
     "drift of the first integrals and of the quaternion norm in long runs of several methods",
     kind="trajectory",
     needs="t energy_error",
-    objection=object_to_drift,
+    objection=unless(
+        lambda table: (running_maximum(table, "energy_error")[1] > LEAST).any(),
+        "has no error of the energy above zero",
+    ),
     assumes=CONSERVED,
     together=True,
 )

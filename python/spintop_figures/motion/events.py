@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import figure
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.lines import MANY_POINTS
+from spintop_figures.kinds import figure, unless
+from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
 from spintop_figures.style.page import (
@@ -47,7 +46,7 @@ COLOUR = LINES[0]["color"]
     kind="events",
     needs="t",
     words="event",
-    objection=lambda table: "has no events" if table.rows.empty else "",
+    objection=unless(lambda table: len(table.rows), "has no events"),
 )
 def draw_events(table: Table) -> Figure:
     """The instants of the events, one row per kind; where there are many, how many per interval."""
@@ -102,20 +101,16 @@ def sections(table: Table) -> list[str]:
     return names
 
 
-def object_to_sections(table: Table) -> str:
-    """A section takes many points that do not lie on a line by their definition."""
-    if sections(table):
-        return ""
-    return f"has no event that happens {LEAST_EVENTS} times, at inclinations and rates that differ"
-
-
 @figure(
     "sections",
     "inclination and its rate at frequent events (Poincare sections)",
     kind="events",
     needs="theta theta_rate",
     words="event",
-    objection=object_to_sections,
+    objection=unless(
+        sections,
+        f"has no event that happens {LEAST_EVENTS} times, at inclinations and rates that differ",
+    ),
 )
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at the events of each kind that happens often."""

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from spintop_figures.kinds import figure
+from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
 from spintop_figures.style.look import scale as scale_of_letters
@@ -67,7 +67,7 @@ def values_beside(table: Table) -> pd.DataFrame | None:
     "residuals of a fit against time",
     kind="fit",
     needs="t",
-    objection=lambda table: "" if measured_columns(table) else "has no column of residuals",
+    objection=unless(measured_columns, "has no column of residuals"),
 )
 def draw_fit(table: Table) -> Figure:
     """Two panels for each measured column: it with the fitted motion, and the residuals below."""

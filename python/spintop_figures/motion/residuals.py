@@ -5,11 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.kinds import figure
+from spintop_figures.kinds import figure, unless
 from spintop_figures.motion.trajectory import draw_column, panels, share_limits
 from spintop_figures.moving.assumptions import CONSERVED
-from spintop_figures.style.axes import Powers, name_axis
-from spintop_figures.style.lines import draw_sizes, has_wide_range
+from spintop_figures.style.axes import Powers, draw_sizes, has_wide_range, name_axis
 from spintop_figures.style.look import GREY, LINES
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import head, time_panels
@@ -21,18 +20,15 @@ TOGETHER = ("R1", "R2")
 """Residuals of one kind, which have one scale."""
 
 
-def object_to_error(table: Table) -> str:
-    """An error is drawn on a log axis."""
-    above = (table.rows["orientation_error"] > 0).any()
-    return "" if above else "has no error above zero in column orientation_error"
-
-
 @figure(
     "error",
     "orientation error against time",
     kind="trajectory",
     needs="t orientation_error",
-    objection=object_to_error,
+    objection=unless(
+        lambda table: (table.column("orientation_error") > 0).any(),
+        "has no error above zero in column orientation_error",
+    ),  # on a log axis
 )
 def draw_error(table: Table) -> Figure:
     """Orientation error against time, which the residuals do not show, and R4 below it."""
@@ -68,19 +64,15 @@ def mark_largest(axes: Axes, t: np.ndarray, error: np.ndarray) -> None:
     axes.annotate(words, (t[place], error[place]), (0, 6), **style)
 
 
-def object_to_residuals(table: Table) -> str:
-    """Residuals measure the equations of a method, not a closed-form solution."""
-    if model_of(table)[1] == "exact":
-        return "is of the exact solution, which has no residuals"
-    return ""
-
-
 @figure(
     "residuals",
     "residuals R1 to R4 against time (Figures 2 to 7)",
     kind="trajectory",
     needs="t R1 R2 R3 R4",
-    objection=object_to_residuals,
+    objection=unless(
+        lambda table: model_of(table)[1] != "exact",
+        "is of the exact solution, which has no residuals",
+    ),
     assumes=CONSERVED,
 )
 def draw_residuals(table: Table) -> Figure:

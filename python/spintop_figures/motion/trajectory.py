@@ -1,23 +1,117 @@
-"""The figures of a trajectory that show quantities of the motion against time."""
+"""What a motion reaches between the rows of its table, and whether the rows show its path."""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from spintop_figures.kinds import figure
-from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
+from spintop_figures.kinds import figure, unless
+from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.lines import draw_line, set_degree_ticks
-from spintop_figures.style.look import FAINT, GREY, GROUND, LINES, by_width
+from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
+from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
 from spintop_figures.style.numbers import write_fixed
-from spintop_figures.style.page import Page, legend_above, time_panels
-from spintop_figures.tables.names import axis_of
+from spintop_figures.style.page import TIME, Page, legend_above, new_figure, time_panels
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import columns_of, units_of_columns
+
+NEEDS = COLUMNS.split()
+
+MOST_ARC = np.radians(15)
+"""Rows of which the axes are further apart are not joined: the line would be a guess."""
+
+STEADY = 1e-9
+"""A smaller range of the inclination in radians is that of a steady precession."""
+
+SAME_ENERGY = 1e-7
+"""The change of energy, over its size, up to which a run has the turning points of its start."""
+
+
+class Extreme(NamedTuple):
+    """The minimum or the maximum of a quantity, of the motion or only of the rows."""
+
+    value: float
+    of_rows: bool
+
+    def note(self, side: str) -> str:
+        """What a label of the "least" or "largest" says first if the motion may go further."""
+        return f"{side} row: " if self.of_rows else ""
+
+
+def extremes_of_rows(values: np.ndarray) -> tuple[Extreme, Extreme]:
+    """The extremes of a column."""
+    return Extreme(float(np.nanmin(values)), True), Extreme(float(np.nanmax(values)), True)
+
+
+def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
+    """The minimum and the maximum inclination, rad: turning points that lie between the rows.
+
+    A turning point belongs to the run if the nutation rate changes its sign as it does there. The
+    others, and those of any body that is not a symmetric top, are extremes of the rows.
+    """
+    least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
+    if largest.value - least.value < STEADY:
+        return least._replace(of_rows=False), largest._replace(of_rows=False)
+    if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
+        return least, largest
+    reduced = find_reduced(table)
+    if isinstance(reduced, str) or not keeps_energy(table):
+        return least, largest
+    low, high = reduced.turning_points()
+    signs = np.sign(table.rows["theta_rate"].to_numpy(float))
+    before, after = signs[:-1], signs[1:]
+    if ((before <= 0) & (after > 0)).any() or ((before < 0) & (after >= 0)).any():
+        least = Extreme(min(low, least.value), False)
+    if ((before >= 0) & (after < 0)).any() or ((before > 0) & (after <= 0)).any():
+        largest = Extreme(max(high, largest.value), False)
+    return least, largest
+
+
+def keeps_energy(table: Table) -> bool:
+    """Whether a run keeps its energy, so that the turning points of the start are its own."""
+    energy = (table.rows["kinetic"] + table.rows["potential"]).to_numpy(float)
+    size = np.abs(table.rows["kinetic"]).max() + np.abs(table.rows["potential"]).max()
+    return bool(np.ptp(energy) <= SAME_ENERGY * size)
+
+
+def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
+    """The minimum and the maximum height of the centre of mass, in metres.
+
+    Where it is on the axis of the body, that of a symmetric top, they follow from the inclination.
+    """
+    height, theta = (table.rows[name].to_numpy(float) for name in ("com_z", "theta"))
+    low, high = extremes_of_rows(height)
+    cosine = np.cos(theta)
+    length = float(height @ cosine / (cosine @ cosine))
+    if not np.allclose(height, length * cosine, rtol=0, atol=1e-9 * abs(length)):
+        return low, high
+    ends = [Extreme(length * np.cos(end.value), end.of_rows) for end in inclination_extremes(table)]
+    return min(ends), max(ends)
+
+
+def largest_arc(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> float:
+    """The largest angle between the directions of successive points, rad."""
+    points = np.array([x, y, z])
+    points = points[:, np.isfinite(points).all(axis=0)]
+    if points.shape[1] < 2:
+        return 0.0
+    unit = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
+    chords = np.linalg.norm(np.diff(unit, axis=1), axis=0)
+    return float(2 * np.arcsin(min(chords.max() / 2, 1.0)))
+
+
+def sparseness(*path: np.ndarray) -> str:
+    """Why the points of a path are not joined; empty if they are."""
+    arc = largest_arc(*path)
+    if arc <= MOST_ARC:
+        return ""
+    return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
+
 
 SAME, MOST_INCLINATIONS = 1.0, 3
 """Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
@@ -47,7 +141,7 @@ def draw_column(
 
     A force that turns very often has a thin line, or it would be an area.
     """
-    t, (values, unit) = table.column("t"), table.shown(name)
+    t, (values, unit) = table.column("t"), table.shown(name, units_of_columns().get(name, ""))
     if name.startswith(("force", "R", "omega")):
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(values))))
@@ -190,3 +284,83 @@ def draw_support(table: Table) -> Figure:
     name_axis(axes[3].yaxis, "magnitude of the force", "N")
     figure.align_ylabels()
     return figure
+
+
+AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}area5")
+"""Of the works, from the largest."""
+
+
+@figure(
+    "account",
+    "inclination, spin, and account of energy under effects, against time",
+    kind="trajectory",
+    needs="t theta omega3 energy energy_error work",
+    objection=unless(
+        lambda table: table.rows["energy_error"].any(), "has no energy error that is not zero"
+    ),
+)
+def draw_account(table: Table) -> Figure:
+    """Inclination, spin, the budget of the energy, and the error of its balance."""
+    figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
+    ratios = {"height_ratios": (1, 1, 1.4, 1)}
+    theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
+    t, works = table.column("t"), works_of(table)
+    draw_column(theta, table, "theta", axis_of("theta", between="\n"))
+    draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
+    (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
+    draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
+    name_axis(error.yaxis, "error of the\nbalance (relative)")
+    name_axis(error.xaxis, *TIME)
+    error.margins(x=0.01)
+    figure.align_ylabels()
+    return figure
+
+
+def works_of(table: Table) -> dict[str, np.ndarray]:
+    """The works that are not zero throughout, by what does them, the largest first."""
+    names = [name for name in columns_of("trajectory") if name.startswith("work_")]
+    acting = [name for name in names if name in table.rows and table.rows[name].any()]
+    acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
+    works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
+    return works or {"effects": table.column("work")}
+
+
+def is_spent(works: dict[str, np.ndarray]) -> bool:
+    """Whether all works only take energy, so that what they took are parts of a whole."""
+    largest = max(np.nanmax(np.abs(work)) for work in works.values())
+    return all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
+
+
+def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
+    """The kinetic energy, on the potential one, and on them what each effect has taken.
+
+    The upper edge is the energy of the start.
+    """
+    top = energy = table.column("energy")
+    ground = table.column("potential") if "potential" in table.rows else np.zeros_like(energy)
+    axes.fill_between(t, ground, energy, color=HIDDEN, linewidth=0, label="kinetic energy")
+    for number, (name, work) in enumerate(works.items()):
+        style = {"color": AREAS[number % len(AREAS)], "linewidth": 0, "label": f"taken by {name}"}
+        axes.fill_between(t, top, top - work, **style)
+        top = top - work
+    draw_line(axes, t, energy, label="energy")
+    if "potential" in table.rows:
+        draw_line(axes, t, ground, 1, label="potential energy")
+    name_axis(axes.yaxis, "energy", "J")
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1.0), "borderpad": 0.1}
+    place |= {"handlelength": 1.4, "columnspacing": 0.7, "handletextpad": 0.5}
+    axes.legend(**place, ncols=by_width(5, 2))
+
+
+def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
+    """The energy and the works as lines, where some give energy."""
+    axes.axhline(0, color=FAINT, linewidth=0.8)
+    draw_line(axes, t, table.column("energy"), label="energy")
+    for line, (name, work) in enumerate(works.items()):
+        draw_line(axes, t, work, 1 + line % (len(LINES) - 1), label=f"work of {name}")
+    if "potential" in table.rows:
+        style = {"color": GREY, "linewidth": 0.8, "zorder": 1, "label": "potential energy"}
+        axes.plot(t, table.column("potential"), **style)
+    name_axis(axes.yaxis, "energy, work", "J")
+    place = {"loc": "upper right", "handlelength": 2.2, "columnspacing": 1.2, "borderpad": 0.1}
+    axes.legend(**place, ncols=by_width(2, 1))

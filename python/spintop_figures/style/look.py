@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.colors import get_named_colors_mapping, to_rgb
+from matplotlib.colors import get_named_colors_mapping, to_hex, to_rgb
 
 from spintop_figures.style.numbers import COMMA
 
@@ -27,6 +27,9 @@ WIDTH, NARROW = 7.2, 5.0
 LETTERS, LEAST_LETTERS, SMALLEST = 10.0, 8.0, 6.5
 """Points of the letters of a page, of narrow figures, and of the smallest that can be read."""
 
+HEADS = 0.95
+"""Size of the headings of panels over that of other letters."""
+
 ROLES = {
     "ink": ("#000000", "#eeeeee"),
     "ground": ("#ffffff", "#1a1a1a"),
@@ -38,36 +41,33 @@ ROLES = {
     "line1": ("#12355b", "#7fa5d3"),
     "line2": ("#d1641b", "#eb7b39"),
     "line3": ("#2da4a1", "#40b2af"),
-    "line4": ("#8a6fae", "#ab8fd1"),
+    "line4": ("#8a6fae", "#d9c4f2"),
     "pale1": ("#9db3cb", "#4d6a8c"),
     "pale2": ("#f0c4a6", "#7a4823"),
     "area1": ("#e39b35", "#d48d21"),
     "area5": ("#7f7f7f", "#767676"),
     "failed": ("#1c1c1c", "#b9b9b9"),
     "other": ("#7f7f7f", "#767676"),
-    "family1": ("#000000", "#eeeeee"),
-    "family2": ("#d1641b", "#eb7b39"),
-    "family3": ("#8a6fae", "#ab8fd1"),
-    "family4": ("#7a2048", "#dd7a9f"),
-    "family5": ("#2da4a1", "#40b2af"),
-    "family6": ("#c78803", "#d0901a"),
-    "family7": ("#12355b", "#7fa5d3"),
-    "family8": ("#2f7d32", "#66b466"),
-    "family9": ("#a61e65", "#f067a4"),
-    "family10": ("#5c8292", "#7ea5b6"),
-    "family11": ("#765237", "#bd9578"),
-    "family12": ("#8a9050", "#9ea564"),
-    "class1": ("#12355b", "#7fa5d3"),
-    "class2": ("#d1641b", "#eb7b39"),
-    "class3": ("#93cfc0", "#02695c"),
-    "class4": ("#7a5195", "#b58ad2"),
-    "class5": ("#e3c65b", "#8a7414"),
-    "class6": ("#2f6f4f", "#6faf8c"),
-    "class7": ("#a9a9a9", "#5c5c5c"),
-    "class8": ("#5f1f2a", "#d2868e"),
-    "class9": ("#6fa8dc", "#3f78ad"),
 }
 """Colours on light and on dark ground. The first are far apart in lightness, for grey print."""
+
+FAMILIES = (
+    "#000000 #d1641b #8a6fae #7a2048 #2da4a1 #c78803 #12355b #2f7d32 #a61e65 "
+    "#5c8292 #765237 #8a9050",
+    "#eeeeee #eb7b39 #ab8fd1 #dd7a9f #40b2af #d0901a #7fa5d3 #66b466 #f067a4 "
+    "#7ea5b6 #bd9578 #9ea564",
+)
+"""Of families of methods, in the order of the registry."""
+
+CLASSES = (
+    "#12355b #d1641b #93cfc0 #7a5195 #e3c65b #2f6f4f #a9a9a9 #5f1f2a #6fa8dc",
+    "#7fa5d3 #eb7b39 #02695c #b58ad2 #8a7414 #6faf8c #5c5c5c #d2868e #3f78ad",
+)
+"""Of classes of motion; the first three are far apart in lightness."""
+
+for role, pair in (("family", FAMILIES), ("class", CLASSES)):
+    colours = zip(*map(str.split, pair), strict=True)
+    ROLES |= {f"{role}{number}": both for number, both in enumerate(colours, start=1)}
 
 OURS = "spintop:"
 INK, GROUND, GREY, FAINT, WASH, FAULT, HIDDEN, PALE = (
@@ -86,7 +86,7 @@ DOTS = {"color": LINES[0]["color"], "linestyle": "", "marker": ".", "markersize"
 """Rows that are too far apart to be joined."""
 
 SETTINGS = {
-    **dict.fromkeys(("axes.labelsize", "axes.titlesize"), "medium"),
+    "axes.labelsize": "medium",
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), "small"),
     **dict.fromkeys(("text.color", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
     **dict.fromkeys(("axes.edgecolor", "lines.color", "patch.edgecolor"), INK),
@@ -195,10 +195,12 @@ def set_colours(sheet: Mapping[str, Any] = {}, dark: bool = False) -> None:
     is_dark = dark or (ground is not None and lightness(ground) < 0.5)
     colours = {role: pair[is_dark] for role, pair in ROLES.items()}
     if ground is not None and not dark:
-        colours["ground"] = ground
+        colours["ground"] = to_hex(ground)
     if cycle := sheet.get("axes.prop_cycle"):
         own = cycle.by_key().get("color", [])
-        colours |= {f"line{number}": colour for number, colour in enumerate(own[:4], start=1)}
+        colours |= {
+            f"line{number}": to_hex(colour) for number, colour in enumerate(own[:4], start=1)
+        }
     names = get_named_colors_mapping()
     for role, colour in colours.items():
         names[OURS + role] = colour  # one by one, which forgets what was looked up before
@@ -217,6 +219,7 @@ def the_look(options: Options = DEFAULT) -> Iterator[None]:
     sizes = [key for key in SETTINGS if key.endswith(("labelsize", "titlesize", "fontsize"))]
     kept = {key: value for key, value in sheet.items() if key not in sizes}
     page = {"font.size": options.letters(), "figure.figsize": (options.inches(), WIDTH)}
+    page["axes.titlesize"] = HEADS * options.letters()
     for key in ("lines.linewidth", "lines.markersize"):
         size = kept.get(key) or SETTINGS[key]
         page[key] = size * options.letters() / LETTERS

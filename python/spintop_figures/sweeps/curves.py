@@ -1,25 +1,147 @@
-"""The quantities of a sweep over one parameter as curves."""
+"""The figure of a sweep over one parameter: the paper's formulas beside the exact values."""
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MultipleLocator, NullLocator
 
 from spintop_figures.kinds import figure
-from spintop_figures.style.look import FAINT, FAULT, LINES
+from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.style.axes import name_axis
+from spintop_figures.style.look import FAINT, FAULT, GROUND, LINES, by_width
 from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
+    is_wide,
     is_words,
     quantities_of,
     set_parameter_axis,
+    succeeded,
     tell_rest,
 )
-from spintop_figures.sweeps.sweep import MOST_MARKS, marks
-from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
+
+FORMULA = "_fast_top"
+"""Ending of the columns that hold the paper's formula for a fast top."""
+
+MANY_DECADES = 100
+"""The ratio of the values on a log axis that needs no minor ticks."""
+
+MOST_MARKS = 60
+"""Curves with more points have no marks at them."""
+
+EQUATIONS = {
+    "delta_u": "Eq 29",
+    "nutation_rate": "Eq 30",
+    "precession_rate": "Eq 32",
+    "nutations_per_turn": "Eq 54",
+}
+"""Quantities that the paper has a formula for."""
+
+FORMULAS = [column + FORMULA for column in EQUATIONS]
+MARKERS = "osD^"
+AZIMUTH = "azimuth_after_period_deg"
+
+
+def good_rows(table: Table) -> pd.DataFrame:
+    """The cases that succeeded, by the swept parameter."""
+    return succeeded(table).sort_values(table.axes()[0], kind="stable")
+
+
+def object_to_sweep(table: Table) -> str:
+    """The curves are over one parameter, through the cases that succeeded."""
+    if len(table.axes()) != 1:
+        return "is a sweep over more than one parameter"
+    if good_rows(table).empty:
+        return "has no case that succeeded"
+    return "has no formula for a fast top" if table.empty(FORMULAS) == FORMULAS else ""
+
+
+@figure(
+    "sweep",
+    "formulas for a fast top and exact values against the swept parameter",
+    kind="sweep",
+    needs=" ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
+    objection=object_to_sweep,
+    sparse=True,
+    assumes=LAGRANGE,
+)
+def draw_sweep(table: Table) -> Figure:
+    """The paper's formulas and the exact values against the swept parameter."""
+    figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
+    across = by_width(2, 1)
+    panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
+    rows = good_rows(table)
+    x = rows[table.axes()[0]].to_numpy(float)
+    for column, axes in zip(EQUATIONS, panels.flat, strict=False):
+        draw_quantity(axes, x, rows, column, table.units.get(column, ""))
+    draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
+    draw_deviations(panels.flat[5], x, rows)
+    set_parameter_axis(table, 0, *panels.flat)
+    figure.align_ylabels()
+    return figure
+
+
+def marks(x: np.ndarray, marker: str, **style: object) -> dict[str, object]:
+    """The marks of a curve: none where they would touch each other."""
+    return {"marker": marker, **style} if len(x) <= MOST_MARKS else {}
+
+
+def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, unit: str) -> None:
+    """A quantity by the paper's formula, and exact."""
+    exact, formula = (rows[name].to_numpy(float) for name in (column, column + FORMULA))
+    empty = marks(x, "s", markersize=4, mfc=GROUND) | {"label": f"paper's {EQUATIONS[column]}"}
+    axes.plot(x, formula, **empty, **LINES[1])
+    axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
+    if is_wide(values := np.concatenate([exact, formula])):
+        axes.set_yscale("log")
+        if is_wide(values, MANY_DECADES):
+            axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
+    name_axis(axes.yaxis, axis_of(column), unit)
+    axes.legend()
+
+
+def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
+    """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
+    axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
+    known = np.isfinite(azimuth).any()
+    label = "computed by the run" if known else "not computed: no row at $T_p$"
+    axes.plot(x, azimuth, **marks(x, "o", markersize=3) | LINES[0], label=label)
+    low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
+    axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
+    name_axis(axes.yaxis, "azimuth after $T_p$", "degrees")
+    axes.legend(loc="upper left")
+
+
+def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
+    """How far each formula is from the exact value: full marks too large, empty ones too small.
+
+    Between marks of one kind there is a line; where the sign changes, there is none.
+    """
+    handles = []
+    for line, marker, (column, equation) in zip(LINES, MARKERS, EQUATIONS.items(), strict=True):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            deviation = (rows[column + FORMULA] / rows[column] - 1).to_numpy(float)
+        style = {"color": line["color"], "marker": marker, "markersize": 4}
+        handles.append(Line2D([], [], **style, label=equation))
+        style |= {} if len(x) <= MOST_MARKS else {"marker": ""}
+        sides = (("too large", 1, line["color"], "-"), ("too small", -1, GROUND, ":"))
+        for words, sign, face, dashes in sides:
+            size = np.where(sign * deviation > 0, np.abs(deviation), np.nan)
+            look = style | {"markerfacecolor": face, "linestyle": dashes, "linewidth": 1.0}
+            axes.plot(x, size, **look, label=f"{equation} {words}")
+    axes.set_yscale("log")
+    axes.yaxis.set_minor_locator(NullLocator())
+    name_axis(axes.yaxis, "relative error of the formula")
+    axes.set_title("full: too large; empty, dotted: too small", fontsize="small", pad=3)
+    axes.legend(handles=handles, ncols=2)
+
 
 PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
 """Of a row of panels, and of all of them, in inches."""

@@ -35,9 +35,9 @@ from spintop_figures.sweeps.quantities import (
     set_parameter_axis,
     tell_rest,
 )
-from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
 COLOURS = mpl.colormaps["cividis"]
 """From dark to light, for all eyes and for print without colours."""

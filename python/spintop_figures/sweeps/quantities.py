@@ -7,13 +7,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.lines import set_degree_ticks
+from spintop_figures.style.axes import name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import is_left, is_lowest
-from spintop_figures.tables.ends import count_failures, ended_well
 from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import count_failures, ended_well
 
 WIDE_AXIS = 12
 """Listed values of a parameter over a larger ratio stand on a log axis."""

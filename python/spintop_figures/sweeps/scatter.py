@@ -23,8 +23,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.lines import MANY_POINTS
+from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import FAINT, FAULT, GROUND, OURS, by_width, lightness, tint
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure, no_axis
@@ -40,9 +39,9 @@ from spintop_figures.sweeps.quantities import (
     succeeded,
     tell_noise,
 )
-from spintop_figures.tables.ends import count_failures
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import count_failures
 
 MOST_CASES, LEAST_CASES = 10_000, 300
 """Size of the random sample of many cases, and of each class and of the failed cases."""
@@ -291,7 +290,7 @@ def scale_heights(
 ) -> None:
     """The scale of a quantity: names of classes, a log axis, or a line where its sign changes."""
     values, after = quantity.values(rows), ""
-    axes.tick_params(labelleft=is_first)
+    axes.tick_params(which="both", labelleft=is_first)
     if is_words(values):
         draw_class_ticks(axes, values, values)
         count = len(axes.get_yticks())
@@ -335,7 +334,7 @@ def set_parameter_axes(
     for column, place in enumerate([*places, places[0]] if has_plane else places):
         for axes in panels[:, column]:
             set_parameter_axis(axes, "x", table, place, axes is panels[-1, column])
-            axes.tick_params(labelbottom=axes is panels[-1, column])
+            axes.tick_params(which="both", labelbottom=axes is panels[-1, column])
     for axes in panels[:, -1] if has_plane else ():
         set_parameter_axis(axes, "y", table, places[1], True)
 

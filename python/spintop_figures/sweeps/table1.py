@@ -16,9 +16,9 @@ from spintop_figures.style.look import GREY, INK
 from spintop_figures.style.numbers import COMMA, DASH, localised, with_power, write
 from spintop_figures.style.page import new_figure, no_axis
 from spintop_figures.style.provenance import describe_run
-from spintop_figures.tables.ends import ended_well, is_good_end
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well, is_good_end
 
 MOST_ROWS = 60
 """Longer tables make no page."""

@@ -14,7 +14,7 @@ import pandas as pd
 from spintop_figures.tables.characters import TableError, printable
 from spintop_figures.tables.ending import problem_of_text
 from spintop_figures.tables.names import unit_shown
-from spintop_figures.tables.words import units_of_columns, words_of
+from spintop_figures.tables.words import words_of
 
 NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
 """The note on a table of an earlier version."""
@@ -118,10 +118,9 @@ class Table:
         """The numbers of a column."""
         return self.rows[name].to_numpy(float)
 
-    def shown(self, name: str) -> tuple[np.ndarray, str]:
-        """The numbers of a column as they are drawn, and their unit."""
-        unit = self.units.get(name) or units_of_columns().get(name, "")
-        unit, factor = unit_shown(name, unit)
+    def shown(self, name: str, unit: str = "") -> tuple[np.ndarray, str]:
+        """The numbers of a column as they are drawn, and their unit, this one if none is told."""
+        unit, factor = unit_shown(name, self.units.get(name) or unit)
         return self.column(name) * factor, unit
 
     def finite(self, column: str) -> np.ndarray:

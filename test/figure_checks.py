@@ -5,13 +5,14 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
-from spintop_figures.style.log_axes import axes_of
+from spintop_figures.style.look import DEFAULT, the_look
 from spintop_figures.style.saving import lay_out
 
 FORMULA = re.compile(r"\$[^$]*\$")
@@ -27,6 +28,12 @@ LETTERS = 6.5
 
 def problems_of(figure: Figure) -> list[str]:
     """What is wrong with a figure; its line below is the title of a table, and may say anything."""
+    with the_look(getattr(figure, "options", DEFAULT)):
+        return problems_in_look(figure)
+
+
+def problems_in_look(figure: Figure) -> list[str]:
+    """The same, in the look that the figure is drawn in."""
     lay_out(figure)
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw_without_rendering()  # it places labels and legends
@@ -47,6 +54,12 @@ def problems_of(figure: Figure) -> list[str]:
         if round(text.get_fontsize(), 2) < LETTERS:
             problems.append(f"{text.get_fontsize():.1f} points of {words!r}")
     return problems
+
+
+def axes_of(figure: Figure) -> list[tuple[Axes, str, Axis]]:
+    """Every axis of a figure, also within and beside panels, with its panel and its letter."""
+    panels = [each for axes in figure.axes for each in (axes, *axes.child_axes)]
+    return [(panel, name, axis) for panel in panels for name, axis in panel._axis_map.items()]
 
 
 def look_at_axis(axis: Axis) -> tuple[list[Text], list[str]]:

@@ -167,7 +167,7 @@ def plot(table: "FileTable | str | Path", *names: str, **options: object) -> Fig
     A notebook shows them; each is a figure of matplotlib, with `savefig`.
     """
     from spintop_figures.registry import choose_figures, draw
-    from spintop_figures.style.options import Options
+    from spintop_figures.style.look import Options
     from spintop_figures.tables.table import TableError
 
     if isinstance(table, str | Path):

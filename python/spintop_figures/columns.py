@@ -7,12 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.style.lines import draw_line, set_degree_ticks
-from spintop_figures.style.look import LINES, drawn_width
-from spintop_figures.style.options import Options
-from spintop_figures.style.page import label_text, new_figure
+from spintop_figures.kinds import FigureKind
+from spintop_figures.style.axes import draw_line, name_axis, set_degree_ticks
+from spintop_figures.style.look import LINES, Options, drawn_width
+from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
-from spintop_figures.sweeps.quantities import unit_shown
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 
@@ -26,25 +25,43 @@ MANY_ROWS = 60
 """Fewer rows have marks."""
 
 
+def columns_kind(options: Options) -> FigureKind:
+    """The figure of the columns that a user chose."""
+    return FigureKind(
+        "columns",
+        "columns of choice, of all tables together",
+        "",
+        (options.x, *options.y),
+        lambda tables: draw_columns(tables, options),
+        lambda table: object_to_columns(table, options),
+    )
+
+
 def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
     """A panel a column, over the same other column; several tables have a line each."""
-    names = options.y
-    height = 1.1 + (ALONE if len(names) == 1 else PANEL_HEIGHT * len(names))
-    figure = new_figure(tables, title_of(options), height)
-    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    *first, last = map(name_of, options.y)
+    title = f"{', '.join(first)} and {last}" if first else last
+    title = f"{title[0].upper()}{title[1:]} against {name_of(options.x)}"
+    count = len(options.y)
+    figure = new_figure(tables, title, 1.1 + (ALONE if count == 1 else PANEL_HEIGHT * count))
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     labels = labels_of(tables)
-    for name, axes in zip(names, panels, strict=True):
+    for name, axes in zip(options.y, panels, strict=True):
         spread = []
         for line, table in enumerate(tables):
-            x, y = shown(table, options.x), shown(table, name)
+            x, (y, unit) = table.shown(options.x)[0], table.shown(name)
             style = {"marker": "o", "markersize": 3} if len(x) < MANY_ROWS else {}
             draw_line(axes, x, y, line % len(LINES), label=labels[line], **style)
             spread.append(y)
-        set_scales(axes, options, np.concatenate(spread), unit_of(tables[0], name))
-        axes.set_ylabel(
-            label_text(axis_of(name, unit_of(tables[0], name)), axes.figure, len(names))
-        )
-    panels[-1].set_xlabel(axis_of(options.x, unit_of(tables[0], options.x)))
+        for axis in options.log:
+            axes.set(**{f"{axis}scale": "log"})
+        if "y" not in options.log and unit == "degrees":
+            set_degree_ticks(axes.yaxis, np.concatenate(spread))
+        axes.margins(x=0.01)
+        for axis, (low, high) in options.range.items():
+            getattr(axes, f"set_{axis}lim")(low, high)  # None leaves an end where it is
+        name_axis(axes.yaxis, axis_of(name), unit)
+    name_axis(panels[-1].xaxis, axis_of(options.x), tables[0].shown(options.x)[1])
     if len(tables) > 1:
         add_legend(panels[0])
     figure.align_ylabels()
@@ -59,36 +76,6 @@ def add_legend(axes: Axes) -> None:
     labels = [textwrap.fill(label, int(room) - HANDLE) for label in labels]
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1)}
     axes.legend(handles, labels, **place, ncols=columns, borderpad=0.2, handlelength=2.6)
-
-
-def title_of(options: Options) -> str:
-    """The columns in words."""
-    names = [name_of(name) for name in options.y]
-    *first, last = names
-    listed = f"{', '.join(first)} and {last}" if first else last
-    title = f"{listed} against {name_of(options.x)}"
-    return title[0].upper() + title[1:]
-
-
-def unit_of(table: Table, name: str) -> str:
-    """The unit in which a column is drawn."""
-    return unit_shown(name, table.units.get(name, ""))[0]
-
-
-def shown(table: Table, name: str) -> np.ndarray:
-    """The numbers of a column in that unit."""
-    return unit_shown(name, table.units.get(name, ""))[1] * table.rows[name].to_numpy(float)
-
-
-def set_scales(axes: Axes, options: Options, values: np.ndarray, unit: str) -> None:
-    """The scales and the ranges that are asked for; angles have round ticks."""
-    for axis in options.log:
-        axes.set(**{f"{axis}scale": "log"})
-    if "y" not in options.log and unit == "degrees":
-        set_degree_ticks(axes.yaxis, values)
-    axes.margins(x=0.01)
-    for axis, (low, high) in options.range.items():
-        getattr(axes, f"set_{axis}lim")(low, high)  # None leaves an end where it is
 
 
 def labels_of(tables: Sequence[Table]) -> list[str]:
@@ -107,6 +94,6 @@ def object_to_columns(table: Table, options: Options) -> str:
         return f"has words in column {', '.join(wordless)}"
     logs = {"x": [options.x], "y": options.y}
     for name in (name for axis in options.log for name in logs[axis]):
-        if not (shown(table, name) > 0).any():
+        if not (table.column(name) > 0).any():
             return f"has nothing above zero in column {name}"
     return ""

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from spintop_figures.registry import FigureKind
-from spintop_figures.style.options import DEFAULT, Options
+from spintop_figures.kinds import FigureKind
+from spintop_figures.style.look import DEFAULT, Options
 from spintop_figures.style.saving import save_as
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.own_units import in_own_units
@@ -60,39 +60,24 @@ def draw_all(
     kinds: Sequence[FigureKind], table: Table, folder: Path, files: Files = PICTURES
 ) -> Iterator[list[Path] | TableError]:
     """Draw figures of a table, at once on as many processors as there are; files or errors."""
-    stems = [folder / f"{table.path.stem}_{kind.name}" for kind in kinds]
+    jobs[:] = [(kind, table, folder / f"{table.path.stem}_{kind.name}", files) for kind in kinds]
     workers = min(len(kinds), os.cpu_count() or 1)
     if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from (draw_or_tell(*job, table, files) for job in zip(kinds, stems, strict=True))
+        yield from map(draw_job, range(len(jobs)))
         return
     sys.stdout.flush()  # what a child inherits would be written twice
-    context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context, take_jobs, (kinds, stems, table, files)) as pool:
-        yield from pool.map(draw_job, range(len(kinds)))
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("fork")) as pool:
+        yield from pool.map(draw_job, range(len(jobs)))
 
 
-jobs: list[tuple[FigureKind, Path, Table, Files]] = []
+jobs: list[tuple[FigureKind, Table, Path, Files]] = []
 """What a child may draw, which it inherits: the rows of a table are not sent to it."""
 
 
-def take_jobs(
-    kinds: Sequence[FigureKind], stems: Sequence[Path], table: Table, files: Files
-) -> None:
-    """Remember the jobs, in a child."""
-    jobs.extend((kind, stem, table, files) for kind, stem in zip(kinds, stems, strict=True))
-
-
 def draw_job(number: int) -> list[Path] | TableError:
-    """Draw a figure, in a child."""
-    return draw_or_tell(*jobs[number])
-
-
-def draw_or_tell(
-    kind: FigureKind, stem: Path, table: Table, files: Files
-) -> list[Path] | TableError:
-    """The files of a figure, or why it cannot be drawn."""
+    """The files of a figure, or why it cannot be drawn, in a child."""
     try:
-        return draw_to(kind, table, stem, files)
+        return draw_to(*jobs[number])
     except TableError as error:
         return error
 
@@ -110,10 +95,8 @@ def without_overflow(table: Table) -> Table:
 
 def too_large(table: Table, columns: Sequence[str]) -> str:
     """Which of the numbers of a table are too large to be drawn; empty if none is."""
-    for name in columns:
-        if not table.numeric(name):
-            continue
-        values = np.abs(table.rows[name].to_numpy(float))
+    for name in filter(table.numeric, columns):
+        values = np.abs(table.column(name))
         if (values[np.isfinite(values)] > LARGEST).any():
             return f"has numbers beyond {LARGEST:g} in column {name}"
     return ""

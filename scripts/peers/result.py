@@ -10,8 +10,8 @@ import pandas as pd
 from peers.crew import Trial
 from peers.problem import Problem
 from peers.program import processor
-from spintop_figures.tables.ends import ended_well
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
 OWN = "spintop"
 """What the column `program` calls itself."""

@@ -9,8 +9,8 @@ from peers.problem import ALIKE, Problem
 from peers.program import RunError as SceneError
 from peers.program import call
 from peers.quaternion import product
-from spintop_figures.tables.ends import is_good_end
 from spintop_figures.tables.table import Table, read_head, read_table
+from spintop_figures.tables.words import is_good_end
 
 GROUP = re.compile(r"^&(\w+)\n.*?^/\n", re.MULTILINE | re.DOTALL)
 UPRIGHT = ((0.5, -0.5, -0.5, -0.5), (0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0))

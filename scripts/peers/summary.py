@@ -4,7 +4,7 @@ import pandas as pd
 
 from peers.program import as_table
 from peers.result import OWN
-from spintop_figures.tables.ends import ended_well
+from spintop_figures.tables.words import ended_well
 
 ERRORS = tuple(float(f"1e-{digits}") for digits in range(3, 13))
 NONE = "\N{EN DASH}"

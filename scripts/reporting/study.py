@@ -18,10 +18,10 @@ from spintop_figures.moving.motion import refusal
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.provenance import describe_end
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.ends import ended_well, is_good_end
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, TableError, read_table
+from spintop_figures.tables.words import ended_well, is_good_end
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
 from mpi_test import ENVIRONMENT, MPI_PROGRAM, under
 from program_test import Table
 from spintop_figures.registry import FIGURES
-from spintop_figures.sweeps.indices import indices_of
+from spintop_figures.sweeps.statistics import indices_of
 from spintop_figures.tables.table import read_table
 from statistics_test import SLOW, KilledCase, StatisticsCase
 

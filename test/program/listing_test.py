@@ -125,9 +125,7 @@ class ListingTest(unittest.TestCase):
         self.assertEqual(methods["gauss_8"]["family"], "Gauss-Legendre")
         self.assertEqual(methods["arkode_erk"]["family"], methods["dop853"]["family"])
         self.assertEqual(methods["exact"]["formulations"], [])
-        self.assertEqual(
-            methods["taylor"]["formulations"], ["rigid_body", "space_frame"]
-        )
+        self.assertEqual(methods["taylor"]["formulations"], ["rigid_body", "space_frame"])
         self.assertIn("lagrange", methods["ode45"]["formulations"])
         self.assertIn("dormand_prince", methods["ode45"]["aliases"])
         for name in ("arkode_erk", "arkode_dirk"):

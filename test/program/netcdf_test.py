@@ -8,6 +8,7 @@ import struct
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 from mpi_test import ENVIRONMENT  # noqa: E402
 from program_test import GOOD, PROGRAM, ProgramCase, Table  # noqa: E402
 from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
-from spintop_figures.tables.netcdf import Attributes, Variable, read_netcdf  # noqa: E402
+from spintop_figures.tables.netcdf import read_netcdf  # noqa: E402
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 from survival_test import SLOW  # noqa: E402
 
@@ -69,7 +70,7 @@ class NetcdfCase(ProgramCase):
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result.stdout + result.stderr
 
-    def netcdf(self, name: str) -> tuple[Attributes, dict[str, Variable]]:
+    def netcdf(self, name: str) -> tuple[dict, Mapping]:
         """Read a NetCDF table."""
         return read_netcdf(self.folder / "output" / name)
 
@@ -133,20 +134,20 @@ class NetcdfTest(NetcdfCase):
         self.assertNotIn("date", attributes)
         axes = ("initial_theta_deg", "top_inertia_3", "top_gravity")
         for axis in axes:
-            self.assertEqual(variables[axis].dimensions, (axis,))
+            self.assertEqual(variables[axis].dims, (axis,))
         self.assertEqual(list(variables["top_inertia_3"].values), [0.25, 0.5, 1.8])
-        self.assertEqual(variables["initial_theta_deg"].attributes["units"], "degree")
-        self.assertEqual(variables["top_gravity"].attributes["column"], "top.gravity")
+        self.assertEqual(variables["initial_theta_deg"].attrs["units"], "degree")
+        self.assertEqual(variables["top_gravity"].attrs["column"], "top.gravity")
         for name, variable in variables.items():
             self.assertRegex(name, r"^[A-Za-z]\w*$")
-            self.assertTrue(variable.attributes["long_name"], name)
+            self.assertTrue(variable.attrs["long_name"], name)
             if name not in axes:
-                self.assertEqual(variable.dimensions, axes)
+                self.assertEqual(variable.dims, axes)
             if variable.values.dtype.kind == "f":
-                self.assertTrue(variable.attributes["units"], name)
+                self.assertTrue(variable.attrs["units"], name)
         self.assertEqual(variables["case"].values.reshape(-1).tolist(), list(range(1, 85)))
-        meanings = variables["status"].attributes["flag_meanings"].split()
-        self.assertEqual(variables["status"].attributes["flag_values"].size, len(meanings))
+        meanings = variables["status"].attrs["flag_meanings"].split()
+        self.assertEqual(variables["status"].attrs["flag_values"].size, len(meanings))
         # The resolved input runs, and gives the same table.
         again = self.write(attributes["input"] + "\n", "again.nml")
         self.sweep(again, code=3)
@@ -167,8 +168,8 @@ class NetcdfTest(NetcdfCase):
         self.sweep(scene)
         self.check_same("drawn")
         for name, variable in self.netcdf("drawn.nc")[1].items():
-            self.assertEqual(variable.dimensions, ("case",), name)
-            self.assertNotIn("coordinates", variable.attributes)
+            self.assertEqual(variable.dims, ("case",), name)
+            self.assertNotIn("coordinates", variable.attrs)
         for ending in ("csv", "nc"):
             table = read_table(self.folder / f"output/drawn.{ending}")
             self.assertEqual(object_to_scatter(table), "")
@@ -199,8 +200,8 @@ class NetcdfTest(NetcdfCase):
         self.run_program(self.grid)
         self.sweep(self.grid, code=3)
         notes = self.netcdf("grid.nc")[1]["notes"]
-        words = notes.attributes["flag_meanings"].split()
-        masks = notes.attributes["flag_masks"].tolist()
+        words = notes.attrs["flag_meanings"].split()
+        masks = notes.attrs["flag_masks"].tolist()
         self.assertEqual(masks, [1 << i for i in range(len(words))])
         texts = self.table("grid").texts("notes")
         for flags, text in zip(notes.values.reshape(-1), texts, strict=True):
@@ -308,7 +309,7 @@ class PartsTest(NetcdfCase):
         self.run_program(self.grid, "--shard", "2/3")
         attributes, variables = self.netcdf(Path(parts[1]).name)
         self.assertEqual(attributes["part"], "part 2 of 3: cases 29 to 56 of 84")
-        self.assertEqual({each.dimensions for each in variables.values()}, {("case",)})
+        self.assertEqual({each.dims for each in variables.values()}, {("case",)})
         self.assertEqual(variables["case"].values.tolist(), list(range(29, 57)))
         texts = self.table("grid.2-of-3")
         for name in ("top.gravity", "theta_min", "com_z_min"):
@@ -543,15 +544,15 @@ class TrajectoryTest(NetcdfCase):
         attributes, variables = self.netcdf("scene.nc")
         self.assertEqual(attributes["status"], "ok")
         self.assertIn("date", attributes)
-        self.assertEqual({each.dimensions for each in variables.values()}, {("t",)})
-        self.assertNotIn("_FillValue", variables["t"].attributes)
+        self.assertEqual({each.dims for each in variables.values()}, {("t",)})
+        self.assertNotIn("_FillValue", variables["t"].attrs)
 
     def test_without_time(self) -> None:
         """The rows are the dimension."""
         scene = self.write(GOOD, "scene.nml")
         self.sweep(scene, "--set", "output.columns=theta,psi")
         _, variables = self.netcdf("scene.nc")
-        self.assertEqual(variables["theta"].dimensions, ("row",))
+        self.assertEqual(variables["theta"].dims, ("row",))
 
     def test_motions_that_end_early(self) -> None:
         """At an event, or with a failure: the rows up to there, and why."""

@@ -13,7 +13,7 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TableCase, a_trajectory  # noqa: E402
-from spintop_figures.motion.account import draw_account  # noqa: E402
+from spintop_figures.motion.trajectory import draw_account  # noqa: E402
 from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 

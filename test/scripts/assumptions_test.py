@@ -17,9 +17,11 @@ sys.path[:0] = [str(TESTS), str(ROOT / "scripts"), str(ROOT / "python")]
 from plot_case import a_trajectory  # noqa: E402
 from reporting.live_link import live_link  # noqa: E402
 from reporting.paper import runs_of  # noqa: E402
-from spintop_figures.motion.extremes import inclination_extremes  # noqa: E402
 from spintop_figures.motion.reduced import find_reduced  # noqa: E402
-from spintop_figures.motion.trajectory import draw_forces  # noqa: E402
+from spintop_figures.motion.trajectory import (  # noqa: E402
+    draw_forces,
+    inclination_extremes,
+)
 from spintop_figures.moving.assumptions import (  # noqa: E402
     AUXILIARY,
     broken,

@@ -41,13 +41,15 @@ from plot_case import (  # noqa: E402
     some_events,
 )
 from spintop_figures import draw, read_table, save_as  # noqa: E402
-from spintop_figures.methods.styles import LOOKS, OTHER_LOOK  # noqa: E402
 from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.style.axes import scale_for  # noqa: E402
-from spintop_figures.style.colours import to_linear, to_oklab  # noqa: E402
-from spintop_figures.style.look import LINES  # noqa: E402
+from spintop_figures.style.axes import Powers, scale_for  # noqa: E402
+from spintop_figures.style.look import (  # noqa: E402
+    CENTIMETRE,
+    ROLES,
+    WIDTHS,
+    lightness,
+)
 from spintop_figures.style.numbers import with_comma, write, write_fixed  # noqa: E402
-from spintop_figures.style.options import CENTIMETRE, WIDTHS  # noqa: E402
 from spintop_figures.tables.names import axis_of, name_of, sign_of  # noqa: E402
 from spintop_figures.tables.table import Table, TableError  # noqa: E402
 
@@ -226,15 +228,14 @@ class OptionsTest(TableCase):
         """All letters and lines can be seen on the dark ground."""
         for options in ({"dark": True}, {"style": "dark_background"}):
             figure = draw(self.motion(), "forces", **options)
-            ground = to_oklab(figure.get_facecolor())[0]
-            self.assertLess(ground, 0.3)
+            self.assertLess(lightness(figure.get_facecolor()), 0.2)
             for text in figure.findobj(Text):
-                self.assertGreater(to_oklab(text.get_color())[0], 0.5)
+                self.assertGreater(lightness(text.get_color()), 0.45)
             lines = [
                 line for axes in figure.axes for line in axes.lines if len(line.get_xdata()) > 9
             ]
             for line in lines:
-                self.assertGreater(to_oklab(line.get_color())[0], 0.6)
+                self.assertGreater(lightness(line.get_color()), 0.45)
 
     def test_dark_maps(self) -> None:
         """A legend of a map has the colours of the map, which are those on white."""
@@ -342,6 +343,25 @@ class WordsTest(unittest.TestCase):
         near = scale_for(-0.01 + 1e-10, -0.01 + 3e-10, "m")
         self.assertEqual((near.unit, near.origin), ("pm", -0.0099999998))
 
+    def test_powers(self) -> None:
+        """On log axes powers of ten are plain text; over less than two decades there are numbers,
+        with powers only if they are unusual."""
+        times = "\N{MULTIPLICATION SIGN}"
+        for ends, expected in {
+            (1e-12, 1e3): {"10⁻¹²", "10⁰", "10²"},
+            (0.02, 0.06): {"0.03"},
+            (2.0, 6.0): {"3"},
+            (2e-6, 6e-6): {f"3{times}10⁻⁶"},
+            (2e5, 6e5): {f"3{times}10⁵"},
+        }.items():
+            axes = Figure().subplots()
+            axes.set(yscale="log", ylim=ends)
+            for which in ("major", "minor"):
+                getattr(axes.yaxis, f"set_{which}_formatter")(Powers())
+            shown = {label.get_text() for label in axes.get_yticklabels(which="both")}
+            self.assertLessEqual(expected, shown)
+            self.assertFalse([text for text in shown if "$" in text])
+
     def test_names(self) -> None:
         """Methods, keys of the input, columns and statuses have names without underscores."""
         expected = {
@@ -388,6 +408,13 @@ PROTANOPE = (
 )
 """G. M. Machado, M. M. Oliveira, L. A. F. Fernandes (2009), of linear light, at full severity."""
 
+
+def to_linear(colour: object) -> np.ndarray:
+    """Linear light of a colour of screens."""
+    rgb = np.array(to_rgb(colour))
+    return np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+
+
 TO_XYZ = np.array(
     [
         [0.4124564, 0.3575761, 0.1804375],
@@ -409,21 +436,24 @@ def lab_of(colour: str, eye: object) -> np.ndarray:
 class ColourTest(unittest.TestCase):
     """Colours that have a meaning."""
 
-    FAMILIES = (*(look.colour for look in LOOKS), OTHER_LOOK.colour)
+    FAMILIES = tuple(ROLES[role] for role in ROLES if role.startswith(("family", "other")))
+    LINES = tuple(ROLES[role] for role in ROLES if role.startswith("line"))
 
     def test_apart(self) -> None:
-        """Those of families, and of lines, differ for all eyes."""
+        """Those of families, and of lines, differ for all eyes; on dark ground those of lines."""
+        light = [[pair[0] for pair in pairs] for pairs in (self.FAMILIES, self.LINES)]
         for eye in (np.eye(3), DEUTERANOPE, PROTANOPE):
-            for colours in (self.FAMILIES, [line["color"] for line in LINES]):
+            for colours in (*light, [pair[1] for pair in self.LINES]):
                 for one, other in itertools.combinations(colours, 2):
                     apart = np.linalg.norm(lab_of(one, eye) - lab_of(other, eye))
                     self.assertGreater(apart, 8, (one, other))
 
     def test_contrast(self) -> None:
-        """They are seen on white at a contrast of 3 to 1."""
-        for colour in (*self.FAMILIES, *(line["color"] for line in LINES)):
-            luminance = TO_XYZ[1] @ to_linear(to_rgb(colour))
-            self.assertGreater(1.05 / (luminance + 0.05), 3, colour)
+        """They are seen on their ground at a contrast of 3 to 1, as is what is written in grey."""
+        for pair in (*self.FAMILIES, *self.LINES, ROLES["grey"], ROLES["fault"], ROLES["ink"]):
+            for colour, ground in zip(pair, ROLES["ground"], strict=True):
+                one, other = (TO_XYZ[1] @ to_linear(each) + 0.05 for each in (colour, ground))
+                self.assertGreater(max(one / other, other / one), 3, colour)
 
 
 if __name__ == "__main__":

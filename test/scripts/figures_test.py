@@ -13,6 +13,7 @@ from unittest import mock
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from PIL import Image
 
@@ -29,35 +30,36 @@ from plot_case import (  # noqa: E402
     a_table,
     a_trajectory,
 )
-from spintop_figures.methods.costs import draw_costs  # noqa: E402
-from spintop_figures.methods.trials import cases_by_reference, trials  # noqa: E402
-from spintop_figures.methods.verdicts import lay_out as lay_out_verdicts  # noqa: E402
+from spintop_figures.methods.trials import (  # noqa: E402
+    cases_by_reference,
+    draw_costs,
+    trials,
+)
+from spintop_figures.methods.trials import lay_out as lay_out_verdicts  # noqa: E402
 from spintop_figures.motion.events import describe_event, draw_events  # noqa: E402
-from spintop_figures.motion.extremes import (  # noqa: E402
+from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
+from spintop_figures.motion.sphere import (  # noqa: E402
+    draw_path,
+    draw_trace,
+    draw_traces,
+)
+from spintop_figures.motion.trajectory import (  # noqa: E402  # noqa: E402
+    draw_angles,
+    draw_forces,
     height_extremes,
     inclination_extremes,
     sparseness,
 )
-from spintop_figures.motion.path import draw_path  # noqa: E402
-from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
-from spintop_figures.motion.trace import draw_trace, draw_traces  # noqa: E402
-from spintop_figures.motion.trajectory import draw_angles, draw_forces  # noqa: E402
 from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.style.lines import draw_sizes  # noqa: E402
-from spintop_figures.style.saving import (  # noqa: E402
-    WRITERS,
-    lay_out,
-    save,
-    save_as,
-    save_small,
-    write_png,
+from spintop_figures.style.axes import draw_sizes  # noqa: E402
+from spintop_figures.style.saving import lay_out, save, save_as, save_small  # noqa: E402
+from spintop_figures.sweeps.curves import (  # noqa: E402
+    draw_sweep,
+    sleeping_threshold,
 )
-from spintop_figures.sweeps.curves import sleeping_threshold  # noqa: E402
 from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
-from spintop_figures.sweeps.maps import draw_maps  # noqa: E402
-from spintop_figures.sweeps.scales import SIGNED  # noqa: E402
+from spintop_figures.sweeps.maps import SIGNED, draw_maps  # noqa: E402
 from spintop_figures.sweeps.scatter import draw_scatter  # noqa: E402
-from spintop_figures.sweeps.sweep import draw_sweep  # noqa: E402
 from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
@@ -123,15 +125,16 @@ class PackageTest(FigureCase):
         figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
         target = self.folder / "b.png"
 
-        def draw_elsewhere(*arguments: object) -> None:
-            write_png(*arguments)
+        def draw_elsewhere(*arguments: object, **settings: object) -> None:
+            write_png(*arguments, **settings)
             if not (child := os.fork()):
-                with mock.patch.dict(WRITERS, png=write_png):
-                    save(figure, target)
+                FigureCanvasAgg.print_png = write_png
+                save(figure, target)
                 os._exit(0)
             self.assertEqual(os.waitpid(child, 0)[1], 0)
 
-        with mock.patch.dict(WRITERS, png=draw_elsewhere):
+        write_png = FigureCanvasAgg.print_png
+        with mock.patch.object(FigureCanvasAgg, "print_png", draw_elsewhere):
             save(figure, target)
         self.assertEqual(list(self.folder.glob("*.part")), [])
         self.assertGreater(target.stat().st_size, 5000)

@@ -15,29 +15,33 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
-from spintop_figures.motion.bifurcation import Constants  # noqa: E402
-from spintop_figures.motion.cones import (  # noqa: E402
+from spintop_figures.motion.drift import method_of, running_maximum  # noqa: E402
+from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
+from spintop_figures.motion.reduced import (  # noqa: E402  # noqa: E402
+    Constants,
+    Reduced,
+    draw_portrait,
+    draw_potential,
+    find_reduced,
+)
+from spintop_figures.motion.sphere import (  # noqa: E402  # noqa: E402  # noqa: E402
+    WHOLE,
     body_at_start,
     directions,
     draw_cones,
+    draw_trace,
+    find_cap,
     in_body,
     in_space,
-)
-from spintop_figures.motion.drift import CONSTANTS, method_of, running_maximum  # noqa: E402
-from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
-from spintop_figures.motion.potential import draw_portrait, draw_potential  # noqa: E402
-from spintop_figures.motion.reduced import Reduced, find_reduced  # noqa: E402
-from spintop_figures.motion.sphere import (  # noqa: E402
-    WHOLE,
-    find_cap,
     on_sphere,
     project,
+    tell_turn,
     view_of,
 )
-from spintop_figures.motion.trace import draw_trace, tell_turn  # noqa: E402
 from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes  # noqa: E402
 from spintop_figures.moving.motion import refusal as motion_refusal  # noqa: E402
 from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw  # noqa: E402
+from spintop_figures.style.look import GROUND  # noqa: E402
 from spintop_figures.tables.own_units import in_own_units  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
@@ -181,7 +185,7 @@ class DrawnTest(MotionCase):
             if line.get_marker() == "o" and len(line.get_xdata())
         }
         np.testing.assert_allclose(sorted(ends), (0, 120), atol=1e-4)
-        self.assertEqual(ends[0.0].get_markerfacecolor(), "white")  # it approaches this one
+        self.assertEqual(ends[0.0].get_markerfacecolor(), GROUND)  # it approaches this one
         words = [text.get_text() for text in axes.texts]
         self.assertEqual(sorted(words), ["0°, never reached", "120.00°"])
 
@@ -285,10 +289,10 @@ class TogetherTest(MotionCase):
         settings = ["span.nutations=40", "span.samples=41"]
         table = self.compute("long_drift", *settings)
         self.assertEqual(method_of(table), ("taylor", "space_frame"))
-        t, off = running_maximum(table, CONSTANTS[0])
+        t, off = running_maximum(table, "energy_error")
         self.assertTrue((np.diff(off) >= 0).all())
         self.assertEqual((len(t), off[-1]), (40, table.rows["energy_error"].abs().max()))
-        _, off = running_maximum(table, CONSTANTS[1])
+        _, off = running_maximum(table, "lz")
         self.assertEqual(off[-1], (table.rows["lz"] - table.rows["lz"][0]).abs().max())
 
     def test_script(self) -> None:

@@ -19,13 +19,22 @@ TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TableCase, a_map, a_stability, a_table, some_events  # noqa: E402
-from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, trials  # noqa: E402
-from spintop_figures.methods.verdicts import digits_of, letters_of  # noqa: E402
+from spintop_figures.methods.trials import (  # noqa: E402
+    NO_TRIAL,
+    VERDICTS,
+    digits_of,
+    letters_of,
+    trials,
+)
 from spintop_figures.sweeps.curves import draw_curves  # noqa: E402
-from spintop_figures.sweeps.kapitza import KAPITZA, find_kapitza_limit  # noqa: E402
-from spintop_figures.sweeps.maps import draw_maps, make_grid  # noqa: E402
+from spintop_figures.sweeps.maps import (  # noqa: E402
+    COLOURS,
+    KAPITZA,
+    draw_maps,
+    find_kapitza_limit,
+    make_grid,
+)
 from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of  # noqa: E402
-from spintop_figures.sweeps.scales import COLOURS  # noqa: E402
 from spintop_figures.sweeps.statistics import is_even  # noqa: E402
 from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
 

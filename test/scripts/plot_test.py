@@ -7,10 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+
 
 from plot_case import (  # noqa: E402
     HEAD,
@@ -24,8 +26,8 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
-from spintop_figures.style.cells import Cells  # noqa: E402
 from spintop_figures.style.provenance import describe_run  # noqa: E402
+from spintop_figures.style.saving import lay_out  # noqa: E402
 from spintop_figures.sweeps.table1 import (  # noqa: E402
     COLUMNS,
     RIGHT_EDGES,
@@ -93,7 +95,7 @@ class ChoiceTest(TableCase):
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
         self.assertEqual(
-            self.figures_of(a_trajectory()), "angles forces path error trace residuals"
+            self.figures_of(a_trajectory()), "angles forces path trace error residuals"
         )
         self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles path trace")
         self.assertEqual(self.figures_of(a_trajectory(["t", "phi"])), "")
@@ -134,16 +136,18 @@ class PageTest(TableCase):
         table = read_table(self.put("a.csv", a_sweep()))
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
         figure = draw_table1(replace(table, rows=rows))
-        cells = next(each for each in figure.axes[0].artists if isinstance(each, Cells))
-        points = [
-            place for (_, text), each in cells.places.items() if text == "." for place in each
-        ]
-        by_column: dict[float, list[float]] = {}
-        for (end, _), left in points:
-            by_column.setdefault(end, []).append(left)
-        written = by_column[RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]]
-        self.assertEqual(len(written), 4)
-        self.assertLess(np.ptp(written), 1e-9)
+        lay_out(figure)
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        right = RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]
+        cells = ("1234.5", "0.00012345", "9.5000", "77.000")
+        points = []
+        for text in figure.axes[0].texts:
+            if text.get_text() in cells and right - 0.9 < text.get_position()[0] <= right:
+                behind = text.get_text().partition(".")[2]
+                width = figure.text(0, 0, f".{behind}").get_window_extent(renderer).width
+                points.append(text.get_window_extent(renderer).x1 - width)
+        self.assertEqual(len(points), 4)
+        self.assertLess(np.ptp(points), 2)  # pixels
 
     def test_title(self) -> None:
         """The title names the source of the inertia."""

@@ -20,35 +20,38 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "p
 
 from plot_case import STAGES, TableCase, a_precision  # noqa: E402
 from spintop_figures.methods import known  # noqa: E402
-from spintop_figures.methods.best import best_of_families, spread  # noqa: E402
-from spintop_figures.methods.choice import (  # noqa: E402
-    choices_of,
-    draw_choice,
-    object_to_choice,
-)
-from spintop_figures.methods.curves import TARGET, Curve, curves_of, time_to  # noqa: E402
 from spintop_figures.methods.known import (  # noqa: E402
+    MARKERS,
     OTHER,
     families,
     family_of,
+    ink_of,
     known_methods,
+    look_of,
     order_of,
+    style_of,
 )
-from spintop_figures.methods.orders import (  # noqa: E402
+from spintop_figures.methods.precision import (  # noqa: E402  # noqa: E402  # noqa: E402
     STEP,
+    TARGET,
+    Curve,
+    best_of_families,
+    curves_of,
     draw_orders,
-    equal_steps,
-    measured_order,
-    with_order,
-)
-from spintop_figures.methods.precision import (  # noqa: E402
     draw_precision_time,
     draw_precision_work,
+    equal_steps,
+    measured_order,
     object_to_precision,
+    spread,
+    time_to,
+    with_order,
 )
-from spintop_figures.methods.styles import LOOKS, OTHER_LOOK, ink_of, look_of, style_of  # noqa: E402
-from spintop_figures.methods.tolerance_map import (  # noqa: E402
+from spintop_figures.methods.tolerance import (  # noqa: E402
+    choices_of,
+    draw_choice,
     draw_tolerance_map,
+    object_to_choice,
     object_to_tolerance_map,
     table_of_problems,
     tell,
@@ -91,9 +94,8 @@ class StyleTest(unittest.TestCase):
             for table in entry["tables"] or ():
                 self.assertEqual(family_of(table), entry["family"])
         self.assertEqual(len(styles), len(methods))
-        looks = [*LOOKS, OTHER_LOOK]
-        self.assertEqual(len({look.marker for look in looks}), len(looks))
-        self.assertGreater(len(LOOKS), len({entry["family"] for entry in methods.values()}))
+        self.assertEqual(len({*MARKERS, look_of(OTHER).marker}), len(MARKERS) + 1)
+        self.assertGreater(len(MARKERS), len({entry["family"] for entry in methods.values()}))
         self.assertEqual(family_of("heyoka"), OTHER)
 
     def test_no_program(self) -> None:

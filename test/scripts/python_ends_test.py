@@ -26,7 +26,7 @@ from filming import __main__ as film  # noqa: E402
 from reporting.study import read_study  # noqa: E402
 from spintop_figures.style.provenance import warning_of  # noqa: E402
 from spintop_figures.sweeps.quantities import succeeded, tell_failed  # noqa: E402
-from spintop_figures.tables import ends  # noqa: E402
+from spintop_figures.tables import words as ends  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)

@@ -11,14 +11,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
 from plot_case import TableCase, a_cloud, a_map  # noqa: E402
-from spintop_figures.sweeps import cloud as cloud_module  # noqa: E402
+from spintop_figures.style.look import ROLES, lightness  # noqa: E402
+from spintop_figures.sweeps import scatter as cloud_module  # noqa: E402
 from spintop_figures.sweeps.maps import object_to_grid  # noqa: E402
 from spintop_figures.sweeps.quantities import has_log_axis, succeeded  # noqa: E402
 from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling  # noqa: E402
@@ -216,11 +216,10 @@ class LookTest(ScatterCase):
 
     def test_grey(self) -> None:
         """The first classes differ in lightness, all of them in their markers."""
-        colours = [colour for colour, _ in cloud_module.LOOKS[:3]]
-        greys = [np.dot(to_rgb(colour), (0.299, 0.587, 0.114)) for colour in colours]
+        greys = [lightness(ROLES[f"class{number}"][0]) for number in (1, 2, 3)]
         for one, other in itertools.combinations(greys, 2):
             self.assertGreater(abs(one - other), 0.15)
-        self.assertEqual(len({marker for _, marker in cloud_module.LOOKS}), len(cloud_module.LOOKS))
+        self.assertEqual(len({*cloud_module.MARKERS}), len(cloud_module.MARKERS))
 
     @pytest.mark.slow
     def test_script(self) -> None:

@@ -15,8 +15,8 @@ from matplotlib.figure import Figure  # noqa: E402
 from plot_case import TableCase  # noqa: E402
 from spintop_figures.registry import draw  # noqa: E402
 from spintop_figures.style.page import head  # noqa: E402
-from spintop_figures.sweeps.quantities import parameter_words, unit_shown  # noqa: E402
 from spintop_figures.sweeps.statistics import mark_negative  # noqa: E402
+from spintop_figures.tables.names import name_of, unit_shown  # noqa: E402
 from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 HEAD = """\
@@ -137,6 +137,6 @@ class UnitTest(TableCase):
 
     def test_words(self) -> None:
         """A parameter is named in words, without a formula; an element of an array by its sign."""
-        self.assertEqual(parameter_words("initial.theta_deg"), "initial inclination")
-        self.assertEqual(parameter_words("initial.omega3"), "initial spin")
-        self.assertEqual(parameter_words("top.inertia(2)"), "moment of inertia I\u2082")
+        self.assertEqual(name_of("initial.theta_deg"), "initial inclination")
+        self.assertEqual(name_of("initial.omega3"), "initial spin")
+        self.assertEqual(name_of("top.inertia(2)"), "moment of inertia I\u2082")

@@ -8,30 +8,32 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from spintop_figures.kinds import figure, unless
+from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, LINES, by_width
 from spintop_figures.style.numbers import with_power, write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
 
-COLUMNS = ("published_error", "error", "truth_error", "time_s")
-WORDS = ("benchmark", "quantity", "published_method")
-
 LEAST = 1e-17
 """Smaller errors are drawn here."""
 
-ROW = (0.44, 0.62)
-"""Height of a line in inches, on a page and in a column."""
-
-LETTERS = (44, 22)
-"""Of what was published, on a page and in a column."""
+ROW, LETTERS = (0.44, 0.62), (44, 22)
+"""Height of a line in inches, and letters of what was published, on a page and in a column."""
 
 
-def object_to_benchmarks(table: Table) -> str:
-    """A published number has to be there."""
-    known = table.rows["published_error"].notna()
-    return "" if known.any() else "has no published number to compare with"
-
-
+@figure(
+    "benchmarks",
+    "errors of published numbers and of spintop",
+    kind="benchmark",
+    needs="published_error error truth_error time_s",
+    words="benchmark quantity published_method",
+    objection=unless(
+        lambda table: table.rows["published_error"].notna().any(),
+        "has no published number to compare with",
+    ),
+    sparse=True,
+)
 def draw_benchmarks(table: Table) -> Figure:
     """The errors of all quantities of a publication on a line: published, spintop's, the truth's.
 
@@ -39,49 +41,33 @@ def draw_benchmarks(table: Table) -> Figure:
     """
     rows = table.rows[table.rows["published_error"].notna()]
     groups = list(rows.groupby(["benchmark", "published_method"], sort=False))
-    title = "Published benchmarks"
-    figure = new_figure(table, title, 1.5 + by_width(*ROW) * len(groups))
+    figure = new_figure(table, "Published benchmarks", 1.5 + by_width(*ROW) * len(groups))
     axes = figure.add_subplot()
     looks = (
         ("published_error", "published", {"marker": "D", "color": LINES[1]["color"]}),
         ("error", "spintop, in this time", {"marker": "o", "color": LINES[0]["color"]}),
         ("truth_error", "reference", {"marker": "|", "color": GREY}),
     )
-    labels = []
-    for place, ((benchmark, method), part) in enumerate(groups):
+    beside = {"xycoords": axes.get_yaxis_transform(), "va": "center", "fontsize": "small"}
+    for place, (_, part) in enumerate(groups):
         axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
         for column, label, look in looks:
             errors = np.maximum(part[column].dropna().to_numpy(float), LEAST)
             style = look | {"linestyle": "", "markersize": 5, "alpha": 0.8}
             axes.plot(errors, np.full(errors.shape, place), **style, label="" if place else label)
-        labels.append(describe(str(benchmark), str(method)))
-        axes.annotate(
-            tell_time(part["time_s"]),
-            (1.01, place),
-            xycoords=axes.get_yaxis_transform(),
-            va="center",
-            fontsize=8.5,
-            color=GREY,
-        )
+        axes.annotate(tell_time(part["time_s"]), (1.01, place), **beside, color=GREY)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(numticks=by_width(9, 4)))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_yticks(range(len(groups)), labels=labels, fontsize=8)
+    axes.set_yticks(range(len(groups)), labels=[describe(*map(str, key)) for key, _ in groups])
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(len(groups) - 0.5, -0.5)
-    axes.set_xlabel(by_width("error of a quantity, in its unit", "error, in its unit"))
-    place_legend(figure)
-    return figure
-
-
-def place_legend(figure: Figure) -> None:
-    """Beside the title, or in a column below the lines."""
-    (axes,) = figure.axes
+    name_axis(axes.xaxis, by_width("error of a quantity, in its unit", "error, in its unit"))
     if by_width(True, False):
-        handles, labels = axes.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper right", ncols=3, borderpad=0)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3)
     else:
-        axes.legend(loc="upper right", bbox_to_anchor=(1.2, -0.1), ncols=1, borderpad=0)
+        axes.legend(loc="upper right", bbox_to_anchor=(1.2, -0.1), borderpad=0)
+    return figure
 
 
 def describe(benchmark: str, method: str) -> str:

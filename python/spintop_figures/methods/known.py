@@ -1,9 +1,16 @@
-"""The methods and formulations of the program, from its registries."""
+"""The methods of the program, from its registry, and how they are drawn.
+
+A family has a colour and a marker, its members differ in tone and dashes.
+"""
 
 import functools
 from typing import NamedTuple
 
-from spintop_figures.tables.listed import listed
+import numpy as np
+from matplotlib.colors import to_rgb
+
+from spintop_figures.style.look import GROUND, OURS, lightness, tint
+from spintop_figures.tables.words import listed
 
 OTHER = "other programs"
 """The family of what the registry does not have."""
@@ -17,11 +24,6 @@ class Method(NamedTuple):
     order: int | None
     kind: str
     """`fixed`, `adaptive`, `both` or `exact`."""
-
-    @property
-    def group(self) -> str:
-        """The family and how the steps are chosen, in words."""
-        return self.family + (", adaptive" if self.kind in ("adaptive", "both") else "")
 
     @property
     def height(self) -> int:
@@ -38,9 +40,7 @@ def known_methods() -> dict[str, Method]:
     methods: dict[str, Method] = {}
     for entry in read_registry():
         method = Method(entry["name"], entry["family"], entry["order"], entry["kind"])
-        methods[method.name] = method
-        for table in entry["tables"] or ():
-            methods[table] = method
+        methods |= dict.fromkeys((method.name, *(entry["tables"] or ())), method)
     return methods
 
 
@@ -75,11 +75,76 @@ def members_of(family: str) -> list[str]:
 
 def rank_of(method: str) -> tuple[int, int, str]:
     """Where a method stands in a list: by its family, then by its place in it."""
-    family = family_of(method)
-    return families().index(family), place_of(method), method
+    return families().index(family_of(method)), place_of(method), method
 
 
 def place_of(method: str) -> int:
     """The place of a method in its family; a Butcher table has that of its method."""
     known = known_methods().get(method)
     return members_of(known.family).index(known.name) if known else 0
+
+
+MARKERS = "psv^PXo*h<>d"
+"""Of the families in the order of the registry, as their colours are numbered."""
+
+DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)))
+"""Of the members of a family, the first of which has the family's own colour."""
+
+PALER, PALEST = 0.17, 0.6
+"""How much of the way to the ground a member's colour is from the one before it, and at most."""
+
+GAMMA, LUMINANCES, INK_ON_WHITE = 2.2, (0.2126, 0.7152, 0.0722), 0.18
+"""Of the colours of screens: exponent, shares of red, green and blue, and the luminance of words on
+white at a contrast of 4.5 to 1."""
+
+FILLS = {
+    "space_frame": "full",
+    "rigid_body": "none",
+    "lagrange": "left",
+    "euler": "bottom",
+    "lagrange_energy": "right",
+}
+"""Which part of a marker is filled, by the formulation; of others all of it."""
+
+
+class Look(NamedTuple):
+    """The marker and the colour of a family."""
+
+    marker: str
+    colour: str
+
+    @property
+    def size(self) -> float:
+        """The size of the marker over the usual one: a star is small."""
+        return 1.5 if self.marker == "*" else 1.0
+
+
+def look_of(family: str) -> Look:
+    """The look of a family."""
+    if family == OTHER:
+        return Look("D", f"{OURS}other")
+    place = families().index(family) % len(MARKERS)
+    return Look(MARKERS[place], f"{OURS}family{place + 1}")
+
+
+def ink_of(family: str) -> tuple[float, ...]:
+    """The colour of a family as words have it: as dark as they need to be read on white."""
+    colour = np.array(to_rgb(look_of(family).colour))
+    if lightness(GROUND) < 0.5:
+        return tuple(colour)
+    luminance = max(np.dot(LUMINANCES, colour**GAMMA), INK_ON_WHITE)
+    return tuple(colour * (INK_ON_WHITE / luminance) ** (1 / GAMMA))
+
+
+def style_of(method: str, formulation: str = "") -> dict[str, object]:
+    """How the curve of a method under a formulation is drawn, in every figure alike."""
+    look, variation = look_of(family_of(method)), place_of(method)
+    return {
+        "color": tint(look.colour, min(PALER * variation, PALEST)),
+        "linestyle": DASHES[variation % len(DASHES)],
+        "marker": look.marker,
+        "markersize": 5.5 * look.size,
+        "fillstyle": FILLS.get(formulation, "full"),
+        "markerfacecoloralt": GROUND,
+        "markeredgewidth": 0.9,
+    }

@@ -6,14 +6,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.methods.styles import style_of
-from spintop_figures.style.look import FAINT, by_width
-from spintop_figures.style.page import add_panels, is_lowest, new_figure, panel_rows
-from spintop_figures.tables.ends import ended_well
+from spintop_figures.kinds import figure, unless
+from spintop_figures.methods.known import style_of
+from spintop_figures.methods.precision import few_ticks
+from spintop_figures.style.axes import name_axis
+from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
+from spintop_figures.style.page import add_panels, is_left, is_lowest, new_figure, panel_rows
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
 """Pictures of scripts/compare_peers that doc/figures has, too, by the stems of their files."""
@@ -28,7 +30,7 @@ PEER_MARKERS = {
     "MuJoCo": "D",
     "GNU Octave": "X",
 }
-PEER_GREY = "0.45"
+PEER = {"color": GREY, "linewidth": 0.9, "markersize": 4.5, "markerfacecolor": GROUND, "zorder": 2}
 LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
 """Errors are drawn between these, rad: the one stands for zero too, no turn is beyond pi."""
 PANEL_HEIGHT, ALONE = 2.9, 4.2
@@ -37,33 +39,31 @@ TICKS = 9
 """At most, on the width of a figure."""
 
 
-def object_to_peers(table: Table) -> str:
-    """Something has to have gone to its end."""
-    return "" if ended_well(table.rows).any() else "has no row that went to its end"
-
-
+@figure(
+    "peers",
+    "error against time of spintop and of other programs (scripts/compare_peers)",
+    kind="work_precision",
+    needs="orientation_error time_s inherent_error",
+    words="problem program method status",
+    objection=unless(lambda t: ended_well(t.rows).any(), "has no row that went to its end"),
+    sparse=True,
+)
 def draw_peers(table: Table) -> Figure:
     """The cheapest way to each error: a line a method of spintop, a grey one each other program."""
     problems = list(table.rows["problem"].unique())
-    panel = ALONE if len(problems) == 1 else PANEL_HEIGHT
-    title = (
-        f"Error against time: {name_of(problems[0])}"
-        if len(problems) == 1
-        else "Error against time"
-    )
-    figure = new_figure(table, title, 1.9 + panel * panel_rows(len(problems)))
-    panels = add_panels(figure, len(problems))
+    alone = len(problems) == 1
+    title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")
+    height = ALONE if alone else PANEL_HEIGHT * panel_rows(len(problems))
+    figure = new_figure(table, title, 1.9 + height)
     handles: dict[str, object] = {}
-    for name, axes in zip(problems, panels, strict=True):
+    for name, axes in zip(problems, add_panels(figure, len(problems)), strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
-        if len(problems) > 1:
-            axes.set_title(name_of(name), loc="left", fontsize=9.5, pad=4)
-        place = axes.get_subplotspec()
-        if place.is_first_col():
-            axes.set_ylabel("error of the attitude at the end (rad)")
+        axes.set_title("" if alone else name_of(name))
+        if is_left(axes):
+            name_axis(axes.yaxis, "error of the attitude at the end", "rad")
         if is_lowest(axes):
-            axes.set_xlabel("time (s)")
+            name_axis(axes.xaxis, "time", "s")
     order = [*OWN_METHODS, "exact", *PEER_MARKERS, "floor"]
     known = [handles[name] for name in order if name in handles]
     place, columns = by_width("right center", "lower center"), by_width(1, 2)
@@ -77,24 +77,18 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
     axes.set(xscale="log", yscale="log", ylim=(LEAST_ERROR, 10))
     floor = rows["inherent_error"].max()
     if math.isfinite(floor):
-        handles["floor"] = axes.axhspan(
-            LEAST_ERROR / 10, floor, color=FAINT, linewidth=0, label="inherent error"
-        )
+        style = {"color": FAINT, "linewidth": 0, "label": "inherent error"}
+        handles["floor"] = axes.axhspan(LEAST_ERROR / 10, floor, **style)
     for program, marker in PEER_MARKERS.items():
-        style = {"color": PEER_GREY, "linewidth": 0.9, "marker": marker, "markersize": 4.5}
-        style |= {"markerfacecolor": "white"}
+        style = PEER | {"marker": marker, "label": program}
         draw_front(axes, rows[rows["program"] == program], program, style, handles)
     own = rows[rows["program"] == OWN]
-    for method in OWN_METHODS:
-        style = style_of(method) | {"linestyle": "-", "linewidth": 1.6}
+    for method in (*OWN_METHODS, "exact"):
+        look = {"linestyle": "-", "linewidth": 1.6}
+        look = {"linestyle": "", "markersize": 9} if method == "exact" else look
+        style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
         draw_front(axes, own[own["method"] == method], method, style, handles)
-    style = style_of("exact") | {"linestyle": "", "markersize": 9}
-    draw_front(axes, own[own["method"] == "exact"], "exact", style, handles)
-    for axis, ticks in ((axes.xaxis, TICKS // across), (axes.yaxis, TICKS)):
-        axis.set_major_locator(LogLocator(numticks=ticks))
-        axis.set_minor_locator(NullLocator())
-    axes.grid(color="0.92", linewidth=0.6)
-    axes.set_axisbelow(True)
+    few_ticks(axes, TICKS // across, TICKS)
     return handles
 
 
@@ -103,16 +97,9 @@ def draw_front(
 ) -> None:
     """The rows than which no other of these is both cheaper and more exact."""
     rows = rows.sort_values(["time_s", "orientation_error"])
-    errors = rows["orientation_error"].to_numpy(float)
+    errors, times = (rows[key].to_numpy(float) for key in ("orientation_error", "time_s"))
     best = np.minimum.accumulate(errors) if errors.size else errors
     chosen = np.append(True, best[1:] < best[:-1])[: errors.size] & (errors <= LARGEST_ERROR)
-    if not chosen.any():
-        return
-    label = name if name in PEER_MARKERS else f"{OWN}, {name_of(name)}"
-    (handles[name],) = axes.plot(
-        rows["time_s"].to_numpy(float)[chosen],
-        np.maximum(errors[chosen], LEAST_ERROR * 2),
-        label=label,
-        zorder=2 if name in PEER_MARKERS else 3,
-        **style,
-    )
+    if chosen.any():
+        shown = np.maximum(errors[chosen], LEAST_ERROR * 2)
+        (handles[name],) = axes.plot(times[chosen], shown, **style)

@@ -1,4 +1,8 @@
-"""Work and precision of methods: the curves of a work-precision study, and axes for them."""
+"""The curves of a work-precision study: errors of a method against its cost; which are named."""
+
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -7,19 +11,175 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from spintop_figures.methods.best import best_of_families, name_at_the_top
-from spintop_figures.methods.curves import EXACT, curves_of, problems_of, time_to
-from spintop_figures.methods.known import family_of, order_of
-from spintop_figures.methods.styles import look_of, style_of
-from spintop_figures.style.look import FAINT, GREY, by_width
-from spintop_figures.style.numbers import write, write_count
-from spintop_figures.style.page import new_figure
-from spintop_figures.tables.ends import ended_well
+from spintop_figures.kinds import figure
+from spintop_figures.methods.known import family_of, ink_of, look_of, order_of, rank_of, style_of
+from spintop_figures.style.axes import name_axes, name_axis
+from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
+from spintop_figures.style.numbers import DASH, write, write_count, write_fixed
+from spintop_figures.style.page import head, new_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
 
-WORDS = ("problem", "method", "formulation", "setting", "status")
-"""The columns of words of a work-precision study."""
+EXACT = "exact"
+"""The method that takes no steps."""
+
+TARGET, GOAL = 1e-9, "10\u207b\u2079 rad"
+"""The error by whose cost methods are compared, rad, and how it is written."""
+
+APART, APART_ON_TOP = 0.06, 0.05
+"""Distance of names at a side over the height of a panel, and above it over the width."""
+
+SIDE, TOP, SLOPE = 1.045, 1.015, 32
+"""Where names stand beside a panel and above it, over its size, and how they rise, in degrees."""
+
+REACH = 0.3
+"""A curve that begins further below, over the height of the panel, has its name at its end."""
+
+Point = tuple[float, float]
+
+
+class Curve(NamedTuple):
+    """A method under a formulation: its label, and its rows from the coarsest to the finest."""
+
+    method: str
+    formulation: str
+    label: str
+    rows: pd.DataFrame
+
+    def style(self) -> dict[str, object]:
+        """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
+        return style_of(self.method, self.formulation if self.label != self.method else "")
+
+
+def fineness(setting: str) -> float:
+    """How fine a setting is: a number of steps, or one over a tolerance; 0 if it is neither."""
+    word, _, value = setting.partition(" ")
+    if word == "steps":
+        return float(value)
+    return 1 / float(value) if word == "tolerance" else 0.0
+
+
+def problems_of(table: Table) -> list[str]:
+    """The problems, in the order in which the table has them first."""
+    return list(dict.fromkeys(table.rows["problem"]))
+
+
+def curves_of(rows: pd.DataFrame, columns: Iterable[str]) -> list[Curve]:
+    """The curves of a problem, by family, of rows that went well and have these columns.
+
+    A label names the formulation only where a method has several.
+    """
+    sound = ended_well(rows) & np.isfinite(rows[[*columns]].astype(float)).all(axis=1)
+    several = rows.groupby("method")["formulation"].nunique() > 1
+    curves = []
+    for (method, formulation), part in rows[sound].groupby(["method", "formulation"], sort=False):
+        label = f"{name_of(method)}, {name_of(formulation)}" if several[method] else name_of(method)
+        order = part["setting"].map(fineness).sort_values(kind="stable").index
+        curves.append(Curve(method, formulation, label, part.loc[order]))
+    return sorted(curves, key=lambda curve: (*rank_of(curve.method), curve.label))
+
+
+def time_to(curve: Curve, target: float = TARGET, cost: str = "time_s") -> float:
+    """The least cost at which a method reaches an error, nan if it does not.
+
+    Between two settings the logarithms of cost and error are on a line.
+    """
+    with np.errstate(divide="ignore"):
+        time, error = (np.log(curve.rows[name].to_numpy(float)) for name in (cost, "error_max"))
+    goal = np.log(target)
+    times = [time[0]] if error[0] <= goal else []
+    for (t0, e0), (t1, e1) in itertools.pairwise(zip(time, error, strict=True)):
+        if e1 <= goal < e0:
+            share = 1.0 if np.isneginf(e1) else (goal - e0) / (e1 - e0)
+            times.append(t0 + share * (t1 - t0))
+    return float(np.exp(min(times))) if times else float("nan")
+
+
+def best_of_families(curves: Sequence[Curve], cost: str) -> list[Curve]:
+    """The curve of each family that reaches the target at the least cost, in their order.
+
+    Of a family that does not reach it, that with the least error.
+    """
+    best: dict[str, tuple[tuple[float, float], Curve]] = {}
+    for curve in curves:
+        reached = time_to(curve, TARGET, cost)
+        least = float(curve.rows["error_max"].min())
+        merit = (0.0, reached) if np.isfinite(reached) else (1.0, least)
+        family = family_of(curve.method)
+        if family not in best or merit < best[family][0]:
+            best[family] = merit, curve
+    return [curve for _, curve in best.values()]
+
+
+def lead(axes: Axes, colour: object, place: Point, point: Point) -> None:
+    """A faint line from a name beside a panel, at a place in it, to a point of data."""
+    line = {"arrowstyle": "-", "color": colour, "lw": 0.6, "ls": ":", "shrinkA": 0, "shrinkB": 0}
+    places = {"xycoords": "axes fraction", "textcoords": "data", "annotation_clip": False}
+    axes.annotate("", place, point, arrowprops=line, **places)
+
+
+def name_at_the_side(
+    axes: Axes, named: Sequence[tuple[Curve, Point]], words: Callable[[Curve], str]
+) -> None:
+    """The words for curves at the right of a panel, each joined to a point of its curve.
+
+    The points are in data, on log axes that have their limits.
+    """
+    low, high = np.log10(axes.get_ylim())
+    heights = [(np.log10(point[1]) - low) / (high - low) for _, point in named]
+    spots = spread(np.sort(heights), APART)
+    style = {"transform": axes.transAxes, "fontsize": "small", "va": "center_baseline"}
+    for place, height in zip(np.argsort(heights), spots, strict=True):
+        curve, point = named[place]
+        colour = ink_of(family_of(curve.method))
+        lead(axes, colour, (SIDE - 0.01, height), point)
+        axes.text(SIDE, height, words(curve), color=colour, clip_on=False, **style)
+
+
+def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, Point]]) -> None:
+    """The names of curves above a panel, over their upper ends; at those that are far below it.
+
+    The points are in data, on log axes that have their limits.
+    """
+    to_panel = axes.transData + axes.transAxes.inverted()
+    ends = [to_panel.transform(point) for _, point in named]
+    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < REACH), key=lambda i: ends[i][0])
+    spots = dict(zip(high, spread(np.array([ends[i][0] for i in high]), APART_ON_TOP), strict=True))
+    for i, (curve, point) in enumerate(named):
+        colour = ink_of(family_of(curve.method))
+        style = {"fontweight": "bold", "color": colour, "fontsize": "small", "zorder": 6}
+        if i in spots:
+            lead(axes, colour, (spots[i], 1.0), point)
+            style |= {"rotation": SLOPE, "rotation_mode": "anchor", "clip_on": False}
+            axes.text(spots[i], TOP, curve.label, transform=axes.transAxes, **style)
+        else:
+            style["path_effects"] = [withStroke(linewidth=2.5, foreground=GROUND)]
+            place = {"textcoords": "offset points", "ha": "center"}
+            axes.annotate(curve.label, point, (0, 7), **place, **style)
+
+
+def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:
+    """Heights in rising order moved as little as needed to be apart, between 0 and 1."""
+    count = len(heights)
+    if not count:
+        return heights
+    apart = min(apart, 1 / count)
+    offsets = apart * np.arange(count)
+    moved = np.clip(heights, 0.02, 0.98)
+    # equal distances taken off, what remains has only to rise: pool those that do not
+    blocks: list[list[float]] = []
+    for value in moved - offsets:
+        blocks.append([value])
+        while len(blocks) > 1 and np.mean(blocks[-2]) > np.mean(blocks[-1]):
+            last = blocks.pop()
+            blocks[-1] += last
+    level = np.concatenate([np.full(len(block), np.mean(block)) for block in blocks])
+    return np.clip(level, 0.02, max(0.98 - offsets[-1], 0.02)) + offsets
+
+
+PRECISION = {"kind": "work_precision", "words": "problem method formulation setting status"}
+"""What figures of a work-precision study ask."""
 
 LEAST_ERROR, MOST_ERROR = 1e-16, 4.0
 """Smaller errors are drawn at the first, rad; no turn is larger than the second."""
@@ -33,74 +193,84 @@ PANEL_HEIGHT, NAMES_HEIGHT = 3.4, 0.8
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
 
-OTHERS = {"color": "0.78", "linewidth": 0.9, "zorder": 1}
+OTHERS = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
 """Curves that are not the best of their family."""
 
-NOTE = "named: the best of each family at 10\u207b\u2079 rad; grey: the others"
-
-GOAL = "10\u207b\u2079 rad"
-"""The error at which methods are compared, as it is written."""
+NOTE = f"named: the best of each family at {GOAL}; grey: the others"
 
 LEAST_LEAD = 1.05
 """A method that is ahead by less, as a ratio, is not said to be."""
 
-ERROR_LABEL = "largest error of the attitude (rad)"
+ERROR = "largest error of the attitude", "rad"
 
 
-def draw_precision_curves(axes: Axes, rows: pd.DataFrame, x: str, y: str = "error_max") -> None:
-    """The curves of a problem on log axes: the error `y` of each method over its cost `x`.
+def draw_precision_curves(
+    axes: Axes, rows: pd.DataFrame, x: str, strong: Sequence[Curve] | None = None
+) -> None:
+    """The curves of a problem on log axes: the error of each method over its cost `x`.
 
     `rows` have the columns of a work-precision table. The exact motion, which has no settings, is
-    a point with its name; errors below what rounding of the data does lie in a grey band.
+    a point with its name; errors below what rounding of the data does lie in a grey band. If some
+    curves are strong, the others are grey.
     """
     axes.set(xscale="log", yscale="log")
-    for curve in curves_of(rows, (x, y)):
-        cost = curve.rows[x].to_numpy(float)
-        error = np.maximum(curve.rows[y].to_numpy(float), LEAST_ERROR)
+    for curve in curves_of(rows, (x, "error_max")):
+        cost, error = points_of(curve, x)
+        style = curve.style()
+        if strong is not None:
+            style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
+            style["color"] = look_of(family_of(curve.method)).colour
+            style = style if any(curve.label == other.label for other in strong) else OTHERS
         if curve.method == EXACT:
             mark_exact(axes, cost, error)
         else:
-            axes.plot(cost, error, **curve.style(), label=curve.label)
+            axes.plot(cost, error, **style, label=curve.label)
     draw_floor(axes, rows)
-    set_limits(axes, rows, x, y)
+    set_limits(axes, rows, x)
+
+
+def points_of(curve: Curve, x: str) -> tuple[np.ndarray, np.ndarray]:
+    """Costs of a curve, and its errors as they are drawn."""
+    error = curve.rows["error_max"].to_numpy(float)
+    return curve.rows[x].to_numpy(float), np.maximum(error, LEAST_ERROR)
 
 
 def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
     """The exact motion as a point with its name, if it has a cost that a log axis can show."""
     there = cost > 0
     axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
+    style = {"textcoords": "offset points", "va": by_width("top", "bottom"), "fontsize": "small"}
     for place in zip(cost[there][:1], error[there][:1], strict=True):
-        style = {"ha": "left", "va": by_width("top", "bottom"), "fontsize": 9}
-        axes.annotate(
-            "exact solution", place, (6, by_width(-1, 1)), textcoords="offset points", **style
-        )
+        axes.annotate("exact solution", place, (6, by_width(-1, 1)), **style)
 
 
 def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
     """The band of errors that rounding of the data makes by itself, where it is known."""
     if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
-        top = max(floor, LEAST_ERROR)
-        axes.axhspan(1e-30, top, color=FAINT, linewidth=0, zorder=0)
-        style = {"fontsize": 8.5, "color": GREY, "va": "bottom", "ha": "right", "zorder": 5}
-        outline = [withStroke(linewidth=3, foreground=FAINT)]
-        place = {"xy": (0.99, 0.015), "xycoords": "axes fraction", "path_effects": outline}
-        axes.annotate("inherent error", **place, **style)
+        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
+        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
+        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
+        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
 
 
-def set_limits(axes: Axes, rows: pd.DataFrame, x: str, y: str) -> None:
+def set_limits(axes: Axes, rows: pd.DataFrame, x: str) -> None:
     """From the least to the largest, with a little room; a method that is lost is not shown."""
-    cost, error = (rows[name].to_numpy(float) for name in (x, y))
+    cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
     shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
     if not shown.any():
         return
     axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
     least = max(error[shown].min(), LEAST_ERROR)
     axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=9))
+    few_ticks(axes, 9, 9)
+
+
+def few_ticks(axes: Axes, x: int, y: int) -> None:
+    """So many ticks on log axes at most, and a faint grid."""
+    for axis, count in ((axes.xaxis, x), (axes.yaxis, y)):
+        axis.set_major_locator(LogLocator(numticks=count))
         axis.set_minor_locator(NullLocator())
-    axes.grid(color="0.92", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(alpha=0.4)
 
 
 def object_to_precision(table: Table) -> str:
@@ -125,51 +295,35 @@ def problem_panels(
     problems = list(dict.fromkeys(rows["problem"]))
     figure = new_figure(table, title, 1.0 + (PANEL_HEIGHT + above) * len(problems))
     panels = figure.subplots(len(problems), 1, squeeze=False)[:, 0]
-    by_problem = dict(zip(problems, panels, strict=True))
     if len(problems) > 1:
-        for problem, axes in by_problem.items():
-            axes.set_title(name_of(problem), loc="left", pad=4)
-    return figure, by_problem
+        for problem, axes in zip(problems, panels, strict=True):
+            head(axes, name_of(problem))
+    return figure, dict(zip(problems, panels, strict=True))
 
 
-def draw_precision_over(table: Table, cost: str, title: str, label: str) -> tuple[Figure, list]:
+def draw_over(table: Table, cost: str, less: str, words: str, unit: str) -> tuple[Figure, list]:
     """Error against a cost, one panel per problem: the best of each family, the others grey."""
-    rows = table.rows
-    figure, panels = problem_panels(table, title, rows, NAMES_HEIGHT)
+    title = f"Error against {words.partition(' (')[0]}{tell_lead(table, cost, less)}"
+    figure, panels = problem_panels(table, title, table.rows, NAMES_HEIGHT)
     for problem, axes in panels.items():
-        draw_best_curves(axes, rows[rows["problem"] == problem], cost)
-        axes.set_ylabel(ERROR_LABEL)
-    axes.set_xlabel(f"{label}\n{NOTE}")
-    return figure, list(panels.values())
+        draw_best_curves(axes, table.rows[table.rows["problem"] == problem], cost)
+        name_axes(axes, (words, unit, f"\n{NOTE}"), ERROR)
+        if axes is not [*panels.values()][-1]:
+            axes.set_xlabel("")
+    return figure, [*panels.values()]
 
 
 def draw_best_curves(axes: Axes, rows: pd.DataFrame, cost: str) -> None:
     """The curves of a problem: the best of each family is strong and has its name."""
-    axes.set(xscale="log", yscale="log")
     curves = curves_of(rows, (cost, "error_max"))
     best = best_of_families([curve for curve in curves if curve.method != EXACT], cost)
+    draw_precision_curves(axes, rows, cost, best)
     named = []
-    for curve in curves:
-        x = curve.rows[cost].to_numpy(float)
-        y = np.maximum(curve.rows["error_max"].to_numpy(float), LEAST_ERROR)
-        if curve.method == EXACT:
-            mark_exact(axes, x, y)
-        elif any(curve is other for other in best):
-            style = curve.style() | {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
-            style["color"] = look_of(family_of(curve.method)).colour
-            axes.plot(x, y, **style, label=curve.label)
-            named.append((curve, upper_end(x, y)))
-        else:
-            axes.plot(x, y, **OTHERS, label=curve.label)
-    draw_floor(axes, rows)
-    set_limits(axes, rows, cost, "error_max")
+    for curve in best:
+        x, y = points_of(curve, cost)
+        place = int(np.argmax(y <= MOST_ERROR))  # no turn is beyond
+        named.append((curve, (float(x[place]), min(float(y[place]), MOST_ERROR))))
     name_at_the_top(axes, named)
-
-
-def upper_end(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """The first point of a curve that no turn is beyond; the highest of one that is not there."""
-    place = int(np.argmax(y <= MOST_ERROR))
-    return float(x[place]), min(float(y[place]), MOST_ERROR)
 
 
 def tell_lead(table: Table, cost: str, less: str) -> str:
@@ -187,20 +341,31 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
+@figure(
+    "precision_time",
+    "work-precision diagram: error against time, one panel per problem",
+    needs="error_max time_s",
+    objection=object_to_precision,
+    **PRECISION,
+)
 def draw_precision_time(table: Table) -> Figure:
     """Error against time, the fastest of the repeats."""
-    lead = tell_lead(table, "time_s", "is {ratio} times as fast as {other}")
-    title = f"Error against computing time{lead}"
-    figure, _ = draw_precision_over(table, "time_s", title, "computing time (s)")
-    return figure
+    less = "is {ratio} times as fast as {other}"
+    return draw_over(table, "time_s", less, "computing time", "s")[0]
 
 
+@figure(
+    "precision_work",
+    "work-precision diagram: error against evaluations, one panel per problem",
+    needs="error_max evaluations",
+    objection=object_to_precision,
+    **PRECISION,
+)
 def draw_precision_work(table: Table) -> Figure:
     """Error against evaluations, with lines whose slopes are orders."""
-    lead = tell_lead(table, "evaluations", "takes {ratio} times fewer than {other}")
-    title = f"Error against function evaluations{lead}"
-    label = "function evaluations (a Taylor series of order p counts as p)"
-    figure, panels = draw_precision_over(table, "evaluations", title, label)
+    less = "takes {ratio} times fewer than {other}"
+    words = "function evaluations (a Taylor series of order p counts as p)"
+    figure, panels = draw_over(table, "evaluations", less, words, "")
     for (_, rows), axes in zip(table.rows.groupby("problem", sort=False), panels, strict=True):
         methods = rows.loc[stepping(rows) & rows["setting"].str.startswith("steps "), "method"]
         orders = {order for name in methods.unique() if (order := order_of(name))}
@@ -215,16 +380,94 @@ def draw_slopes(axes: Axes, orders: list[int]) -> None:
     (left, right), (low, high) = (np.log10(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
     floor = max((np.log10(patch.get_corners()[:, 1].max()) for patch in axes.patches), default=low)
     ratio = (right - left) / (high - low)
-    apex = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + FAN[1]
+    x, y = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + FAN[1]
+    style = {"fontsize": "small", "color": GREY}
     for order in orders:
-        slope = order * ratio
-        run = 1 / np.hypot(1 / FAN[0], slope / FAN[1])
-        ends = [apex, (apex[0] + run, apex[1] - slope * run)]
-        points = [
-            (10 ** (left + x * (right - left)), 10 ** (low + y * (high - low))) for x, y in ends
-        ]
-        axes.plot(*np.transpose(points), color=GREY, linewidth=0.9, zorder=1)
-        style = {"fontsize": 9, "color": GREY, "ha": "left", "va": "top"}
-        axes.annotate(f"{order}", points[1], (1, 2), textcoords="offset points", **style)
-    style = {"fontsize": 9, "color": GREY, "va": "bottom"}
-    axes.text(apex[0], apex[1] + 0.01, "order", transform=axes.transAxes, **style)
+        run = 1 / np.hypot(1 / FAN[0], order * ratio / FAN[1])
+        across, up = np.array([x, x + run]), np.array([y, y - order * ratio * run])
+        line = 10 ** (left + across * (right - left)), 10 ** (low + up * (high - low))
+        axes.plot(*line, color=GREY, linewidth=0.9, zorder=1)
+        end = line[0][1], line[1][1]
+        axes.annotate(f"{order}", end, (1, 2), textcoords="offset points", va="top", **style)
+    axes.text(x, y + 0.01, "order", transform=axes.transAxes, va="bottom", **style)
+
+
+STEP = "step"
+"""The column with the step size over the time span."""
+
+ALIKE = 0.1
+"""Slopes that differ by less, over their size, are those of a power: the steps are small enough
+for the order to show, and the errors are not of rounding yet."""
+
+LEAST_SLOPE = 0.5
+"""Errors of rounding fall by less."""
+
+
+def equal_steps(table: Table) -> pd.DataFrame:
+    """The rows with a fixed step size, with the step size over the time span."""
+    rows = table.rows[table.rows["setting"].str.startswith("steps ")].copy()
+    rows[STEP] = 1 / rows["setting"].str.split().str[1].astype(float)
+    return rows
+
+
+def object_to_orders(table: Table) -> str:
+    """A method needs rows with several fixed step sizes."""
+    if objection := object_to_precision(table):
+        return objection
+    curves = curves_of(equal_steps(table), (STEP, "error_max"))
+    several = any(len(curve.rows) > 1 for curve in curves)
+    return "" if several else "has no method with several fixed step sizes"
+
+
+def measured_order(rows: pd.DataFrame) -> float:
+    """The slope of the logarithm of the error over that of the step; nan if it cannot be told.
+
+    It is that of the finest three steps over which it hardly changes; of rows with one step
+    the first counts.
+    """
+    rows = rows.drop_duplicates(STEP)
+    error, step = (np.log(rows[name].to_numpy(float)) for name in ("error_max", STEP))
+    slopes = np.diff(error) / np.diff(step)
+    for one, other in itertools.pairwise(slopes[::-1]):
+        if min(one, other) > LEAST_SLOPE and abs(one - other) < ALIKE * max(one, other):
+            return float((one + other) / 2)
+    return float("nan")
+
+
+def with_order(curve: Curve) -> str:
+    """The label of a curve with its measured order and, after a slash, that of the method."""
+    order = measured_order(curve.rows)
+    measured = write_fixed(order, 2) if np.isfinite(order) else DASH
+    return f"{curve.label}: {measured} / {order_of(curve.method) or DASH}"
+
+
+@figure(
+    "orders",
+    "error against step size of the fixed-step methods, with measured orders",
+    needs="error_max",
+    objection=object_to_orders,
+    **PRECISION,
+)
+def draw_orders(table: Table) -> Figure:
+    """Error against the size of the step, a panel a problem, each curve with its name and order."""
+    rows = equal_steps(table)
+    title = "Convergence of the fixed-step methods, with measured / theoretical order"
+    figure, panels = problem_panels(table, title, rows)
+    words = "step size over the time span"
+    for problem, axes in panels.items():
+        part = rows[rows["problem"] == problem]
+        draw_precision_curves(axes, part, STEP)
+        named = [(curve, coarse_end(curve)) for curve in curves_of(part, (STEP, "error_max"))]
+        name_at_the_side(axes, named, with_order)
+        name_axes(axes, y=ERROR)
+        if any(DASH in text.get_text() for text in axes.texts) and "\n" not in words:
+            words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
+        name_axis(axes.xaxis, "")
+    name_axis(axes.xaxis, words)
+    return figure
+
+
+def coarse_end(curve: Curve) -> tuple[float, float]:
+    """The point of a curve with the largest step that is on the axes."""
+    first = curve.rows.iloc[0]
+    return float(first[STEP]), min(max(float(first["error_max"]), LEAST_ERROR), MOST_ERROR)

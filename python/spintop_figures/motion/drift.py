@@ -1,18 +1,17 @@
 """How far the constants of a long motion drift: several methods beside each other."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.methods.known import rank_of
-from spintop_figures.methods.styles import style_of
-from spintop_figures.motion.trajectory import TIME, numbers
-from spintop_figures.moving.assumptions import Assumption, broken, symmetric
+from spintop_figures.kinds import figure, unless
+from spintop_figures.methods.known import rank_of, style_of
+from spintop_figures.moving.assumptions import CONSERVED, broken, symmetric
+from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import GREY, by_width
-from spintop_figures.style.page import new_figure
+from spintop_figures.style.page import TIME, add_panels, columns_of, head, new_figure, no_axis
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -23,92 +22,80 @@ LEAST = 1e-18
 GUIDES = ((1.0, "$t$"), (0.5, r"$t^{1/2}$"))
 """Rounding errors of one sign grow with time, those of either sign with its root."""
 
+CONSTANTS = {
+    "energy_error": ("relative energy error", ""),
+    "lz": ("change of $L_z$", "J s"),
+    "l3": ("change of $L_3$", "J s"),
+    "norm_error": ("norm error $|q|-1$ of the quaternion", ""),
+}
+"""Columns that are drawn where all tables have them; of those with a unit the change is drawn."""
 
-class Constant(NamedTuple):
-    """A constant of the motion: its column, its label, whether it is the change that is drawn."""
-
-    column: str
-    label: str
-    changes: bool
-    assumes: tuple[Assumption, ...] = ()
-    """For which bodies it is constant, beside those that the figure is for."""
-
-
-CONSTANTS = (
-    Constant("energy_error", "relative energy error", False),
-    Constant("lz", "change of $L_z$ (J s)", True),
-    Constant("l3", "change of $L_3$ (J s)", True, (symmetric,)),
-    Constant("norm_error", "norm error $|q|-1$ of the quaternion", False),
-)
-"""Those that are drawn where all tables have them."""
+ASSUMES = {"l3": (symmetric,)}
+"""For which bodies they are constant, beside those that the figure is for."""
 
 
-def running_maximum(table: Table, constant: Constant) -> tuple[np.ndarray, np.ndarray]:
+def running_maximum(table: Table, column: str) -> tuple[np.ndarray, np.ndarray]:
     """Times after the start, and how far a constant was off at most until then."""
-    t, value = numbers(table, "t"), numbers(table, constant.column)
-    off = np.abs(value - value[0] if constant.changes else value)
+    t, value = table.column("t"), table.column(column)
+    off = np.abs(value - value[0] if CONSTANTS[column][1] else value)
     return t[1:], np.fmax.accumulate(off[1:])
 
 
-def object_to_drift(table: Table) -> str:
-    """Log axes show errors above zero, after the start."""
-    _, off = running_maximum(table, CONSTANTS[0])
-    return "" if (off > LEAST).any() else "has no error of the energy above zero"
+def is_drawn(table: Table, column: str) -> bool:
+    """Whether a table has a constant, of a body for which it is one."""
+    lacks = table.missing([column]) or table.empty([column])
+    return not (lacks or broken(ASSUMES.get(column, ()), table))
 
 
 def method_of(table: Table) -> tuple[str, str]:
     """The method of a run and its formulation."""
-    model, method = table.model_and_method
-    return method, model
+    return table.model_and_method[::-1]
 
 
 def label_of(table: Table, tables: Sequence[Table]) -> str:
     """The method, or all of the run where the method is there twice."""
-    methods = [method_of(other)[0] for other in tables]
     method = method_of(table)[0]
-    return (
-        name_of(method) if methods.count(method) == 1 else describe_run(table).replace(", ", "\n")
-    )
+    alone = [method_of(other)[0] for other in tables].count(method) == 1
+    return name_of(method) if alone else describe_run(table).replace(", ", "\n")
 
 
+@figure(
+    "drift",
+    "drift of the first integrals and of the quaternion norm in long runs of several methods",
+    kind="trajectory",
+    needs="t energy_error",
+    objection=unless(
+        lambda table: (running_maximum(table, "energy_error")[1] > LEAST).any(),
+        "has no error of the energy above zero",
+    ),
+    assumes=CONSERVED,
+    together=True,
+)
 def draw_drift(tables: Sequence[Table]) -> Figure:
     """The running maximum of each constant's error against time, with guide lines."""
-    there = [
-        constant
-        for constant in CONSTANTS
-        if not any(
-            table.missing([constant.column])
-            or table.empty([constant.column])
-            or broken(constant.assumes, table)
-            for table in tables
-        )
-    ]
-    across = min(by_width(2, 1), len(there))
+    there = [name for name in CONSTANTS if all(is_drawn(table, name) for table in tables)]
+    across = columns_of(len(there))
     down = -(-len(there) // across)
     figure = new_figure(tables, "Drift of the first integrals", 1.9 + 2.6 * down)
     cells = figure.add_gridspec(down + 1, across, height_ratios=[1] * down + [0.01])
-    panels: list[Axes] = []
-    for place in range(len(there)):
-        first = panels[0] if panels else None
-        panels.append(figure.add_subplot(cells[divmod(place, across)], sharex=first))
+    panels = add_panels(figure, len(there), sharey=False, grid=cells)
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
-    for constant, axes in zip(there, panels, strict=True):
+    for place, (column, axes) in enumerate(zip(there, panels, strict=True)):
         axes.set(xscale="log", yscale="log")
         for table in ordered:
-            t, off = running_maximum(table, constant)
-            off = np.where(off > LEAST, off, np.nan)
+            t, off = running_maximum(table, column)
             style = style_of(*method_of(table)) | {"markevery": (0.05, 0.12)}
+            off = np.where(off > LEAST, off, np.nan)
             axes.plot(t, off, **style, label=label_of(table, tables))
         draw_guides(axes)
-        axes.set_title(constant.label, loc="left", pad=4)
-    for axes in panels[:-across]:
-        axes.tick_params(labelbottom=False)
-    for axes in panels[-across:]:
-        axes.set_xlabel(TIME)
-    below = figure.add_subplot(cells[down, :])
-    below.set_axis_off()
+        words, unit = CONSTANTS[column]
+        head(axes, words, axes.yaxis, unit)
+        axes.tick_params(labelbottom=place >= len(there) - across)
+        if place >= len(there) - across:
+            name_axis(axes.xaxis, *TIME)
     handles, labels = panels[0].get_legend_handles_labels()
     columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
+    below = no_axis(figure.add_subplot(cells[down, :]))
     below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
     return figure
 
@@ -116,12 +103,10 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
 def draw_guides(axes: Axes) -> None:
     """Lines that grow as powers of time, from the middle of the left side."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    t = np.array([left, right])
+    style = {"textcoords": "offset points", "va": "center", "fontsize": "small", "color": GREY}
     for power, label in GUIDES:
         start = np.sqrt(low * high) / (right / left) ** (power / 2)
-        axes.plot(t, start * (t / left) ** power, color=GREY, linewidth=0.8, linestyle=":")
-        axes.annotate(
-            label, (right, start * (right / left) ** power), (3, 0), textcoords="offset points",
-            va="center", fontsize=9, color=GREY, annotation_clip=False,
-        )  # fmt: skip
+        ends = start, start * (right / left) ** power
+        axes.plot((left, right), ends, color=GREY, linewidth=0.8, linestyle=":")
+        axes.annotate(label, (right, ends[1]), (3, 0), annotation_clip=False, **style)
     axes.set(xlim=(left, right), ylim=(low, high))

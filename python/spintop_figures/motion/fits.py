@@ -9,23 +9,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from spintop_figures.motion.trajectory import TIME, numbers
+from spintop_figures.kinds import figure, unless
+from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
-from spintop_figures.style.numbers import TIMES, true_minus, with_power, write
-from spintop_figures.style.page import new_figure
-from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of, with_unit
+from spintop_figures.style.look import scale as scale_of_letters
+from spintop_figures.style.numbers import TIMES, localised, with_power, write
+from spintop_figures.style.page import TIME, head, new_figure, no_axis
+from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of
 from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table, TableError, read_table
 
-ENDING = "_residual"
-FITTED = "_fit"
-TABLE = ".residuals.csv"
+ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
 
 SIDE = 2.2
 """Width of the fitted values in inches."""
 
-PAIR, LEAST_HEIGHT = 1.9, 3.4
-"""Height of the panels of a column, and of all of them at least, in inches."""
+PAIR, LEAST_HEIGHT, BELOW = 1.9, 3.4, 1.2
+"""Height of the panels of a column, of all of them at least, and of what is below, in inches."""
 
 MANY_COLUMNS = 4
 """So many measured columns stand two abreast."""
@@ -36,21 +36,17 @@ OUTLYING = 8
 LEAST, LARGEST = 1e-3, 1e5
 """Values that are smaller or larger are written with a power of ten in their unit."""
 
-LINE = 0.185
-"""Height of a line of the fitted values in inches."""
+LINE, LETTERS = 0.185, 30
+"""Height of a line of the fitted values in inches, and its letters."""
 
-LETTERS = 30
-"""Of such a line."""
+MEASURED = {"linestyle": "", "marker": "o", "markersize": 2.8, "color": LINES[0]["color"]}
+MOTION = {"color": LINES[1]["color"], "linewidth": 1.0, "label": "fitted motion"}
+BAND = {"color": FAINT, "alpha": 0.35, "linewidth": 0}
 
 
 def measured_columns(table: Table) -> list[str]:
     """The columns that were measured."""
     return [name.removesuffix(ENDING) for name in table.rows if name.endswith(ENDING)]
-
-
-def object_to_fit(table: Table) -> str:
-    """The rows of a fit have its residuals, the table of the parameters has not."""
-    return "" if measured_columns(table) else "has no column of residuals"
 
 
 def values_beside(table: Table) -> pd.DataFrame | None:
@@ -62,20 +58,26 @@ def values_beside(table: Table) -> pd.DataFrame | None:
             other = read_table(path)
         except TableError:
             return None
-    if other is None:
-        return None
-    rows = other.rows
-    return rows if {"parameter", "unit", "estimate", "lower", "upper"} <= {*rows} else None
+    wanted = {"parameter", "unit", "estimate", "lower", "upper"}
+    return other.rows if other is not None and wanted <= {*other.rows} else None
 
 
+@figure(
+    "fit",
+    "residuals of a fit against time",
+    kind="fit",
+    needs="t",
+    objection=unless(measured_columns, "has no column of residuals"),
+)
 def draw_fit(table: Table) -> Figure:
     """Two panels for each measured column: it with the fitted motion, and the residuals below."""
-    names = measured_columns(table)
-    values = values_beside(table)
+    names, values = measured_columns(table), values_beside(table)
     lines = [] if values is None else tell_values(values)
     across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1
     down = -(-len(names) // across)
-    height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, LINE * len(lines) + 1.2)
+    beside = LINE * len(lines) + BELOW
+    height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, beside)
+    height = by_width(height, PAIR * down + beside)
     figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
     if by_width(True, False):
@@ -83,46 +85,39 @@ def draw_fit(table: Table) -> Figure:
         grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
         side = grid[:, across]
     else:
-        below = LINE * len(lines) + 1.2
-        figure.set_figheight(1.0 + PAIR * down + below)
-        grid = figure.add_gridspec(down + 1, 1, height_ratios=[*[PAIR] * down, below])
+        grid = figure.add_gridspec(down + 1, 1, height_ratios=[*[PAIR] * down, beside])
         side = grid[down, 0]
-    t = numbers(table, "t")
     first = None
     for place, name in enumerate(names):
         cell = grid[place % down, place // down].subgridspec(2, 1, height_ratios=(1.7, 1))
         above = figure.add_subplot(cell[0], sharex=first)
         first = first or above
         below = figure.add_subplot(cell[1], sharex=first)
-        draw_column(table, name, t, above, below)
-        above.tick_params(labelbottom=False)
+        draw_column(table, name, above, below)
         is_lowest = place % down == down - 1 or place == len(names) - 1
+        above.tick_params(labelbottom=False)
         below.tick_params(labelbottom=is_lowest)
         if is_lowest:
-            below.set_xlabel(TIME)
-    draw_side(figure.add_subplot(side), lines)
+            name_axis(below.xaxis, *TIME)
+    draw_side(no_axis(figure.add_subplot(side)), lines)
     return figure
 
 
-def draw_column(table: Table, name: str, t: np.ndarray, above: Axes, below: Axes) -> None:
+def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     """A measured column with the fitted motion; below, the residuals with twice their size."""
-    found = converted(name)
-    label = sign_of(found.column if found else name)
-    unit = table.units.get(name, "")
-    measured, fitted, left = (numbers(table, name + end) for end in ("", FITTED, ENDING))
+    found, t, unit = converted(name), table.column("t"), table.units.get(name, "")
+    measured, fitted, left = (table.column(name + end) for end in ("", FITTED, ENDING))
     if unit == "rad":
         measured, fitted, left = (np.degrees(part) for part in (measured, fitted, left))
         unit = "deg"
-    dots = {"linestyle": "", "marker": "o", "markersize": 2.8, "color": LINES[0]["color"]}
-    above.plot(t, fitted, color=LINES[1]["color"], linewidth=1.0, label="fitted motion")
-    above.plot(t, measured, **dots, label="measured")
-    above.set_title(with_unit(label, unit), loc="left", fontsize=9.5, pad=3, parse_math=False)
+    above.plot(t, fitted, **MOTION)
+    above.plot(t, measured, **MEASURED, label="measured")
+    head(above, sign_of(found.column if found else name), above.yaxis, unit, pad=3)
     outside = find_outliers(left)
     deviation = float(np.sqrt(np.nanmean(left[~outside] ** 2)))
-    below.axhspan(-2 * deviation, 2 * deviation, color=FAINT, alpha=0.35, linewidth=0)
+    below.axhspan(-2 * deviation, 2 * deviation, **BAND)
     below.axhline(0, color=GREY, linewidth=0.8)
-    below.plot(t, left, **dots)
-    below.set_ylabel("residual")
+    below.plot(t, left, **MEASURED)
     size = " ".join(filter(None, (write(deviation, 2), UNIT_WORDS.get(unit, unit))))
     words = f"root mean square {size}"
     if outside.any():
@@ -132,9 +127,10 @@ def draw_column(table: Table, name: str, t: np.ndarray, above: Axes, below: Axes
         for there, marker in ((left > 0, "^"), (left < 0, "v")):
             place = t[outside & there], np.where(left[outside & there] > 0, 0.9, -0.9) * edge
             below.plot(*place, marker, color=FAULT, markersize=5, zorder=3)
-    below.set_title(words, loc="right", fontsize=8.5, color=GREY, pad=2, parse_math=False)
-    for axes in (above, below):
-        axes.margins(x=0.01)
+    style = {"loc": "right", "fontsize": "small", "color": GREY, "pad": 2, "parse_math": False}
+    below.set_title(words, **style)
+    below.margins(x=0.01)
+    name_axis(below.yaxis, "residual")
 
 
 def find_outliers(left: np.ndarray) -> np.ndarray:
@@ -147,35 +143,31 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
     """The fitted values in lines, of which those of names are bold."""
     lines = []
     for row in values.itertuples():
-        name = name_of(row.parameter)
-        lines += [(line, True) for line in textwrap.wrap(name, LETTERS)]
-        unit = row.unit if isinstance(row.unit, str) else ""
+        lines += [(line, True) for line in textwrap.wrap(name_of(row.parameter), LETTERS)]
+        unit = raised(row.unit) if isinstance(row.unit, str) else ""
         size = abs(row.estimate)
         power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
         factor = f"{TIMES}{with_power('1', power)}" if power else ""
         half = (row.upper - row.lower) / 2 / 10.0**power
         decimals = max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 6
-        estimate, low, high = (
-            true_minus(f"{value / 10.0**power:.{decimals}f}")
-            for value in (row.estimate, row.lower, row.upper)
-        )
-        shown = raised(unit)
-        lines += [(f"{estimate}{factor} {shown}".strip(), False), (f"95 %: {low} to {high}", False)]
-        lines.append(("", False))
+        numbers = (row.estimate, row.lower, row.upper)
+        told = [localised(f"{number / 10.0**power:.{decimals}f}") for number in numbers]
+        lines.append((f"{told[0]}{factor} {unit}".strip(), False))
+        lines += [(f"95 %: {told[1]} to {told[2]}", False), ("", False)]
     return lines
 
 
 def draw_side(axes: Axes, lines: list[tuple[str, bool]]) -> None:
     """The fitted values, and what the lines and the bands are."""
-    axes.axis("off")
     handles = [
-        axes.plot([], [], "o", markersize=3, color=LINES[0]["color"], label="measured")[0],
-        axes.plot([], [], color=LINES[1]["color"], linewidth=1.0, label="fitted motion")[0],
-        Patch(color=FAINT, alpha=0.35, linewidth=0, label="twice the root mean square"),
+        axes.plot([], [], **MEASURED, label="measured")[0],
+        axes.plot([], [], **MOTION)[0],
+        Patch(**BAND, label="twice the root mean square"),
     ]
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.03), borderpad=0)
+    style = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top"}
+    style |= {"fontsize": "small", "parse_math": False}
     for number, (line, is_name) in enumerate(lines):
-        style = {"fontweight": "bold"} if is_name else {}
-        place = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top"}
-        shift = 0, -72 * LINE * (number + 4)
-        axes.annotate(line, (0.0, 1.0), shift, **place, **style, fontsize=8.5, parse_math=False)
+        shift = 0, -72 * LINE * scale_of_letters() * (number + 4)
+        weight = "bold" if is_name else "normal"
+        axes.annotate(line, (0.0, 1.0), shift, **style, fontweight=weight)

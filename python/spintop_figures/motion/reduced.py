@@ -1,12 +1,26 @@
-"""The motion of a symmetric top as that of its inclination alone, in an effective potential."""
+"""The motion of a symmetric top as that of its inclination alone, in an effective potential.
+
+Figures: the potential, the phase portrait, and the bifurcation set, which tells the momenta and
+energies of which motion.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from spintop_figures.kinds import figure
+from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.style.axes import name_axes, name_axis
+from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
+from spintop_figures.style.numbers import write_fixed
+from spintop_figures.style.page import legend_above, new_figure
+from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
-COLUMNS = ("theta", "theta_rate", "phi_rate", "psi_rate", "kinetic", "potential")
+COLUMNS = "theta theta_rate phi_rate psi_rate kinetic potential"
 """What the reduced motion is found from."""
 
 SAME = 1e-6
@@ -38,12 +52,11 @@ class Reduced(NamedTuple):
     def potential(self, theta: np.ndarray) -> np.ndarray:
         """V at inclinations, J; infinite at a pole that the motion cannot reach."""
         half = np.asarray(theta, float) / 2
+        below, above = (self.lz - self.l3) / 2, (self.lz + self.l3) / 2
         with np.errstate(divide="ignore", invalid="ignore"):
             # (lz - l3 u)/sin(theta), as two terms of which each is singular at one pole
-            turning = (self.lz - self.l3) / 2 / np.tan(half) + (self.lz + self.l3) / 2 * np.tan(
-                half
-            )
-            turning = np.where((half == 0) & (self.lz == self.l3), 0.0, turning)
+            turning = below / np.tan(half) + above * np.tan(half)
+            turning = np.where((half == 0) & (below == 0), 0.0, turning)
         return turning**2 / (2 * self.inertia) + self.weight * np.cos(2 * half)
 
     def turning_points(self) -> tuple[float, float]:
@@ -68,6 +81,10 @@ class Reduced(NamedTuple):
         theta = np.linspace(*self.turning_points(), 20_001)
         return float(theta[np.argmin(self.potential(theta))])
 
+    def bottom(self) -> float:
+        """The least V, J."""
+        return float(self.potential(self.resting_point()))
+
     def separatrix(self) -> float | None:
         """The energy of the top upright at rest, where it is unstable there; else none.
 
@@ -87,7 +104,7 @@ def find_reduced(table: Table) -> Reduced | str:
     The table's own columns tell the body, whatever shape it was made of: the kinetic energy is
     linear in I1, the potential one in m g l, and omega3 is constant.
     """
-    rows = table.rows[list(COLUMNS)].astype(float)
+    rows = table.rows[COLUMNS.split()].astype(float)
     rows = rows[(rows.abs() < HUGE).all(axis=1)]
     if len(rows) < LEAST_ROWS:
         return f"has fewer than {LEAST_ROWS} rows to find the moments of inertia from"
@@ -121,3 +138,281 @@ def object_to_reduced(table: Table) -> str:
     """Only a symmetric top moves in an effective potential."""
     reduced = find_reduced(table)
     return reduced if isinstance(reduced, str) else ""
+
+
+ROOM = 0.35
+"""What is seen on either side of the motion, over its range."""
+
+LEAST_ROOM = 1e-9
+"""In radians."""
+
+LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
+"""Amplitudes of the level curves over that of the motion."""
+
+NEVER = 1e-9
+"""A motion whose energy is that of the separatrix, over its depth, never reaches the upright."""
+
+JOINED = 0.1
+"""Rows that are nearer to each other, over the panel, are joined."""
+
+INCLINATION = axis_of("theta"), "degrees"
+SEPARATRIX = {"color": PALE, "linewidth": 4, "linestyle": "-", "zorder": 1.5}
+"""A wide line that a motion may be on."""
+
+SYMMETRIC = {"kind": "trajectory", "needs": COLUMNS, "assumes": LAGRANGE}
+
+
+def seen(reduced: Reduced) -> tuple[float, float]:
+    """The range of inclinations that a figure shows, rad."""
+    least, largest = reduced.turning_points()
+    room = max(ROOM * (largest - least), LEAST_ROOM)
+    return max(0.0, least - room), min(np.pi, largest + room)
+
+
+def clustered(low: float, high: float, count: int = 2001) -> np.ndarray:
+    """Inclinations that are dense at both ends, where a barrier may rise without end."""
+    return low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+
+
+def turns_of(reduced: Reduced) -> list[tuple[float, bool]]:
+    """The ends of the inclination, rad, and whether the motion turns there.
+
+    On the separatrix it approaches the upright, and never reaches it.
+    """
+    separatrix = reduced.separatrix()
+    depth = reduced.energy - reduced.bottom()
+    never = separatrix is not None and abs(reduced.energy - separatrix) <= NEVER * depth
+    upright = 0.0 if reduced.weight > 0 else np.pi
+    ends = reduced.turning_points()
+    least = min(ends, key=lambda end: abs(end - upright))
+    return [(upright, False) if never and end == least else (end, True) for end in ends]
+
+
+@figure(
+    "potential",
+    "effective potential of a symmetric top, with the turning points",
+    objection=object_to_reduced,
+    **SYMMETRIC,
+)
+def draw_potential(table: Table) -> Figure:
+    """The effective potential with the energy of the motion, its turning points and its band."""
+    reduced = find_reduced(table)
+    figure = new_figure(table, "Effective potential of the inclination", 4.2)
+    axes = figure.subplots()
+    low, high = seen(reduced)
+    theta, ends = clustered(low, high), turns_of(reduced)
+    degrees, turns = np.degrees(theta), np.degrees([end for end, _ in ends])
+    bottom, pulled = reduced.bottom(), reduced.weight * np.cos(theta)
+    depth = reduced.energy - bottom
+    axes.axvspan(*turns, color=f"{OURS}band", linewidth=0, zorder=0, label="allowed")
+    axes.axhline(reduced.energy, **LINES[1], label="energy of the motion")
+    axes.plot(degrees, reduced.potential(theta), **LINES[0], label="effective potential")
+    axes.plot(degrees, pulled, **LINES[2], label=r"weight alone, $mgl\cos\theta$")
+    floor = min(bottom, np.min(pulled))
+    axes.set_ylim(min(bottom - 0.15 * depth, max(floor, bottom - depth)), bottom + 1.5 * depth)
+    axes.set_xlim(*np.degrees((low, high)))
+    span = turns[1] - turns[0]
+    decimals = max(2, 1 - int(np.floor(np.log10(span)))) if span > 0 else 2
+    sides = (("left", 8), ("right", -8))
+    for (_, turning), turn, (side, shift) in zip(ends, turns, sides, strict=True):
+        place = turn, reduced.energy
+        face = INK if turning else GROUND
+        axes.plot(*place, "o", mec=INK, mfc=face, clip_on=False, zorder=4)
+        words = f"{write_fixed(turn, decimals if turning else 0)}°"
+        words += "" if turning else ", never reached"
+        axes.annotate(words, place, (shift, 6), textcoords="offset points", ha=side)
+    axes.plot([], [], "o", color=INK, label="turning point")
+    name_axes(axes, INCLINATION, ("energy minus energy of the spin", "J"))
+    legend_above(axes, 3)
+    return figure
+
+
+@figure(
+    "portrait",
+    "phase portrait of the inclination of a symmetric top",
+    objection=object_to_reduced,
+    **SYMMETRIC,
+)
+def draw_portrait(table: Table) -> Figure:
+    """Inclination and its rate: the motion among the level curves of the energy."""
+    reduced = find_reduced(table)
+    figure = new_figure(table, "Phase portrait of the inclination", 4.6)
+    axes = figure.subplots()
+    low, high = seen(reduced)
+    fastest = np.sqrt(2 * (reduced.energy - reduced.bottom()) / reduced.inertia)
+    draw_levels(axes, reduced, (low, high), 1.4 * fastest)
+    theta, rate = table.column("theta"), table.column("theta_rate")
+    steps = np.hypot(np.diff(theta) / (high - low), np.diff(rate) / (2.8 * fastest))
+    joined = np.nanmax(steps) < JOINED
+    dots = {} if joined else {"linestyle": "", "marker": "o", "markersize": 2.5}
+    axes.plot(np.degrees(theta), rate, **LINES[0] | {"linewidth": 1.8} | dots, label="the motion")
+    draw_arrows(axes, np.degrees(theta), rate)
+    middle = np.degrees(reduced.resting_point())
+    axes.plot(middle, 0, "+", color=INK, markersize=9, label="equilibrium")
+    axes.set(xlim=np.degrees((low, high)), ylim=(-1.4 * fastest, 1.4 * fastest))
+    name_axes(axes, INCLINATION, (axis_of("theta_rate"), "rad/s"))
+    legend_above(axes, 4)
+    return figure
+
+
+def draw_arrows(axes: Axes, theta: np.ndarray, rate: np.ndarray) -> None:
+    """The direction of the motion where it is fastest: to the right where the rate is positive."""
+    look = {"arrowstyle": "-|>", "color": LINES[0]["color"], "lw": 0, "mutation_scale": 16}
+    look |= {"shrinkA": 0, "shrinkB": 0}
+    for sign in (1, -1):
+        place = max(int(np.nanargmax(sign * rate)), 1)
+        if sign * rate[place] > 0 and theta[place] != theta[place - 1]:
+            tail, tip = ((theta[i], rate[i]) for i in (place - 1, place))
+            axes.annotate("", tip, tail, arrowprops=look, zorder=4)
+
+
+def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest: float) -> None:
+    """The level curves of the energy, and the separatrix where there is one."""
+    theta = clustered(*seen, 801)
+    rate = np.linspace(-fastest, fastest, 401)
+    well, bottom = reduced.potential(theta), reduced.bottom()
+    energy = np.minimum(well, 1e300) + reduced.inertia * rate[:, np.newaxis] ** 2 / 2
+    curves = [bottom + amplitude**2 * (reduced.energy - bottom) for amplitude in LEVELS]
+    style = {"colors": GREY, "linewidths": 0.6, "linestyles": "-", "alpha": 0.7}
+    axes.contour(np.degrees(theta), rate, energy, levels=curves, **style)
+    axes.plot([], [], color=GREY, linewidth=0.6, alpha=0.7, label="equal energy")
+    axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+    if (separatrix := reduced.separatrix()) is not None:
+        squares = 2 * (separatrix - well) / reduced.inertia
+        branch = np.sqrt(np.where(squares >= 0, squares, np.nan))
+        axes.plot(np.degrees(theta), branch, **SEPARATRIX, label="separatrix, to the upright")
+        axes.plot(np.degrees(theta), -branch, **SEPARATRIX)
+
+
+WEAK = 1e-9
+"""A smaller momentum about the axis, over that about the vertical, has no bifurcation diagram."""
+
+LEAST_SLEEPING = 2.0
+"""The value of L3^2/(2 I1 m g l) from which the sleeping top is stable."""
+
+FAR = 6
+"""The inclinations of the curve come as close to the horizontal and to the poles as 10^-FAR."""
+
+BESIDE = 0.12
+"""Room beside the motion and the poles, over the width."""
+
+LEAST_HEIGHT, WIDEST, NARROWEST = 0.12, 5.0, 1.6
+"""A region is named if it is as high, over the figure, and if the figure reaches from minus this to
+this ratio at most (between the poles) or at least (beside them)."""
+
+FURTHER = 3
+"""The curve is drawn this many times as far as the edge of the figure, which cuts it off."""
+
+
+class Constants:
+    """The constants of a motion, in units of m g l and of the momentum about the axis.
+
+    With p = L3^2/(2 I1 m g l), x = Lz/L3 and w the sign of m g l, the energy without that of the
+    spin is e = p (x - u)^2/(1 - u^2) + w u where the inclination is at rest. Over x it is drawn
+    less w x: the energy of the cusps, where the upper turning point has u = x.
+    """
+
+    def __init__(self, reduced: Reduced) -> None:
+        self.sign = float(np.sign(reduced.weight))
+        weight = abs(reduced.weight)
+        self.strength = reduced.l3**2 / (2 * reduced.inertia * weight)
+        self.ratio = reduced.lz / reduced.l3
+        self.excess = reduced.energy / weight - self.sign * self.ratio
+
+    def steady(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ratio and energy, less that of the cusps, of the steady precessions, by the ratio.
+
+        For each inclination there are two: a slow one and a fast one, with
+        x - u = (1 - u^2)(1 -+ r)/(2 u) and r^2 = 1 - 2 w u/p.
+        """
+        # With w u in place of u and w x in place of x the weight pulls down.
+        last = min(1.0, self.strength / 2)
+        near = np.logspace(-FAR, 0, 500) / 2
+        part = np.concatenate([near, 1 - near[-2::-1]])
+        below, whole, above = -part, (1 + last) * part - 1, last * part
+        parts = [self._precession(u, fast) for u, fast in ((below, 1), (whole, -1), (above, 1))]
+        ratio, energy = (np.concatenate(values) for values in zip(*parts, strict=True))
+        order = np.argsort(self.sign * ratio)
+        return self.sign * ratio[order], energy[order]
+
+    def _precession(self, u: np.ndarray, fast: int) -> tuple[np.ndarray, np.ndarray]:
+        """Ratio and energy, less that of the cusps, of the slow (-1) or the fast precession (1)."""
+        p = self.strength
+        square = (1 - u) * (1 + u)
+        root = np.sqrt(np.maximum(0, 1 - 2 * u / p))
+        if fast < 0:
+            return u + square / (p * (1 + root)), -square * root / (p * (1 + root) ** 2)
+        away = square * (1 + root) / (2 * u)
+        return u + away, away * (p * (1 + root) / (2 * u) - 1)
+
+    def sleeps(self) -> bool:
+        """Whether the sleeping top is stable with this momentum about the axis."""
+        return self.strength >= LEAST_SLEEPING
+
+
+def object_to_bifurcation(table: Table) -> str:
+    """The momenta are in units of that about the axis, the energies in those of the weight."""
+    reduced = find_reduced(table)
+    if isinstance(reduced, str):
+        return reduced
+    spins = abs(reduced.l3) > WEAK * abs(reduced.lz)
+    return "" if spins else "is of a top without a momentum about its axis"
+
+
+@figure(
+    "bifurcation",
+    "bifurcation diagram of a symmetric top: its momenta and energy among all motions",
+    objection=object_to_bifurcation,
+    **SYMMETRIC,
+)
+def draw_bifurcation(table: Table) -> Figure:
+    """The curve of the steady precessions, the cusps, both rests, and the motion as a point."""
+    constants = Constants(find_reduced(table))
+    figure = new_figure(table, "Bifurcation diagram of the symmetric top", 4.4)
+    axes = figure.subplots()
+    edge = (1 + BESIDE) * max(1, abs(constants.ratio))
+    ratio, energy = constants.steady()
+    near = abs(ratio) <= FURTHER * edge
+    depth = -energy[abs(ratio) <= edge].min()
+    high = max(1.5 * depth, 1.25 * constants.excess)
+    low = -max(1.5 * depth, 0.2 * high)
+    style = {"color": FAINT, "alpha": 0.55, "linewidth": 0, "zorder": 0}
+    axes.fill_between(ratio[near], energy[near], low, **style)
+    axes.plot(ratio[near], energy[near], **LINES[0], label="steady precession")
+    axes.plot((-1, 1), (0, 0), **LINES[1], label="cusps")
+    for pole in (-1, 1):
+        axes.axvline(pole, color=FAINT, linewidth=0.8, zorder=0)
+    upright, look = constants.sign, {"color": INK, "zorder": 5, "clip_on": False}
+    face, words = (INK, "sleeping top") if constants.sleeps() else (GROUND, "upright top, unstable")
+    axes.plot(upright, 0, "o", **look, mfc=face, label=words)
+    axes.plot(-upright, 0, "s", **look, label="hanging top")
+    look |= {"color": LINES[3]["color"], "zorder": 6}
+    axes.plot(constants.ratio, constants.excess, "D", **look, label="the motion")
+    name_regions(axes, ratio, energy, (low, high), edge)
+    axes.set(xlim=(-edge, edge), ylim=(low, high))
+    axes.xaxis.set_major_locator(MaxNLocator(by_width(8, 5), steps=(1, 2, 2.5, 5, 10)))
+    sign = "-" if constants.sign > 0 else "+"
+    name_axis(axes.xaxis, "ratio of the momenta, $L_z/L_3$")
+    name_axis(axes.yaxis, rf"energy, $(E-L_3^2/2I_3)/|mgl|{sign}L_z/L_3$")
+    legend_above(axes, 3)
+    return figure
+
+
+def name_regions(
+    axes: Axes, ratio: np.ndarray, energy: np.ndarray, seen: tuple[float, float], edge: float
+) -> None:
+    """Loops above the cusps, waves elsewhere above the curve, each where it has room."""
+    low, high = seen
+    beside = (1 + edge) / 2
+    middle, right, left = (float(np.interp(at, ratio, energy)) for at in (0, beside, -beside))
+    regions = (
+        ("loops", 0, 0, high),
+        ("waves", 0, middle, 0),
+        ("waves", beside, right, high),
+        ("waves", -beside, left, high),
+    )
+    for name, place, bottom, top in regions:
+        has_width = edge < WIDEST if place == 0 else edge > NARROWEST
+        if has_width and top - bottom > LEAST_HEIGHT * (high - low):
+            axes.text(place, (bottom + top) / 2, name, ha="center", va="center")
+    axes.text(0, (low + min(0.0, middle)) / 2, "no motion", ha="center", va="center")

@@ -3,16 +3,36 @@
 A direction of space is three arrays, x, y and z, of unit vectors; the sphere has the radius 1.
 """
 
+import textwrap
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.style.lines import MANY_POINTS
-from spintop_figures.style.look import DOTS, GREY, HIDDEN, LINES
+from spintop_figures.kinds import figure, unless
+from spintop_figures.motion.trajectory import inclination_extremes, sparseness
+from spintop_figures.style.axes import MANY_POINTS, name_axes
+from spintop_figures.style.look import (
+    DOTS,
+    FAINT,
+    GREY,
+    GROUND,
+    HIDDEN,
+    INK,
+    LINES,
+    PALE,
+    WASH,
+    by_width,
+    drawn_width,
+)
 from spintop_figures.style.numbers import write
+from spintop_figures.style.page import new_figure, no_axis, three_panels
+from spintop_figures.tables.table import Table
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -142,21 +162,23 @@ def draw_seen(
 def draw_globe(axes: Axes, view: View = WHOLE) -> None:
     """The edge of the sphere or of the window, the graticule, and the vertical."""
     edge = view.window * np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
-    axes.fill(*edge, color="0.975", zorder=0)
-    axes.plot(*edge, color="0.5", linewidth=0.9)
-    front, back = ({"color": shade, "linewidth": 0.5, "zorder": 1} for shade in ("0.72", "0.9"))
+    axes.fill(*edge, color=WASH, zorder=0)
+    axes.plot(*edge, color=GREY, linewidth=0.8)
+    front = {"color": FAINT, "linewidth": 0.5, "zorder": 1}
     if view.window < 1:
         draw_fine_grid(axes, view, front)
-        return
-    for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
-        draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
-    for phi in np.arange(0, np.pi, GRID):
-        draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
-    top = np.cos(ELEVATION)
-    axes.annotate(
-        "", (0, top + 0.3), (0, top), arrowprops={"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
-    )
-    axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize=9)
+    else:
+        back = front | {"alpha": 0.5}
+        for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
+            draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
+        for phi in np.arange(0, np.pi, GRID):
+            draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
+        top, arrow = np.cos(ELEVATION), {"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
+        axes.annotate("", (0, top + 0.3), (0, top), arrowprops=arrow)
+        axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize="small")
+    side = 1.06 * view.window
+    axes.set(xlim=(-side, side), ylim=(-side, side if view.window < 1 else 1.28), aspect="equal")
+    axes.set_axis_off()
 
 
 def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
@@ -167,11 +189,10 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
-        if not 0 < count * step < np.pi * (1 - 1e-12):
-            continue
-        circle = on_sphere(np.full_like(around, count * step), around)
-        draw_seen(axes, circle, style, view=view)
-        name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
+        if 0 < count * step < np.pi * (1 - 1e-12):
+            circle = on_sphere(np.full_like(around, count * step), around)
+            draw_seen(axes, circle, style, view=view)
+            name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
     down = np.linspace(low, high, 181)
     apart = GRID if low == 0 or high == np.pi else step / np.sin(middle)
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
@@ -192,8 +213,8 @@ def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:
     if not inside.any():
         return
     place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
-    outline = [withStroke(linewidth=2, foreground="0.975")]
-    style = {"fontsize": 8, "color": GREY, "ha": "center", "va": "center", "zorder": 2}
+    outline = [withStroke(linewidth=2, foreground=WASH)]
+    style = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
     axes.text(x[place], y[place], name, path_effects=outline, **style)
 
 
@@ -210,11 +231,8 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
         draw_arrow(axes, points, view)
     for name, place in (("end", -1), ("start", 0)):
         (x,), (y,), (towards,) = project(*(part[place:][:1] for part in points), view)
-        face = ENDS[name]["color"] if towards >= 0 else "white"
-        axes.plot(x, y, **ENDS[name], mfc=face, mec="white" if towards >= 0 else None, zorder=5)
-    side = 1.06 * view.window
-    axes.set(xlim=(-side, side), ylim=(-side, side if view.window < 1 else 1.28), aspect="equal")
-    axes.axis("off")
+        face = ENDS[name]["color"] if towards >= 0 else GROUND
+        axes.plot(x, y, **ENDS[name], mfc=face, mec=GROUND if towards >= 0 else None, zorder=5)
     if view.window < 1:
         draw_inset(axes, view)
     return view
@@ -255,8 +273,6 @@ def draw_inset(axes: Axes, view: View) -> None:
         rim, look = view.towards[:, np.newaxis], {"color": LINES[1]["color"], "marker": "o"}
         look["markersize"] = 3
     draw_seen(inset, tuple(rim), look, look | {"alpha": 0.4})
-    inset.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.28), aspect="equal")
-    inset.axis("off")
 
 
 def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
@@ -266,3 +282,341 @@ def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
     if any(view.window >= 1 for view in views):
         handles.append(Line2D([], [], **back, label="on the far side"))
     return handles + [Line2D([], [], **look, label=name) for name, look in ENDS.items()]
+
+
+LEAST_NUTATION = np.radians(0.5)
+"""A smaller range of the inclination is about the width of the line of the path."""
+
+BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
+UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
+"""Where the legend of a single sphere is, beside it and below it."""
+
+BELOW = 3.0
+"""Inches below a sphere on a narrow figure."""
+
+MOST_ACROSS = 3
+"""Spheres in a row."""
+
+ALONE = 4.6
+"""Side of a single sphere in inches; the words are beside it."""
+
+SHAPE, TITLE, LEGEND = 1.1, 0.65, 0.25
+"""Height of a sphere with its vertical over its width, and of the words above it and of the legend
+in inches."""
+
+LETTERS = 13
+"""Letters of a title per inch."""
+
+MANY_DEGREES = 1000
+"""An azimuth of more is told in turns."""
+
+EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
+"""The circles of the extreme inclinations."""
+
+
+def path_of(table: Table) -> np.ndarray:
+    """Inclination and azimuth, where there are both."""
+    path = np.array([table.column(name) for name in ("theta", "phi")])
+    return path[:, np.isfinite(path).all(axis=0)]
+
+
+def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool]:
+    """The path of a motion, between the circles of its minimum and its maximum inclination.
+
+    Gives the view, whether the rows are joined, and whether the circles are drawn: they are where
+    they differ from each other and from the path.
+    """
+    tip = on_sphere(*path_of(table))
+    joined = not sparseness(*tip)
+    view = draw_path_on(axes, tip, joined)
+    low, high = inclination_extremes(table)
+    nutates = high.value - low.value > min(LEAST_NUTATION, 0.04 * view.window)
+    for extreme in (low, high) if nutates else ():
+        circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
+        draw_seen(axes, circle, EDGE, EDGE | {"alpha": 0.35}, view)
+    return view, joined, nutates
+
+
+def tell_path(table: Table) -> list[str]:
+    """The extremes of the inclination and the azimuth passed, in lines of words."""
+    theta, phi = path_of(table)
+    low, high = inclination_extremes(table)
+    ends = [f"{write(np.degrees(end.value))}°" for end in (low, high)]
+    words = rf"$\theta$ = {ends[0]}" if ends[0] == ends[1] else rf"$\theta$ {ends[0]} to {ends[1]}"
+    if (low.of_rows or high.of_rows) and ends[0] != ends[1]:
+        words += " in the rows"
+    lines = [words, rf"$\phi$ {tell_turn(np.degrees(phi[-1] - phi[0]))}"]
+    return [*lines, *filter(None, [sparseness(*on_sphere(theta, phi))])]
+
+
+def tell_turn(degrees: float) -> str:
+    """How far an azimuth turns, in degrees or in turns."""
+    many = abs(degrees) > MANY_DEGREES
+    sign = "+" if degrees > 0 else ""
+    return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
+
+
+def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
+    """Panels of spheres of this side, and room for words beside a single one or below them."""
+    if count > 1:
+        across = min(count, by_width(MOST_ACROSS, 2))
+        down = -(-count // across)
+        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
+        places = [*(grid[place] for place in np.ndindex(down, across)), grid[down, :]]
+    elif by_width(True, False):
+        places = figure.add_gridspec(1, 2, width_ratios=[ALONE, drawn_width() - ALONE])
+    else:
+        places = figure.add_gridspec(2, 1, height_ratios=[side, BELOW - 1])
+    *panels, key = (no_axis(figure.add_subplot(place)) for place in places)
+    return panels, key
+
+
+@figure(
+    "traces",
+    "paths of the axis tip on the unit sphere, side by side",
+    kind="trajectory",
+    needs="theta phi",
+    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
+    together=True,
+)
+def draw_traces(tables: Sequence[Table]) -> Figure:
+    """The paths of several motions side by side, each under its title."""
+    alone, width = len(tables) == 1, drawn_width()
+    across = min(len(tables), by_width(MOST_ACROSS, 2))
+    down = -(-len(tables) // across)
+    side = min(ALONE, width) if alone else width / across
+    height = 0.8 + side * down if alone else 0.8 + (SHAPE * side + TITLE) * down
+    if alone:
+        height = by_width(height, side + BELOW)
+    figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
+    panels, key = spheres(figure, len(tables), side)
+    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
+    handles = path_handles([view for view, _, _ in drawn], [joined for _, joined, _ in drawn])
+    if any(nutates for _, _, nutates in drawn):
+        handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
+    if alone:
+        words = "\n".join(textwrap.fill(line, 44) for line in tell_path(tables[0]))
+        key.text(0, by_width(0.8, 1.0), words, va="top", linespacing=1.5)
+        for handle in handles:
+            handle.set_label(textwrap.fill(handle.get_label(), 20))
+        key.legend(handles=handles, **by_width(BESIDE, UNDER))
+        return figure
+    for axes, table in zip(panels, tables, strict=False):
+        title = textwrap.fill(table.title, int(side * LETTERS)).replace("$", r"\$")
+        words = "\n".join([title, *tell_path(table)])
+        axes.set_title(words, loc="center", fontsize="small", pad=2)
+    place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
+    key.legend(handles=handles, **place, ncols=by_width(5, 2))
+    return figure
+
+
+@figure(
+    "trace",
+    "path of the axis tip on the unit sphere",
+    kind="trajectory",
+    needs="theta phi",
+    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
+)
+def draw_trace(table: Table) -> Figure:
+    """The path of a single motion."""
+    return draw_traces([table])
+
+
+HEIGHT = 3.5
+"""Of the figure, in inches."""
+
+PATH_ROOM = 1.1
+"""What is seen, over the extent of the path."""
+
+FLAT = 0.25
+"""The height that a path from the side takes at least, over its width, has its own scale."""
+
+
+@figure(
+    "path",
+    "path of the centre of mass in space and from above (Figure 11)",
+    kind="trajectory",
+    needs="com_x com_y com_z",
+)
+def draw_path(table: Table) -> Figure:
+    """Path of the centre of mass, on its sphere, from above and from the side (Figure 11)."""
+    x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
+    sparse = sparseness(*place)
+    title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
+    figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
+    (space, above, side), key = three_panels(figure)
+    radius, joined = float(np.nanmedian(np.sqrt(sum(part**2 for part in place)))), not sparse
+    if radius > 0:
+        draw_path_on(space, tuple(part / radius for part in place), joined)
+    space.set_axis_off()
+    space.set_title(f"on its sphere of {write(radius)} m", loc="center", pad=16)
+    draw_path_plane(above, (x, y), z >= 0, radius, joined)
+    name_axes(above, ("x", "m"), ("y", "m"))
+    above.set_title("from above")
+    is_wide = np.ptp(x[np.isfinite(x)]) >= np.ptp(y[np.isfinite(y)])
+    across, near = (x, y <= 0) if is_wide else (y, x >= 0)
+    draw_path_plane(side, (across, z), near, radius, joined)
+    name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
+    side.set_title("from $-y$" if is_wide else "from $+x$")
+    handles = path_handles([WHOLE], [joined])
+    key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
+    return figure
+
+
+def draw_path_plane(
+    axes: Axes,
+    path: tuple[np.ndarray, np.ndarray],
+    near: np.ndarray,
+    radius: float,
+    joined: bool,
+) -> None:
+    """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
+    axes.plot(radius * np.cos(CIRCLE), radius * np.sin(CIRCLE), color=FAINT, linewidth=0.8)
+    axes.plot(0, 0, "+", color=GREY)
+    x, y, near = (*path, near) if joined else thinned((*path, near))
+    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
+    for there, style, order in ((~near, back, 2), (near, front, 3)):
+        there = there | np.roll(there, 1) if joined else there
+        line = (np.where(there, part, np.nan) for part in (x, y))
+        axes.plot(*line, **style, zorder=order, rasterized=len(x) > MANY_POINTS)
+    for name, index in (("end", -1), ("start", 0)):
+        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec=GROUND, zorder=5)
+    set_limits(axes, path, radius)
+
+
+def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -> None:
+    """A square about the path, or about its sphere; a flat path has a scale of its own upward."""
+    low, high = (np.array([end(part) for part in path]) for end in (np.nanmin, np.nanmax))
+    half = PATH_ROOM * max(high - low) / 2
+    half = half if 0 < 1.5 * half < radius else 1.05 * (radius or 1.0)
+    middle = (low + high) / 2 if half < radius else np.zeros(2)
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    width, height = high - low
+    if half < radius and 0 < height < FLAT * width:
+        axes.set_ylim(middle[1] - PATH_ROOM * height / 2, middle[1] + PATH_ROOM * height / 2)
+        axes.set_box_aspect(1)
+    else:
+        axes.set_ylim(middle[1] - half, middle[1] + half)
+        axes.set_aspect("equal")
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+
+
+RAYS = 24
+"""Lines of a cone from its apex."""
+
+MANY_TURNS = 15
+"""Curves that are longer, in circles about their extent, have thin lines."""
+
+LEAST = 1e-9
+"""What is slower, over the fastest, has no direction."""
+
+BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
+BODY_BACK = {"color": PALE, "linewidth": 1.1, "linestyle": (0, (3, 1))}
+"""The cone of the body, before the sphere and behind it."""
+
+TOUCH = {"color": INK, "linewidth": 1.3}
+
+CONE_ROOM = 1.08
+"""What is seen of a plane, over the extent of its curve."""
+
+ANGLES = ("phi", "theta", "psi")
+
+
+def turn_by_euler(vector: np.ndarray, phi: object, theta: object, psi: object) -> np.ndarray:
+    """A vector of body axes in space axes, by Rz(phi) Rx(theta) Rz(psi); components by rows."""
+    x, y, z = vector
+    x, y = x * np.cos(psi) - y * np.sin(psi), x * np.sin(psi) + y * np.cos(psi)
+    y, z = y * np.cos(theta) - z * np.sin(theta), y * np.sin(theta) + z * np.cos(theta)
+    return np.array([x * np.cos(phi) - y * np.sin(phi), x * np.sin(phi) + y * np.cos(phi), z])
+
+
+def in_body(table: Table) -> np.ndarray:
+    """The angular velocity in body axes; components by rows."""
+    return np.array([table.column(f"omega{i}") for i in (1, 2, 3)])
+
+
+def in_space(table: Table) -> np.ndarray:
+    """The angular velocity in space axes; components by rows."""
+    return turn_by_euler(in_body(table), *map(table.column, ANGLES))
+
+
+def body_at_start(table: Table) -> np.ndarray:
+    """The angular velocities of body axes, placed in space by the attitude of the first row."""
+    return turn_by_euler(in_body(table), *(table.column(name)[0] for name in ANGLES))
+
+
+@figure(
+    "cones",
+    "angular velocity in the body and in space (polhode and herpolhode)",
+    kind="trajectory",
+    needs="phi theta psi omega1 omega2 omega3",
+)
+def draw_cones(table: Table) -> Figure:
+    """The two cones, that of the body rolling on that in space, and their curves in planes."""
+    title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
+    figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
+    (globe, body, space), key = three_panels(figure)
+    draw_globe(globe)
+    draw_cone(globe, in_space(table), FRONT, BACK)
+    draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
+    touch = directions(in_space(table))[:, :1]
+    if touch.size:
+        (x,), (y,), _ = project(*touch)
+        globe.plot([0, x], [0, y], **TOUCH, zorder=4)
+        globe.annotate(r"$\omega$", (x, y), (4, 4), textcoords="offset points", zorder=6)
+    globe.plot(0, 0, "o", color=GREY, markersize=2.5, zorder=4)
+    globe.set_title("directions, at the start", loc="center")
+    draw_cone_plane(body, in_body(table), BODY | {"linestyle": "-"}, "12", "in the body")
+    draw_cone_plane(space, in_space(table), FRONT, "xy", "in space, from above")
+    handles = [
+        Line2D([], [], **BODY, label="cone of the body"),
+        Line2D([], [], **FRONT, label="cone in space"),
+        Line2D([], [], **TOUCH, label="where they touch"),
+        *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
+    ]
+    key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
+    return figure
+
+
+def directions(omega: np.ndarray) -> np.ndarray:
+    """Unit vectors along angular velocities, without those that are about zero."""
+    size = np.linalg.norm(omega, axis=0)
+    there = size > LEAST * np.nanmax(size)
+    return omega[:, there] / size[there]
+
+
+def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
+    """The curve of directions on the sphere, with rays to it from the middle."""
+    points = directions(omega)
+    draw_seen(axes, tuple(points), *(thin_if_long(style, points) for style in (front, back)))
+    x, y, towards = project(*points)
+    passed = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=0))])
+    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), RAYS))
+    for place in np.unique(np.minimum(places, len(x) - 1)):
+        colour = (front if towards[place] >= 0 else back)["color"]
+        look = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
+        axes.plot([0, x[place]], [0, y[place]], **look)
+
+
+def thin_if_long(style: dict, curve: np.ndarray) -> dict:
+    """A style with a thin line for a curve of many turns, which would be a solid area."""
+    length = np.nansum(np.linalg.norm(np.diff(curve, axis=1), axis=0))
+    extent = np.max(np.nanmax(curve, axis=1) - np.nanmin(curve, axis=1))
+    is_long = length > MANY_TURNS * np.pi * extent
+    return style | {"linewidth": 0.4} if is_long else style
+
+
+def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, heading: str) -> None:
+    """Two components of the angular velocity against each other, from start to end."""
+    x, y = omega[:2]
+    axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
+    axes.plot(0, 0, "+", color=GREY)
+    for name, place in (("end", -1), ("start", 0)):
+        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec=GROUND, zorder=5)
+    side = CONE_ROOM * float(np.nanmax(np.abs(omega[:2]))) or 1.0
+    axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    name_axes(axes, *((rf"$\omega_{name}$", "rad/s") for name in names))
+    axes.set_title(heading)

@@ -1,23 +1,117 @@
-"""The figures of a trajectory that show quantities of the motion against time."""
+"""What a motion reaches between the rows of its table, and whether the rows show its path."""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from spintop_figures.motion.extremes import Extreme, height_extremes, inclination_extremes
+from spintop_figures.kinds import figure, unless
+from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
-from spintop_figures.style.lines import draw_line, set_degree_ticks
-from spintop_figures.style.look import FAINT, GREY, LINES, by_width
+from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
+from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
 from spintop_figures.style.numbers import write_fixed
-from spintop_figures.style.page import new_figure
-from spintop_figures.tables.names import axis_of
+from spintop_figures.style.page import TIME, Page, legend_above, new_figure, time_panels
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import columns_of, units_of_columns
 
-TIME = "time t (s)"
+NEEDS = COLUMNS.split()
+
+MOST_ARC = np.radians(15)
+"""Rows of which the axes are further apart are not joined: the line would be a guess."""
+
+STEADY = 1e-9
+"""A smaller range of the inclination in radians is that of a steady precession."""
+
+SAME_ENERGY = 1e-7
+"""The change of energy, over its size, up to which a run has the turning points of its start."""
+
+
+class Extreme(NamedTuple):
+    """The minimum or the maximum of a quantity, of the motion or only of the rows."""
+
+    value: float
+    of_rows: bool
+
+    def note(self, side: str) -> str:
+        """What a label of the "least" or "largest" says first if the motion may go further."""
+        return f"{side} row: " if self.of_rows else ""
+
+
+def extremes_of_rows(values: np.ndarray) -> tuple[Extreme, Extreme]:
+    """The extremes of a column."""
+    return Extreme(float(np.nanmin(values)), True), Extreme(float(np.nanmax(values)), True)
+
+
+def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
+    """The minimum and the maximum inclination, rad: turning points that lie between the rows.
+
+    A turning point belongs to the run if the nutation rate changes its sign as it does there. The
+    others, and those of any body that is not a symmetric top, are extremes of the rows.
+    """
+    least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
+    if largest.value - least.value < STEADY:
+        return least._replace(of_rows=False), largest._replace(of_rows=False)
+    if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
+        return least, largest
+    reduced = find_reduced(table)
+    if isinstance(reduced, str) or not keeps_energy(table):
+        return least, largest
+    low, high = reduced.turning_points()
+    signs = np.sign(table.rows["theta_rate"].to_numpy(float))
+    before, after = signs[:-1], signs[1:]
+    if ((before <= 0) & (after > 0)).any() or ((before < 0) & (after >= 0)).any():
+        least = Extreme(min(low, least.value), False)
+    if ((before >= 0) & (after < 0)).any() or ((before > 0) & (after <= 0)).any():
+        largest = Extreme(max(high, largest.value), False)
+    return least, largest
+
+
+def keeps_energy(table: Table) -> bool:
+    """Whether a run keeps its energy, so that the turning points of the start are its own."""
+    energy = (table.rows["kinetic"] + table.rows["potential"]).to_numpy(float)
+    size = np.abs(table.rows["kinetic"]).max() + np.abs(table.rows["potential"]).max()
+    return bool(np.ptp(energy) <= SAME_ENERGY * size)
+
+
+def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
+    """The minimum and the maximum height of the centre of mass, in metres.
+
+    Where it is on the axis of the body, that of a symmetric top, they follow from the inclination.
+    """
+    height, theta = (table.rows[name].to_numpy(float) for name in ("com_z", "theta"))
+    low, high = extremes_of_rows(height)
+    cosine = np.cos(theta)
+    length = float(height @ cosine / (cosine @ cosine))
+    if not np.allclose(height, length * cosine, rtol=0, atol=1e-9 * abs(length)):
+        return low, high
+    ends = [Extreme(length * np.cos(end.value), end.of_rows) for end in inclination_extremes(table)]
+    return min(ends), max(ends)
+
+
+def largest_arc(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> float:
+    """The largest angle between the directions of successive points, rad."""
+    points = np.array([x, y, z])
+    points = points[:, np.isfinite(points).all(axis=0)]
+    if points.shape[1] < 2:
+        return 0.0
+    unit = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
+    chords = np.linalg.norm(np.diff(unit, axis=1), axis=0)
+    return float(2 * np.arcsin(min(chords.max() / 2, 1.0)))
+
+
+def sparseness(*path: np.ndarray) -> str:
+    """Why the points of a path are not joined; empty if they are."""
+    arc = largest_arc(*path)
+    if arc <= MOST_ARC:
+        return ""
+    return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
+
 
 SAME, MOST_INCLINATIONS = 1.0, 3
 """Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
@@ -35,21 +129,28 @@ MOST_OFTEN = 0.25
 """Sign changes between more of the rows than this part are those of rounding."""
 
 
-def numbers(table: Table, column: str) -> np.ndarray:
-    """A column as an array."""
-    return table.rows[column].to_numpy(float)
-
-
-def four_panels(table: Table, what: str) -> tuple[Figure, list[Axes]]:
+def panels(table: Table, title: str) -> tuple[Page, list[Axes]]:
     """A figure with four panels over the same time."""
-    figure = new_figure(table, what, height=by_width(5.4, 8.6))
-    across = by_width(2, 1)
-    axes = figure.subplots(4 // across, across, sharex=True, squeeze=False)
-    for panel in axes[-1]:
-        panel.set_xlabel(TIME)
-    for panel in axes.flat:
-        panel.margins(x=0.01)
-    return figure, list(axes.flat)
+    return time_panels(table, title, 4, by_width(5.4, 8.6))
+
+
+def draw_column(
+    axes: Axes, table: Table, name: str, words: str = "", gaps: Sequence[int] = (), **style: object
+) -> None:
+    """A column against time, as its axis names it; before some rows there may be gaps.
+
+    A force that turns very often has a thin line, or it would be an area.
+    """
+    t, (values, unit) = table.column("t"), table.shown(name, units_of_columns().get(name, ""))
+    if name.startswith(("force", "R", "omega")):
+        axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(values))))
+    if turns > DENSE and name.startswith("force"):
+        style = {"linewidth": 0.4} | style
+    draw_line(axes, np.insert(t, gaps, np.nan), np.insert(values, gaps, np.nan), **style)
+    if unit == "degrees":
+        set_degree_ticks(axes.yaxis, values)
+    name_axis(axes.yaxis, words or axis_of(name), unit)
 
 
 def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarray:
@@ -65,25 +166,25 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
     return np.flatnonzero(near & (turned > LEAST_JUMP) & (on < SAME_TURN * turned)) + 1
 
 
+@figure(
+    "angles",
+    "angles and height of the centre of mass against time (Figure 8)",
+    kind="trajectory",
+    needs="t phi theta psi com_z",
+)
 def draw_angles(table: Table) -> Figure:
     """Euler angles and height of the centre of mass against time (Figure 8)."""
-    figure, panels = four_panels(table, "Euler angles and height of the centre of mass")
-    t = numbers(table, "t")
-    angles = {name: numbers(table, name) for name in ("phi", "theta", "psi")}
-    jumps = pole_jumps(**angles)
-    for (name, angle), axes in zip(angles.items(), panels, strict=False):
-        degrees = np.degrees(angle)
-        gaps = () if name == "theta" else jumps
-        draw_line(axes, np.insert(t, gaps, np.nan), np.insert(degrees, gaps, np.nan))
-        set_degree_ticks(axes.yaxis, degrees)
-        axes.set_ylabel(axis_of(name, "deg"))
-        if name == "theta":
-            ends = inclination_extremes(table)
-            turned = [end._replace(value=np.degrees(end.value)) for end in ends]
-            mark_extremes(axes, turned, "°", 2)
-    draw_line(panels[3], t, numbers(table, "com_z"))
-    panels[3].set_ylabel("height above the pivot (m)")
-    mark_extremes(panels[3], height_extremes(table), " m", 5)
+    figure, (phi, theta, psi, height) = panels(
+        table, "Euler angles and height of the centre of mass"
+    )
+    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi")))
+    draw_column(phi, table, "phi", gaps=jumps)
+    draw_column(theta, table, "theta")
+    draw_column(psi, table, "psi", gaps=jumps)
+    draw_column(height, table, "com_z", "height above the pivot")
+    ends = [end._replace(value=np.degrees(end.value)) for end in inclination_extremes(table)]
+    mark_extremes(theta, ends, "°", 2)
+    mark_extremes(height, height_extremes(table), " m", 5)
     figure.align_ylabels()
     return figure
 
@@ -99,59 +200,46 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
     room = 0.16 * (high - low or 1)
     decimals = decimals_for(high - low, decimals)
     axes.set_ylim(low - room, high + room)
-    outline = [withStroke(linewidth=2.5, foreground="white")]
+    style = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "ha": "right"}
+    style |= {"fontsize": "small", "color": GREY}
+    style["path_effects"] = [withStroke(linewidth=2.5, foreground=GROUND)]
     sides = (("least", "top", -2), ("largest", "bottom", 2))
     for end, (which, side, shift) in zip(ends, sides, strict=True):
         axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
-        if decimals > MOST_DECIMALS:
-            continue
-        axes.annotate(
-            f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}",
-            (0.99, end.value),
-            xycoords=axes.get_yaxis_transform(),
-            xytext=(0, shift),
-            textcoords="offset points",
-            ha="right",
-            va=side,
-            fontsize=9,
-            path_effects=outline,
-            color=GREY,
-        )
+        if decimals <= MOST_DECIMALS:
+            words = f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}"
+            axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
 
-def draw_force(axes: Axes, t: np.ndarray, force: np.ndarray) -> None:
-    """A force against time; one that turns very often has a thin line, or it would be an area."""
-    is_dense = np.count_nonzero(np.diff(np.sign(np.diff(force)))) > DENSE
-    draw_line(axes, t, force, **({"linewidth": 0.4} if is_dense else {}))
-
-
+@figure(
+    "forces",
+    "support force and energies against time (Figure 9)",
+    kind="trajectory",
+    needs="t force_x force_y force_z energy kinetic potential",
+)
 def draw_forces(table: Table) -> Figure:
     """Support force and energies against time (Figure 9)."""
-    figure, panels = four_panels(table, "Support force on the top, and energy of the top")
-    t = numbers(table, "t")
-    for name, axes in zip(("x", "y", "z"), panels, strict=False):
-        axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_force(axes, t, numbers(table, f"force_{name}"))
-        axes.set_ylabel(f"$F_{name}$ (N)" + (", upward" if name == "z" else ""))
-    limits = [axes.get_ylim() for axes in panels[:2]]  # both are horizontal
-    for axes in panels[:2]:
-        axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+    figure, (x, y, z, energy) = panels(table, "Support force on the top, and energy of the top")
+    for axes, name, words in ((x, "x", ""), (y, "y", ""), (z, "z", "upward force ")):
+        draw_column(axes, table, f"force_{name}", f"{words}$F_{name}$")
+    share_limits(x, y)  # both are horizontal
     if "theta" in table.rows and not broken(LAGRANGE, table):
-        mark_sign_changes(panels[2], t, numbers(table, "force_z"), numbers(table, "theta"))
+        mark_sign_changes(z, *map(table.column, ("t", "force_z", "theta")))
     for line, name in enumerate(("energy", "kinetic", "potential")):
         label = "total" if name == "energy" else name
-        draw_line(panels[3], t, numbers(table, name), line, label=label)
-    panels[3].set_ylabel("energy (J)")
-    panels[3].legend(
-        loc="lower right",
-        bbox_to_anchor=(1.03, 1.0),
-        ncols=3,
-        handlelength=1.6,
-        columnspacing=1.0,
-        borderpad=0,
-    )
+        draw_line(energy, table.column("t"), table.column(name), line, label=label)
+    name_axis(energy.yaxis, "energy", "J")
+    place = {"bbox_to_anchor": (1.03, 1.0), "ncols": 3, "borderpad": 0}
+    legend_above(energy, 3, **place, handlelength=1.6, columnspacing=1.0)
     figure.align_ylabels()
     return figure
+
+
+def share_limits(*panels: Axes) -> None:
+    """Give panels the same range of the y axis."""
+    limits = [axes.get_ylim() for axes in panels]
+    for axes in panels:
+        axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
 def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarray) -> None:
@@ -168,37 +256,111 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     ordered = np.sort(inclinations)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= SAME) + 1)
     is_chain = any(np.ptp(group) >= SAME for group in groups if group.size)
-    if not times.size or len(groups) > MOST_INCLINATIONS or is_chain:
-        return
-    if times.size > MOST_OFTEN * y.size:
+    is_rounding = times.size > MOST_OFTEN * y.size or is_chain
+    if not times.size or len(groups) > MOST_INCLINATIONS or is_rounding:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
-    words = " and ".join(f"{first_in(group, inclinations):.1f}°" for group in groups)
-    title = rf"zero at $\theta$ = {words}"
-    axes.set_title(title, loc="right", fontsize=9, pad=3, color=LINES[1]["color"])
+    firsts = (next(i for i in inclinations if g.min() <= i <= g.max()) for g in groups)
+    words = " and ".join(f"{write_fixed(first, 1)}°" for first in firsts)
+    style = {"loc": "right", "fontsize": "small", "pad": 3, "color": LINES[1]["color"]}
+    axes.set_title(rf"zero at $\theta$ = {words}", **style)
 
 
-def first_in(group: np.ndarray, values: np.ndarray) -> float:
-    """The first of some values that is between the ends of a group."""
-    return float(values[(values >= group.min()) & (values <= group.max())][0])
-
-
+@figure(
+    "support",
+    "support force in the plane of the axis and normal to it, against time",
+    kind="trajectory",
+    needs="t force_r force_n force_z",
+)
 def draw_support(table: Table) -> Figure:
     """Support force in the plane of the axis, normal to it and upward, and its size."""
-    figure, panels = four_panels(table, "Support force: outward, along the nodes and upward")
-    t = numbers(table, "t")
-    force = {name: numbers(table, f"force_{name}") for name in "rnz"}
-    labels = {
-        "r": "$F_r$ (N), outward",
-        "n": "$F_n$ (N), along the nodes",
-        "z": "$F_z$ (N), upward",
-    }
-    for (name, label), axes in zip(labels.items(), panels, strict=False):
-        axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_force(axes, t, force[name])
-        axes.set_ylabel(label)
-    draw_line(panels[3], t, np.sqrt(sum(part**2 for part in force.values())))
-    panels[3].set_ylabel("magnitude of the force (N)")
-    panels[3].set_ylim(bottom=0)
+    figure, axes = panels(table, "Support force: outward, along the nodes and upward")
+    draw_column(axes[0], table, "force_r", "outward force $F_r$")
+    draw_column(axes[1], table, "force_n", "force along the nodes $F_n$")
+    draw_column(axes[2], table, "force_z", "upward force $F_z$")
+    parts = [table.column(f"force_{name}") for name in "rnz"]
+    draw_line(axes[3], table.column("t"), np.sqrt(sum(part**2 for part in parts)))
+    axes[3].set_ylim(bottom=0)
+    name_axis(axes[3].yaxis, "magnitude of the force", "N")
     figure.align_ylabels()
     return figure
+
+
+AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}area5")
+"""Of the works, from the largest."""
+
+
+@figure(
+    "account",
+    "inclination, spin, and account of energy under effects, against time",
+    kind="trajectory",
+    needs="t theta omega3 energy energy_error work",
+    objection=unless(
+        lambda table: table.rows["energy_error"].any(), "has no energy error that is not zero"
+    ),
+)
+def draw_account(table: Table) -> Figure:
+    """Inclination, spin, the budget of the energy, and the error of its balance."""
+    figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
+    ratios = {"height_ratios": (1, 1, 1.4, 1)}
+    theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
+    t, works = table.column("t"), works_of(table)
+    draw_column(theta, table, "theta", axis_of("theta", between="\n"))
+    draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
+    (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
+    draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
+    name_axis(error.yaxis, "error of the\nbalance (relative)")
+    name_axis(error.xaxis, *TIME)
+    error.margins(x=0.01)
+    figure.align_ylabels()
+    return figure
+
+
+def works_of(table: Table) -> dict[str, np.ndarray]:
+    """The works that are not zero throughout, by what does them, the largest first."""
+    names = [name for name in columns_of("trajectory") if name.startswith("work_")]
+    acting = [name for name in names if name in table.rows and table.rows[name].any()]
+    acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
+    works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
+    return works or {"effects": table.column("work")}
+
+
+def is_spent(works: dict[str, np.ndarray]) -> bool:
+    """Whether all works only take energy, so that what they took are parts of a whole."""
+    largest = max(np.nanmax(np.abs(work)) for work in works.values())
+    return all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
+
+
+def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
+    """The kinetic energy, on the potential one, and on them what each effect has taken.
+
+    The upper edge is the energy of the start.
+    """
+    top = energy = table.column("energy")
+    ground = table.column("potential") if "potential" in table.rows else np.zeros_like(energy)
+    axes.fill_between(t, ground, energy, color=HIDDEN, linewidth=0, label="kinetic energy")
+    for number, (name, work) in enumerate(works.items()):
+        style = {"color": AREAS[number % len(AREAS)], "linewidth": 0, "label": f"taken by {name}"}
+        axes.fill_between(t, top, top - work, **style)
+        top = top - work
+    draw_line(axes, t, energy, label="energy")
+    if "potential" in table.rows:
+        draw_line(axes, t, ground, 1, label="potential energy")
+    name_axis(axes.yaxis, "energy", "J")
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1.0), "borderpad": 0.1}
+    place |= {"handlelength": 1.4, "columnspacing": 0.7, "handletextpad": 0.5}
+    axes.legend(**place, ncols=by_width(5, 2))
+
+
+def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
+    """The energy and the works as lines, where some give energy."""
+    axes.axhline(0, color=FAINT, linewidth=0.8)
+    draw_line(axes, t, table.column("energy"), label="energy")
+    for line, (name, work) in enumerate(works.items()):
+        draw_line(axes, t, work, 1 + line % (len(LINES) - 1), label=f"work of {name}")
+    if "potential" in table.rows:
+        style = {"color": GREY, "linewidth": 0.8, "zorder": 1, "label": "potential energy"}
+        axes.plot(t, table.column("potential"), **style)
+    name_axis(axes.yaxis, "energy, work", "J")
+    place = {"loc": "upper right", "handlelength": 2.2, "columnspacing": 1.2, "borderpad": 0.1}
+    axes.legend(**place, ncols=by_width(2, 1))

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spintop_figures.tables.causes import plain
 from spintop_figures.tables.characters import printable
-from spintop_figures.tables.rows import cells_in, line_of
-from spintop_figures.tables.table import Table
+from spintop_figures.tables.table import Table, cells_in, line_of, lines_of_text
 
 LARGEST_FILE = 64_000_000
 """Bytes of a file that is read once more for its own lines."""
@@ -75,10 +73,7 @@ def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
         head += ["# input:", *(f"#     {line}" for line in table.input.splitlines())]
         names = [*table.rows.columns]
         return [*head, line_of(names)], written_rows(table, names), []
-    lines = plain(path.read_bytes()).decode("utf-8", errors="replace").split("\n")
-    first = next(i for i, line in enumerate(lines) if line and not line.startswith("#"))
-    last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)
-    return lines[: first + 1], lines[first + 1 : last + 1], lines[last + 1 :]
+    return lines_of_text(path.read_bytes())
 
 
 def written_rows(table: Table, names: list[str]) -> list[str]:

@@ -1,29 +1,32 @@
-"""The numbers of axes. Nothing is written beside an axis.
+"""The names and the numbers of axes. Nothing is written beside an axis.
 
 Where its numbers are tiny or huge its unit has a prefix (mm, µrad), many degrees are turns, and
-numbers that differ little are written as differences from one of them, which the label names.
+numbers that differ little are written as differences from one of them, which the name tells.
 """
 
+import itertools
 import math
 import re
+import textwrap
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import (
-    FixedLocator,
     Formatter,
     Locator,
+    LogFormatterSciNotation,
+    LogLocator,
     MaxNLocator,
-    NullLocator,
-    ScalarFormatter,
+    MultipleLocator,
 )
 
-from spintop_figures.style.log_axes import axes_of, write_powers
-from spintop_figures.style.numbers import PLAIN, true_minus, with_comma, write
+from spintop_figures.style.look import GREY, LINES
+from spintop_figures.style.look import scale as scale_of_letters
+from spintop_figures.style.numbers import COMMA, PLAIN, localised, with_comma, with_power, write
+from spintop_figures.tables.names import with_unit
 
 LEAST_TICK, LARGEST_TICK = 0.01, 1e4
 """Axes whose numbers are all smaller or reach beyond have a prefix before their unit."""
@@ -33,19 +36,23 @@ BOTH_WAYS = ("m", "J", "N", "N m")
 DOWN_ONLY = ("s", "J s", "rad", "rad/s", "m/s")
 """Units with prefixes; of the second ones for tiny numbers only."""
 
-DEGREES = ("degrees", "deg")
-TURN = 360.0
+DEGREES, TURN = ("degrees", "deg"), 360.0
 CLOSE = 1e-4
 """Numbers of which the range is a smaller part are written as differences from one of them."""
 
 NOISE, FLAT = 1e-12, 0.05
 """A range that is a smaller part of the numbers is of rounding, and what is shown around it."""
 
-UNIT = re.compile(r"\(((?:[^()]|\([^()]*\))*)\)(?!.*\()", re.DOTALL)
-"""The unit of a label, in its last parentheses."""
-
 MOST_DECIMALS = 12
-STEPS = 1, 2, 2.5, 5, 10
+FEW_DECADES, SHORT = 100, (1e-3, 1e4)
+"""A log axis has no powers of ten where its ends are nearer, and are between these numbers."""
+
+LETTERS, MOST_LETTERS = 14, 40
+"""Letters of the usual size in an inch, and those of a line in a panel without a grid."""
+
+FORMULA = re.compile(r"\$[^$]*\$")
+SILENT = re.compile(r"\\[a-z]+|[{}$_^\\, ]")
+"""What of a formula takes no room, or that of a letter."""
 
 
 class Scale(NamedTuple):
@@ -55,82 +62,17 @@ class Scale(NamedTuple):
     unit: str = ""
     origin: float = 0.0
 
-
-class Ticks(Formatter):
-    """The numbers at the ticks of an axis, all with as many decimals as tell them apart."""
-
-    def __init__(self, scale: Scale) -> None:
-        self.scale = scale
-        self.places = np.array([])
-
-    def set_locs(self, locs: object) -> None:
-        """Know all ticks of the axis."""
-        self.places = np.asarray(locs, float)
-
     def shown(self, places: object) -> np.ndarray:
         """Numbers of the axis as they are written."""
-        return (np.asarray(places, float) - self.scale.origin) * self.scale.factor
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        """The label of a tick."""
-        value = float(self.shown(x))
-        numbers = self.shown(self.places) if self.places.size else np.array([value])
-        step = np.diff(np.sort(numbers)).min(initial=np.inf)
-        step = step if 0 < step < np.inf else abs(value) or 1.0
-        largest = np.abs(numbers).max()
-        if abs(value) < 1e-6 * step:
-            return "0"
-        if largest >= 10 ** PLAIN[1] or largest < 10 ** PLAIN[0]:
-            return write(float(f"{value:.10e}"), 6)
-        for decimals in range(MOST_DECIMALS):
-            if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
-                break
-        return true_minus(f"{value:,.{decimals}f}")
-
-
-class WithComma(Formatter):
-    """The labels of another formatter, with decimal commas."""
-
-    def __init__(self, inner: Formatter) -> None:
-        self.inner = inner
-
-    def set_axis(self, axis: Axis) -> None:
-        """Have both know the axis."""
-        super().set_axis(axis)
-        self.inner.set_axis(axis)
-
-    def set_locs(self, locs: object) -> None:
-        """Have both know the ticks."""
-        self.inner.set_locs(locs)
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        """The label of a tick."""
-        return with_comma(self.inner(x, pos))
-
-
-class ScaledLocator(Locator):
-    """Ticks at round numbers as they are written, where those differ by no power of ten."""
-
-    def __init__(self, scale: Scale) -> None:
-        self.scale, self.round = scale, MaxNLocator("auto", steps=STEPS)
-
-    def __call__(self) -> np.ndarray:
-        """The places of the ticks."""
-        return self.tick_values(*self.axis.get_view_interval())
-
-    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
-        """The places of ticks between two numbers of the axis."""
-        self.round.set_axis(self.axis)
-        factor, _, origin = self.scale
-        ticks = self.round.tick_values((vmin - origin) * factor, (vmax - origin) * factor)
-        return ticks / factor + origin
+        return (np.asarray(places, float) - self.origin) * self.factor
 
 
 def scale_for(low: float, high: float, unit: str) -> Scale:
     """How numbers between these in a unit are written; turns for many degrees."""
     origin = 0.0
     if 0 < high - low < CLOSE * max(abs(low), abs(high)) and low * high > 0:
-        origin = round_number_in(low, high)
+        numbers = (float(f"{(low + high) / 2:.{digits}e}") for digits in range(17))
+        origin = next((number for number in numbers if low <= number <= high), low)
     largest = max(abs(low - origin), abs(high - origin))
     if not largest or not math.isfinite(largest):
         return Scale(unit=unit)
@@ -148,66 +90,202 @@ def scale_for(low: float, high: float, unit: str) -> Scale:
     return Scale(factor, unit, origin)
 
 
-def round_number_in(low: float, high: float) -> float:
-    """The number between two with the fewest digits."""
-    for digits in range(1, 17):
-        number = float(f"{(low + high) / 2:.{digits - 1}e}")
-        if low <= number <= high:
-            return number
-    return (low + high) / 2
+class Numbers(Formatter):
+    """The numbers at ticks, with as many decimals as tell them apart, and the name of the axis."""
 
+    def __init__(self, words: str, unit: str, after: str) -> None:
+        self.words, self.unit, self.after, self.comma = words, unit, after, COMMA.get()
+        self.holders: list[tuple[Text, int]] = []
+        """Texts that name the axis or those that share it, with the letters of their lines."""
 
-def write_axes(figure: Figure) -> None:
-    """Give all axes of a figure their numbers, and the units in their labels what these need."""
-    holders = [(*each, holder_of(each[0], each[2])) for each in axes_of(figure)]
-    for axes, name, axis, holder in sorted(holders, key=lambda each: each[3] is None):
-        write_powers(axis)
-        formatter = axis.get_major_formatter()
-        unit = UNIT.search(holder.get_text())[1] if holder else ""
-        if type(formatter) is ScalarFormatter:
-            show_flat(axes, name)
-            scale = scale_for(*sorted(getattr(axes, f"get_{name}lim")()), unit)
-            is_free = not isinstance(axis.get_major_locator(), FixedLocator | NullLocator)
-            if is_free and (scale.origin or (scale.unit != unit and unit in DEGREES)):
-                axis.set_major_locator(ScaledLocator(scale))
-            axis.set_major_formatter(Ticks(scale))
-        elif isinstance(formatter, Ticks):  # panels that share an axis share its numbers
-            scale = formatter.scale
+    def scale(self) -> Scale:
+        """How the numbers are written, by the ends of the axis."""
+        return scale_for(*sorted(self.axis.get_view_interval()), self.unit)
+
+    def set_locs(self, locs: object) -> None:
+        """Know all ticks of the axis, and tell how they are written."""
+        self.ticks, scale, words = np.asarray(locs, float), self.scale(), self.words
+        if scale.origin:
+            sign = "minus" if scale.origin > 0 else "plus"
+            words += f"\n{sign} {write(abs(scale.origin), 12)} {self.unit}"
+        named = words + f" ({scale.unit})" if scale != Scale(unit=self.unit) and scale.unit else ""
+        for holder, letters in self.holders:
+            text = named or with_unit(words, self.unit)
+            holder.set_text(wrapped(text + self.after, letters))
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The label of a tick."""
+        scale = self.scale()
+        value = float(scale.shown(x))
+        numbers = scale.shown(self.ticks) if len(self.ticks) else np.array([value])
+        step = np.diff(np.sort(numbers)).min(initial=np.inf)
+        step = step if 0 < step < np.inf else abs(value) or 1.0
+        largest = np.abs(numbers).max()
+        if abs(value) < 1e-6 * step:
+            return "0"
+        if largest >= 10 ** PLAIN[1] or largest < 10 ** PLAIN[0]:
+            text = write(float(f"{value:.10e}"), 6)
         else:
-            continue
-        if holder:
-            rename(holder, scale, unit)
+            for decimals in range(MOST_DECIMALS):
+                if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
+                    break
+            text = localised(f"{value:,.{decimals}f}")
+        return with_comma(text) if self.comma else text
 
 
-def show_flat(axes: Axes, name: str) -> None:
-    """Widen an axis whose numbers differ by rounding only: what is constant is a flat line."""
-    ends = getattr(axes, f"get_{name}lim")()
-    middle = sum(ends) / 2
-    if 0 < abs(ends[1] - ends[0]) < NOISE * abs(middle):
-        getattr(axes, f"set_{name}lim")(middle - FLAT * abs(middle), middle + FLAT * abs(middle))
+class Places(Locator):
+    """Ticks at round numbers as they are written, which may be turns, or differences."""
+
+    def __init__(self, inner: MaxNLocator, numbers: Numbers) -> None:
+        self.inner, self.numbers = inner, numbers
+
+    def set_axis(self, axis: Axis) -> None:
+        """Have both know the axis."""
+        super().set_axis(axis)
+        self.inner.set_axis(axis)
+
+    def __call__(self) -> np.ndarray:
+        """The places of the ticks."""
+        return self.tick_values(*self.axis.get_view_interval())
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """The places of ticks between two numbers of the axis."""
+        scale = self.numbers.scale()
+        ticks = self.inner.tick_values(*scale.shown((vmin, vmax)))
+        return ticks / scale.factor + scale.origin
 
 
-def holder_of(axes: Axes, axis: Axis) -> Text | None:
-    """The text with the unit of an axis: its label, or the heading of the panel.
+class Powers(LogFormatterSciNotation):
+    """Powers of ten as plain text, ten times as fast as formulas; numbers on a short axis."""
 
-    That of a map is for its colour bar; any other for the y axis, if no panel that shares it has a
-    label.
+    def __init__(self, plain: bool = False) -> None:
+        super().__init__()
+        self.plain, self.comma = plain, COMMA.get()
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The label of a tick."""
+        if not super().__call__(x, pos):
+            return ""
+        low, high = sorted(self.axis.get_view_interval())
+        is_short = high < FEW_DECADES * low and SHORT[0] <= low and high <= SHORT[1]
+        mantissa, power = f"{x:.0e}".split("e")
+        text = write(x) if self.plain or is_short else with_power(mantissa, int(power))
+        return with_comma(text) if self.comma else text
+
+
+def name_axis(
+    axis: Axis,
+    words: str,
+    unit: str = "",
+    after: str = "",
+    holder: Text | None = None,
+    plain: bool = False,
+    letters: int = 0,
+) -> None:
+    """Name an axis that has its scale and its locator, and give it its numbers.
+
+    The name is its label, or a text such as a heading, without numbers but those at the ticks. A
+    log axis may have `plain` numbers, without powers of ten. Without so many `letters` the lines of
+    the name are as long as the axis.
     """
-    bar = getattr(axes, "_colorbar", None)
-    panel = getattr(bar and bar.mappable, "axes", None) or axes
-    sharing = axes.get_shared_y_axes().get_siblings(axes)
-    headed = bar or (axis is axes.yaxis and not any(each.get_ylabel() for each in sharing))
-    texts = [axis.label, *([panel._left_title, axes.title] if headed else [])]
-    return next((text for text in texts if UNIT.search(text.get_text())), None)
+    axes = axis.axes
+    letters = letters or letters_of(axes, axis.axis_name if holder is None else "x")
+    holder = holder or axis.label
+    holder.set_text(wrapped(with_unit(words, unit) + after, letters))
+    if axis.get_scale() == "log":
+        axis.set_major_formatter(Powers(plain))
+        axis.set_minor_formatter(Powers(plain))
+        return
+    numbers = axis.get_major_formatter()
+    if not isinstance(numbers, Numbers):  # else of a panel that shares the axis
+        numbers = Numbers(words, unit, after)
+        axis.set_major_formatter(numbers)
+        if isinstance(axis.get_major_locator(), MaxNLocator):
+            axis.set_major_locator(Places(axis.get_major_locator(), numbers))
+    numbers.holders.append((holder, letters))
+    low, high = axis.get_view_interval()
+    if 0 < abs(high - low) < NOISE * abs(low + high) / 2:  # what is constant is a flat line
+        room = FLAT * abs(low + high) / 2
+        getattr(axes, f"set_{axis.axis_name}lim")(min(low, high) - room, max(low, high) + room)
 
 
-def rename(label: Text, scale: Scale, unit: str) -> None:
-    """Write the unit that a scale has in a label, and what its numbers are less."""
-    text = label.get_text()
-    before = text[: UNIT.search(text).start()].rstrip()
-    after = text[UNIT.search(text).end() :]
-    if scale.origin:
-        sign = "minus" if scale.origin > 0 else "plus"
-        before += f"\n{sign} {write(abs(scale.origin), 12)} {unit}"
-    if scale.origin or scale.unit != unit:
-        label.set_text(f"{before} ({scale.unit}){after}")
+def name_axes(axes: Axes, x: tuple[str, ...] = (), y: tuple[str, ...] = ()) -> None:
+    """Name both axes, each by words and a unit."""
+    for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
+        if name:
+            name_axis(axis, *name)
+
+
+def letters_of(axes: Axes, side: str) -> int:
+    """Letters of a line along a side of a panel, before it is laid out."""
+    if not (spot := axes.get_subplotspec()):
+        return MOST_LETTERS
+    size = axes.figure.get_size_inches() / scale_of_letters()
+    width, height = size * spot.get_position(axes.figure).size
+    rows, columns = spot.get_gridspec().get_geometry()
+    width *= 1.1 + 0.22 * (columns - 1) / columns  # margins are smaller when it is laid out
+    height *= 0.91 + 0.18 * (rows - 1) / rows
+    return max(int(LETTERS * (width if side == "x" else height)), 12)
+
+
+def wrapped(text: str, letters: int) -> str:
+    """A text in lines of so many letters; formulas are not broken."""
+    formulas = iter(FORMULA.findall(text))
+    text = FORMULA.sub(lambda each: "\0" * max(len(SILENT.sub("", each[0])), 1), text)
+    lines = itertools.chain(*(textwrap.wrap(line, letters) or [""] for line in text.split("\n")))
+    return re.sub("\0+", lambda _: next(formulas), "\n".join(lines))
+
+
+WIDE_RANGE, USUAL = 3e4, 0.2
+"""A quantity goes on a log axis if its largest size is more than so many times the size that it
+exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
+
+MANY_POINTS = 20_000
+"""Longer lines are stored as pixels in an SVG."""
+
+RIGHT_ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720)
+
+
+def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options: object) -> None:
+    """Draw a curve; what is not finite is left out."""
+    finite = np.where(np.isfinite(y), y, np.nan)
+    axes.plot(x, finite, **LINES[line] | {"rasterized": len(y) > MANY_POINTS} | options)
+
+
+def has_wide_range(y: np.ndarray) -> bool:
+    """Whether a linear axis would show nothing but the largest values."""
+    sizes = np.abs(y[np.isfinite(y) & (y != 0)])
+    return sizes.size > 0 and sizes.max() / WIDE_RANGE > np.quantile(sizes, USUAL)
+
+
+def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw absolute values on a log axis, with a gap and a tick at the bottom where they are zero.
+
+    A line that joined the values beside a zero would show a floor that is not there.
+    """
+    sizes = np.abs(np.where(np.isfinite(y), y, np.nan))
+    zero = sizes == 0
+    sizes[zero] = np.nan
+    axes.set_yscale("log")
+    draw_line(axes, x, sizes)
+    there = np.isfinite(sizes)
+    beside = np.concatenate([[False], there[:-1]]) | np.concatenate([there[1:], [False]])
+    alone = there & ~beside
+    draw_line(axes, x[alone], sizes[alone], linestyle="", marker=".", markersize=2)
+    axes.set_ylim(max(np.nanmin(sizes) / 3, 1e-307), min(np.nanmax(sizes) * 3, 1e308))
+    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    if zero.any():  # ticks at the bottom
+        style = {"color": GREY, "markersize": 4, "markeredgewidth": 0.5, "linestyle": ""}
+        style |= {"marker": "|", "transform": axes.get_xaxis_transform()}
+        count = int(zero.sum())
+        style["label"] = f"exactly zero ({count} row{'s' * (count > 1)})"
+        axes.plot(x[zero], np.full(count, 0.03), rasterized=count > MANY_POINTS, **style)
+        axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)
+
+
+def set_degree_ticks(axis: Axis, degrees: np.ndarray, most: int = 5) -> None:
+    """Ticks at round parts or multiples of a turn, with so many steps between them at most."""
+    span = np.ptp(degrees[np.isfinite(degrees)])
+    step = next((step for step in RIGHT_ANGLES if span <= most * step), None)
+    if step is not None and span > 2 * RIGHT_ANGLES[0]:
+        axis.set_major_locator(MultipleLocator(step))

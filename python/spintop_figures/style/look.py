@@ -1,106 +1,261 @@
-"""The look that all figures share: sizes, lines, colours, and matplotlib's settings."""
+"""The look of all figures: colours by their role, settings of matplotlib, what a user asks for."""
 
 import shutil
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.colors import get_named_colors_mapping, to_hex, to_rgb
 
-from spintop_figures.style.colours import is_dark
-from spintop_figures.style.options import DEFAULT, LEAST_LETTERS, LETTERS, Options
+from spintop_figures.style.numbers import COMMA
 
-WIDTH = 7.2
-"""Width of a figure in inches: a page's text column, so that nothing is scaled down."""
+CENTIMETRE = 1 / 2.54
+"""In inches."""
 
-NARROW = 5.0
-"""Inches of the usual letters up to which a figure is narrow: panels stand below each other."""
+WIDTHS = {"column": 8.5, "page": 18.3, "slide": 25.4}
+"""Widths of figures by their names, in centimetres: of a column and a page of print, of a slide."""
 
-LINES = (
-    {"color": "#12355b", "linestyle": "-"},
-    {"color": "#d1641b", "linestyle": "--"},
-    {"color": "#2da4a1", "linestyle": "-."},
-    {"color": "#8a6fae", "linestyle": ":"},
+NARROWEST, WIDEST = 6.0, 100.0
+"""In centimetres."""
+
+WIDTH, NARROW = 7.2, 5.0
+"""Inches of a page, and of the usual letters up to which panels stand below each other."""
+
+LETTERS, LEAST_LETTERS, SMALLEST = 10.0, 8.0, 6.5
+"""Points of the letters of a page, of narrow figures, and of the smallest that can be read."""
+
+HEADS = 0.95
+"""Size of the headings of panels over that of other letters."""
+
+ROLES = {
+    "ink": ("#000000", "#eeeeee"),
+    "ground": ("#ffffff", "#1a1a1a"),
+    "grey": ("#595959", "#9a9a9a"),
+    "faint": ("#cccccc", "#3c3c3c"),
+    "wash": ("#f9f9f9", "#212121"),
+    "fault": ("#b0392a", "#f07361"),
+    "band": ("#d3e8f0", "#20414d"),
+    "line1": ("#12355b", "#7fa5d3"),
+    "line2": ("#d1641b", "#eb7b39"),
+    "line3": ("#2da4a1", "#40b2af"),
+    "line4": ("#8a6fae", "#d9c4f2"),
+    "pale1": ("#9db3cb", "#4d6a8c"),
+    "pale2": ("#f0c4a6", "#7a4823"),
+    "area1": ("#e39b35", "#d48d21"),
+    "area5": ("#7f7f7f", "#767676"),
+    "failed": ("#1c1c1c", "#b9b9b9"),
+    "other": ("#7f7f7f", "#767676"),
+}
+"""Colours on light and on dark ground. The first are far apart in lightness, for grey print."""
+
+FAMILIES = (
+    "#000000 #d1641b #8a6fae #7a2048 #2da4a1 #c78803 #12355b #2f7d32 #a61e65 "
+    "#5c8292 #765237 #8a9050",
+    "#eeeeee #eb7b39 #ab8fd1 #dd7a9f #40b2af #d0901a #7fa5d3 #66b466 #f067a4 "
+    "#7ea5b6 #bd9578 #9ea564",
+)
+"""Of families of methods, in the order of the registry."""
+
+CLASSES = (
+    "#12355b #d1641b #93cfc0 #7a5195 #e3c65b #2f6f4f #a9a9a9 #5f1f2a #6fa8dc",
+    "#7fa5d3 #eb7b39 #02695c #b58ad2 #8a7414 #6faf8c #5c5c5c #d2868e #3f78ad",
+)
+"""Of classes of motion; the first three are far apart in lightness."""
+
+for role, pair in (("family", FAMILIES), ("class", CLASSES)):
+    colours = zip(*map(str.split, pair), strict=True)
+    ROLES |= {f"{role}{number}": both for number, both in enumerate(colours, start=1)}
+
+OURS = "spintop:"
+INK, GROUND, GREY, FAINT, WASH, FAULT, HIDDEN, PALE = (
+    OURS + role for role in ("ink", "ground", "grey", "faint", "wash", "fault", "pale1", "pale2")
+)
+"""Roles as names of colours, which matplotlib knows within the look; HIDDEN and PALE are tints of
+the first two lines, for what is behind or below something."""
+
+LINES = tuple(
+    {"color": f"{OURS}line{number}", "linestyle": dashes}
+    for number, dashes in enumerate(("-", "--", "-.", ":"), start=1)
 )
 """Lines that differ in colour, in lightness and in dashes."""
-
-HIDDEN = "#9db3cb"
-"""The first line where it is behind or below something: a paler tint of its colour."""
 
 DOTS = {"color": LINES[0]["color"], "linestyle": "", "marker": ".", "markersize": 4}
 """Rows that are too far apart to be joined."""
 
-FAINT = "0.8"
-GREY = "0.35"
-
-FAULT = "#b0392a"
-"""What failed or is wrong."""
-
 SETTINGS = {
-    "font.size": LETTERS,
-    "figure.figsize": (WIDTH, WIDTH),
-    "axes.labelsize": LETTERS,
-    "axes.titlesize": LETTERS,
-    "axes.titley": 1.0,  # to look for a free place takes a quarter of the time
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
-    "legend.fontsize": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
+    "axes.labelsize": "medium",
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), "small"),
+    **dict.fromkeys(("text.color", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.edgecolor", "lines.color", "patch.edgecolor"), INK),
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), GROUND),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
+    **dict.fromkeys(("pdf.fonttype", "ps.fonttype"), 42),
     "axes.linewidth": 0.8,
-    "axes.formatter.useoffset": False,
+    "axes.titley": 1.0,  # to look for a free place takes a quarter of the time
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4,
+    "axes.axisbelow": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
-    "legend.frameon": False,
+    "lines.markersize": 6.0,
     "agg.path.chunksize": 10_000,
     "svg.hashsalt": "spintop",
-    "pdf.fonttype": 42,
-    "ps.fonttype": 42,
 }
-"""Settings of matplotlib. They hold while a figure is drawn or saved, not for other figures."""
-
-SIZES = ("figure.figsize", *(key for key in SETTINGS if key.endswith("size")))
-"""Those that have to do with the size of letters: figures are drawn with these, then scaled."""
+"""Settings of matplotlib. They hold while a figure is drawn or saved, not for other figures. Sizes
+of letters are relative to `font.size`, which follows from the width of the figure."""
 
 
-def the_look(options: Options = DEFAULT) -> AbstractContextManager[None]:
-    """A context in which matplotlib has these settings, and LaTeX only if it is there.
+@dataclass(frozen=True)
+class Options:
+    """What a user asks of a figure; without that it has the size and the look of all figures."""
 
-    A style sheet changes them, but for the sizes of letters and of the figure: a figure is drawn
-    with letters of the usual size, and then scaled (`letters`).
-    """
-    has_latex = bool(shutil.which("latex") and shutil.which("dvipng"))
+    width: str | float | None = None
+    """A name of WIDTHS, or centimetres; None is what the figure wants."""
+    title: str | None = None
+    """In place of the figure's own; the empty one leaves out the title and the line below."""
+    dark: bool = False
+    style: str | Path | None = None
+    """A style sheet of matplotlib: its name, or a file."""
+    font_size: float | None = None
+    """Of the letters at the axes, in points."""
+    decimal_comma: bool = False
+    x: str = "t"
+    """The column that the columns `y` are drawn over."""
+    y: Sequence[str] = ()
+    log: str = ""
+    """Which axes of chosen columns are logarithmic: x, y or xy."""
+    range: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
+    """The ends of the axes x and y of chosen columns, as they are shown."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no figure can have, with a ValueError."""
+        if isinstance(self.y, str):
+            object.__setattr__(self, "y", tuple(self.y.split(",")))
+        self.inches()
+        if self.font_size is not None and not SMALLEST <= self.font_size <= 72:
+            raise ValueError(f"letters have {SMALLEST} to 72 points, not {self.font_size:g}")
+        if self.log not in ("", "x", "y", "xy"):
+            raise ValueError(f"log axes are x, y or xy, not {self.log!r}")
+        for axis, (low, high) in self.range.items():
+            if axis not in ("x", "y"):
+                raise ValueError(f"a range is of x or y, not of {axis!r}")
+            if None not in (low, high) and not low < high:
+                raise ValueError(f"the range of {axis} has to end above its begin")
+        if (self.log or self.range) and not self.y:
+            raise ValueError("log axes and ranges are of chosen columns: name them by y")
+        self.sheet()
+
+    def inches(self) -> float:
+        """The width in inches."""
+        if self.width is None:
+            return float(self.sheet().get("figure.figsize", (WIDTH,))[0])
+        try:
+            width = float(WIDTHS.get(self.width, self.width))
+        except ValueError:
+            known = ", ".join(WIDTHS)
+            raise ValueError(f"a width is {known} or centimetres, not {self.width!r}") from None
+        if not NARROWEST <= width <= WIDEST:
+            limits = f"{NARROWEST:g} to {WIDEST:g} centimetres"
+            raise ValueError(f"a width is {limits}, not {self.width}")
+        return width * CENTIMETRE
+
+    def sheet(self) -> dict[str, Any]:
+        """The settings of the style sheet; a ValueError if there is none of this name."""
+        if self.style is None:
+            return {}
+        from matplotlib.style import library  # reads many files
+
+        if str(self.style) in library:
+            return dict(library[str(self.style)])
+        try:
+            return dict(mpl.rc_params_from_file(self.style, use_default_template=False))
+        except OSError as error:
+            cause = (error.strerror or str(error)).lower()
+            raise ValueError(f"there is no style sheet {self.style}: {cause}") from None
+        except UnicodeDecodeError:
+            raise ValueError(f"{self.style} is no style sheet") from None
+
+    def letters(self) -> float:
+        """Points of the letters: they grow with the page, and shrink a little."""
+        size = self.font_size or self.sheet().get("font.size")
+        return float(size or max(LEAST_LETTERS, LETTERS * self.inches() / WIDTH))
+
+
+DEFAULT = Options()
+"""The look of all figures."""
+
+
+def set_colours(sheet: Mapping[str, Any] = {}, dark: bool = False) -> None:
+    """Have matplotlib know the roles, with the ground and the lines of a style sheet."""
+    ground = sheet.get("figure.facecolor")
+    is_dark = dark or (ground is not None and lightness(ground) < 0.5)
+    colours = {role: pair[is_dark] for role, pair in ROLES.items()}
+    if ground is not None and not dark:
+        colours["ground"] = to_hex(ground)
+    if cycle := sheet.get("axes.prop_cycle"):
+        own = cycle.by_key().get("color", [])
+        colours |= {
+            f"line{number}": to_hex(colour) for number, colour in enumerate(own[:4], start=1)
+        }
+    names = get_named_colors_mapping()
+    for role, colour in colours.items():
+        names[OURS + role] = colour  # one by one, which forgets what was looked up before
+
+
+set_colours()
+
+
+@contextmanager
+def the_look(options: Options = DEFAULT) -> Iterator[None]:
+    """A context in which matplotlib has this look, a style sheet's in part, and LaTeX if it can."""
     sheet = options.sheet()
-    if is_dark(sheet):  # the colours are turned over afterwards
+    set_colours(sheet, options.dark)
+    if options.dark:
         sheet = {key: value for key, value in sheet.items() if not key.endswith("color")}
-    kept = {key: value for key, value in sheet.items() if key not in SIZES}
-    usetex = kept.get("text.usetex", mpl.rcParams["text.usetex"]) and has_latex
-    page = {"figure.figsize": (width_of_page(options) / letters(options), WIDTH)}
-    return mpl.rc_context({**SETTINGS, **kept, **page, "text.usetex": usetex})
+    sizes = [key for key in SETTINGS if key.endswith(("labelsize", "titlesize", "fontsize"))]
+    kept = {key: value for key, value in sheet.items() if key not in sizes}
+    page = {"font.size": options.letters(), "figure.figsize": (options.inches(), WIDTH)}
+    page["axes.titlesize"] = HEADS * options.letters()
+    for key in ("lines.linewidth", "lines.markersize"):
+        size = kept.get(key) or SETTINGS[key]
+        page[key] = size * options.letters() / LETTERS
+    if kept.get("text.usetex", mpl.rcParams["text.usetex"]):
+        page["text.usetex"] = bool(shutil.which("latex") and shutil.which("dvipng"))
+    token = COMMA.set(options.decimal_comma)
+    try:
+        with mpl.rc_context({**SETTINGS, **kept, **page}):
+            yield
+    finally:
+        COMMA.reset(token)
 
 
-def width_of_page(options: Options) -> float:
-    """The width that a figure is to have, in inches."""
-    if options.width is not None:
-        return options.inches()
-    return float(options.sheet().get("figure.figsize", (WIDTH,))[0])
-
-
-def letters(options: Options) -> float:
-    """The size of letters over the usual one: they grow with the page, and shrink a little."""
-    size = options.font_size or options.sheet().get("font.size")
-    if size:
-        return float(size) / LETTERS
-    return max(LEAST_LETTERS / LETTERS, width_of_page(options) / WIDTH)
+def scale() -> float:
+    """The size of letters over the usual one: inches of the paper for one of the usual letters."""
+    return float(mpl.rcParams["font.size"]) / LETTERS
 
 
 def drawn_width() -> float:
-    """The width in inches on which figures are drawn with the usual letters, in this context.
-
-    Outside of the look, where a figure is drawn without options, it is that of a page.
-    """
+    """The width of a figure in inches of the usual letters; outside of the look that of a page."""
     has_look = mpl.rcParams["svg.hashsalt"] == SETTINGS["svg.hashsalt"]
-    return float(mpl.rcParams["figure.figsize"][0]) if has_look else WIDTH
+    return float(mpl.rcParams["figure.figsize"][0]) / scale() if has_look else WIDTH
 
 
 def by_width(wide: Any, narrow: Any) -> Any:
     """The first on a figure as wide as a page, the second on one as narrow as a column."""
     return wide if drawn_width() > NARROW else narrow
+
+
+def lightness(colour: object) -> float:
+    """How light a colour is in grey print, from 0 to 1."""
+    red, green, blue = to_rgb(colour)
+    return 0.299 * red + 0.587 * green + 0.114 * blue
+
+
+def tint(colour: object, share: float) -> tuple[float, ...]:
+    """A colour so much of the way to the ground."""
+    pairs = zip(to_rgb(colour), to_rgb(GROUND), strict=True)
+    return tuple(own + share * (ground - own) for own, ground in pairs)

@@ -1,12 +1,11 @@
-"""Numbers in pictures, in one notation: those within texts, and those at ticks that are texts.
+"""Numbers in pictures, in one notation: those within texts, and those at ticks.
 
 A minus is a minus, powers of ten are raised, thousands have separators.
 """
 
 import math
 import re
-
-from matplotlib.ticker import Formatter, FuncFormatter
+from contextvars import ContextVar
 
 from spintop_figures.tables.names import RAISED
 
@@ -21,6 +20,9 @@ PLAIN = -3, 6
 POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
 THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
 
+COMMA = ContextVar("COMMA", default=False)
+"""Whether numbers have decimal commas, as the look says."""
+
 
 def write(value: float, digits: int = DIGITS) -> str:
     """A number with so many significant digits, such as 0.25, 12,350 or 1.2 times 10⁻⁹."""
@@ -32,21 +34,19 @@ def write(value: float, digits: int = DIGITS) -> str:
     place = int(power)
     if PLAIN[0] <= place < PLAIN[1]:
         text = f"{float(f'{value:.{digits - 1}e}'):,.{max(0, digits - 1 - place)}f}"
-        text = text.rstrip("0").rstrip(".") if "." in text else text
-        return text.replace("-", MINUS)
+        return localised(text.rstrip("0").rstrip(".") if "." in text else text)
     return with_power(mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa, place)
 
 
 def with_power(mantissa: str, power: int) -> str:
     """A mantissa and a power of ten; a mantissa of one is left out."""
     ten = f"10{str(power).translate(RAISED)}"
-    factor = {"1": "", "-1": MINUS}.get(mantissa, f"{mantissa.replace('-', MINUS)}{TIMES}")
-    return factor + ten
+    return {"1": "", "-1": MINUS}.get(mantissa, f"{localised(mantissa)}{TIMES}") + ten
 
 
 def write_count(count: float) -> str:
     """How many, with separators between thousands."""
-    return f"{round(count):,}"
+    return localised(f"{round(count):,}")
 
 
 def write_fixed(value: float, decimals: int) -> str:
@@ -54,7 +54,13 @@ def write_fixed(value: float, decimals: int) -> str:
     if value == 0:
         return "0"
     text = f"{value:,.{decimals}f}"
-    return true_minus(text) if float(text.replace(",", "")) else write(value, 2)
+    return localised(text) if float(text.replace(",", "")) else write(value, 2)
+
+
+def localised(text: str) -> str:
+    """A number as text with a minus for its hyphen, and a decimal comma where that is asked for."""
+    text = true_minus(text)
+    return with_comma(text) if COMMA.get() else text
 
 
 def true_minus(text: str) -> str:
@@ -65,8 +71,3 @@ def true_minus(text: str) -> str:
 def with_comma(text: str) -> str:
     """A text whose numbers have decimal commas, and thin spaces between thousands."""
     return POINT_OR_SEPARATOR.sub(lambda mark: "," if mark[0] == "." else THIN_SPACE, text)
-
-
-def numbers() -> Formatter:
-    """The labels of an axis, such as a log axis without powers, each as in a text."""
-    return FuncFormatter(lambda value, _: write(value))

@@ -1,48 +1,49 @@
-"""The page of a figure: its title above, its caption below, and its panels; and its final size."""
+"""The page of a figure: its title above, its caption below, and its panels."""
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
+import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
+from matplotlib.axis import Axis
+from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.gridspec import GridSpec
 
-from spintop_figures.style.axes import WithComma, write_axes
-from spintop_figures.style.cells import Cells
-from spintop_figures.style.colours import DARK, for_dark, is_dark, recolour, replaced
-from spintop_figures.style.log_axes import axes_of
-from spintop_figures.style.look import GREY, LINES, by_width, drawn_width, letters, width_of_page
-from spintop_figures.style.numbers import with_comma
-from spintop_figures.style.options import CENTIMETRE, DEFAULT, LETTERS, SMALLEST, Options
+from spintop_figures.style.axes import letters_of, name_axis, wrapped
+from spintop_figures.style.look import (
+    CENTIMETRE,
+    DEFAULT,
+    GREY,
+    LETTERS,
+    SMALLEST,
+    Options,
+    by_width,
+    drawn_width,
+    scale,
+    the_look,
+)
 from spintop_figures.style.provenance import caption_of, provenance_of
-from spintop_figures.tables.causes import TableError
+from spintop_figures.tables.characters import TableError
 from spintop_figures.tables.table import Table
 
-TITLE_LETTERS, CAPTION_LETTERS, HEAD_LETTERS = 10.3, 15, 14
-"""Letters in an inch of titles, captions and headings of panels."""
+TITLE_LETTERS, CAPTION_LETTERS = 10.3, 15
+"""Letters in an inch of titles and captions."""
 
-TICK_LETTERS = 9
-"""Size of the letters at ticks, in points."""
+TIME = "time t", "s"
 
 
 class Page(Figure):
-    """A figure that knows the provenance of what it shows, and how it was asked for."""
+    """A figure with the provenance of what it shows, which is always drawn in its own look."""
 
     provenance: dict[str, str]
     options: Options = DEFAULT
-    waiting: list[Callable[[], None]]
-    """What is done after the layout."""
 
-    def align_ylabels(self, axs: Sequence[Axes] | None = None) -> None:
-        """Align the labels after the layout, which has room for all, and is faster without."""
-        self.waiting.append(lambda: Figure.align_ylabels(self, axs))
-
-    def finish(self) -> None:
-        """Do what was left for after the layout."""
-        while self.waiting:
-            self.waiting.pop()()
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it, whoever asks for it."""
+        with the_look(self.options):
+            super().draw(renderer)
 
 
 def new_figure(
@@ -50,108 +51,43 @@ def new_figure(
 ) -> Page:
     """A figure with its title above, and the title of its table, or of its tables, below.
 
-    Height and width are in inches of the usual letters; without a width it is that of the page.
+    Height and width are in inches of the usual letters; without a width it is that of the page. A
+    figure that wants another width has smaller letters where it is to be narrower.
     """
     tables = [tables] if isinstance(tables, Table) else list(tables)
+    asked = drawn_width() * scale()
+    if width and width > drawn_width() and not math.isclose(asked, DEFAULT.inches()):
+        size = LETTERS * asked / width
+        if size < SMALLEST:
+            least = math.ceil(width * SMALLEST / LETTERS / CENTIMETRE)
+            raise TableError(f"needs a width of {least} cm")
+        mpl.rcParams["font.size"] = size  # within the look, which sets it back
     width = width or drawn_width()
-    figure = Page(figsize=(width, height), layout="constrained")
-    figure.provenance, figure.waiting = provenance_of(tables), []
+    figure = Page(figsize=(width * scale(), height * scale()), layout="constrained")
+    figure.provenance = provenance_of(tables)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
-    title = wrap_title(what, width)
-    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold", parse_math=False)
+    style = {"x": 0.012, "ha": "left", "parse_math": False}
+    title = textwrap.fill(what, int(width * TITLE_LETTERS))
+    figure.suptitle(title, fontsize=11 * scale(), fontweight="bold", **style)
     if caption := caption_of(tables, int(width * CAPTION_LETTERS)):
-        style = {"fontsize": 9, "color": GREY, "parse_math": False}
-        figure.supxlabel(caption, x=0.012, ha="left", **style)
+        figure.supxlabel(caption, fontsize=max(9 * scale(), SMALLEST), color=GREY, **style)
     return figure
 
 
-def wrap_title(title: str, width: float) -> str:
-    """A title in lines that fit on a figure of this width, in inches of the usual letters."""
-    return textwrap.fill(title, int(width * TITLE_LETTERS))
-
-
-def wrap_labels(figure: Figure) -> None:
-    """Break the words below panels that are wider than the figure."""
-    letters = int(HEAD_LETTERS * by_width(0.8, 0.55) * figure.get_size_inches()[0])
-    for axes in figure.axes:
-        words = axes.get_xlabel()
-        if "$" not in words and max(map(len, words.split("\n"))) > letters:
-            axes.set_xlabel(textwrap.fill(words, letters))
-
-
-def finish(figure: Figure, options: Options) -> Figure:
-    """Give a figure that is drawn the numbers of its axes, and what a user asks of it."""
-    write_axes(figure)
-    wrap_labels(figure)
-    if options.title is not None and (title := figure._suptitle):
-        title.set_text(wrap_title(options.title, figure.get_size_inches()[0]))
+def finish(figure: Page, options: Options) -> Page:
+    """Give a figure that is drawn the title that a user asks for."""
+    figure.options = options
+    if options.title is not None:
+        width = figure.get_size_inches()[0] / scale()
+        figure.suptitle(textwrap.fill(options.title, int(width * TITLE_LETTERS)))
         if not options.title:
             figure.supxlabel("")
-    if (change := recolouring(options)) is not None:
-        recolour(figure, change)
-    scale(figure, options)
-    if options.decimal_comma:
-        write_commas(figure)
-    if isinstance(figure, Page):
-        figure.options = options
     return figure
 
 
-def recolouring(options: Options) -> Callable[[object], object] | None:
-    """What changes the colours: of lines to those of a style sheet, all for dark ground."""
-    sheet = options.sheet()
-    change = for_dark(DARK) if options.dark else None
-    if is_dark(sheet):
-        change = for_dark(sheet["figure.facecolor"])
-    if cycle := sheet.get("axes.prop_cycle"):
-        lines = [to_hex(line["color"]) for line in LINES]
-        change = replaced(dict(zip(lines, cycle.by_key()["color"], strict=False)), change)
-    return change
-
-
-def scale(figure: Figure, options: Options) -> None:
-    """Scale a figure that is drawn with the usual letters to its size, and its letters with it."""
-    width, height = figure.get_size_inches()
-    factor = letters(options)
-    if options.width is not None:
-        factor = min(factor, width_of_page(options) / width)
-    if factor == 1:
-        return
-    if factor * LETTERS < SMALLEST:
-        least = width * SMALLEST / LETTERS / CENTIMETRE
-        raise TableError(f"needs a width of {math.ceil(least)} cm")
-    figure.set_size_inches(width * factor, height * factor)
-    for artist in figure.findobj(lambda artist: hasattr(artist, "set_fontsize")):
-        artist.set_fontsize(scaled_size(artist.get_fontsize(), factor))
-    for line in figure.findobj(Line2D):
-        line.set(linewidth=line.get_linewidth() * factor, markersize=line.get_markersize() * factor)
-    for _, _, axis in axes_of(figure):
-        for which in ("major", "minor"):
-            size = axis.get_tick_params(which).get("labelsize", TICK_LETTERS)
-            axis.set_tick_params(which, labelsize=scaled_size(size, factor))
-
-
-def scaled_size(size: float, factor: float) -> float:
-    """A size of letters after scaling: it stays legible."""
-    return max(size * factor, min(size, SMALLEST))
-
-
-def write_commas(figure: Figure) -> None:
-    """Write decimal commas in all texts, and thin spaces between thousands."""
-    for _, _, axis in axes_of(figure):
-        for which in ("major", "minor"):
-            formatter = getattr(axis, f"get_{which}_formatter")()
-            if not isinstance(formatter, WithComma):  # of a panel that shares the axis
-                getattr(axis, f"set_{which}_formatter")(WithComma(formatter))
-    for cells in figure.findobj(Cells):
-        cells.rewrite(character=with_comma_alone)
-    for artist in figure.findobj(lambda artist: hasattr(artist, "set_text")):
-        artist.set_text(with_comma(artist.get_text()))
-
-
-def with_comma_alone(character: str) -> str:
-    """A character of a number with a decimal comma."""
-    return "," if character == "." else character
+def columns_of(count: int) -> int:
+    """How many panels stand in a row."""
+    return min(count, by_width(2, 1))
 
 
 def panel_rows(count: int) -> int:
@@ -159,32 +95,51 @@ def panel_rows(count: int) -> int:
     return -(-count // by_width(2, 1))
 
 
-def add_panels(figure: Figure, count: int, sharey: bool = True) -> list[Axes]:
+def add_panels(
+    figure: Figure,
+    count: int,
+    sharex: bool = True,
+    sharey: bool = True,
+    grid: GridSpec | None = None,
+) -> list[Axes]:
     """Panels over the same x, two in a row on a page, all of one size."""
-    across = min(count, by_width(2, 1))
-    cells = figure.add_gridspec(-(-count // across), across)
+    across = columns_of(count)
+    grid = grid or figure.add_gridspec(-(-count // across), across)
     panels: list[Axes] = []
     for place in range(count):
         first = panels[0] if panels else None
-        spot = cells[divmod(place, across)]
-        panels.append(figure.add_subplot(spot, sharex=first, sharey=first if sharey else None))
+        shared = {"sharex": first if sharex else None, "sharey": first if sharey else None}
+        panels.append(figure.add_subplot(grid[divmod(place, across)], **shared))
     return panels
+
+
+def time_panels(
+    table: Table | Sequence[Table], title: str, count: int, height: float, across: int | None = None
+) -> tuple[Page, list[Axes]]:
+    """A figure of panels over the same time, which the lowest ones name."""
+    across = across or columns_of(count)
+    figure = new_figure(table, title, height)
+    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False)
+    for axes in panels[-1]:
+        name_axis(axes.xaxis, *TIME)
+    for axes in panels.flat:
+        axes.margins(x=0.01)
+    return figure, list(panels.flat)
 
 
 def three_panels(figure: Figure) -> tuple[list[Axes], Axes]:
     """Three panels in a row, or one below the other on a narrow figure; and room for a legend."""
+    figure.get_layout_engine().set(wspace=0.08)
     rows, columns = by_width((1, 3), (3, 1))
     grid = figure.add_gridspec(rows + 1, columns, height_ratios=(*[1] * rows, by_width(0.06, 0.2)))
     panels = [figure.add_subplot(grid[divmod(place, columns)]) for place in range(3)]
-    key = figure.add_subplot(grid[rows, :])
-    key.axis("off")
-    return panels, key
+    return panels, no_axis(figure.add_subplot(grid[rows, :]))
 
 
-def label_text(label: str, figure: Figure, down: int) -> str:
-    """The label of an axis in lines that fit beside a panel, of which so many are below another."""
-    letters = int(HEAD_LETTERS * 0.7 * figure.get_size_inches()[1] / down)
-    return textwrap.fill(label, max(letters, 12))
+def no_axis(axes: Axes) -> Axes:
+    """Room for a legend or for words."""
+    axes.set_axis_off()
+    return axes
 
 
 def is_lowest(axes: Axes) -> bool:
@@ -199,13 +154,26 @@ def is_lowest(axes: Axes) -> bool:
     )
 
 
-def head(axes: Axes, words: str, pad: float = 4) -> None:
-    """The heading of a panel, in lines no longer than it is wide, so many points above it."""
-    lines = textwrap.fill(words, int(HEAD_LETTERS * width_of(axes)))
-    axes.set_title(lines, loc="left", fontsize=9.5, pad=pad)
+def is_left(axes: Axes) -> bool:
+    """Whether a panel is at the left of its grid."""
+    return axes.get_subplotspec().is_first_col()
 
 
-def width_of(axes: Axes) -> float:
-    """About how wide a panel is, in inches, before it is laid out."""
-    spot = axes.get_subplotspec()
-    return 0.85 * axes.figure.get_size_inches()[0] * len(spot.colspan) / spot.get_gridspec().ncols
+def head(
+    axes: Axes,
+    words: str,
+    axis: Axis | None = None,
+    unit: str = "",
+    after: str = "",
+    pad: float = 4,
+) -> None:
+    """The heading of a panel, in lines no longer than it is wide; it may name one of its axes."""
+    axes.set_title(wrapped(words + after, letters_of(axes, "x")), loc="left", pad=pad)
+    if axis:
+        name_axis(axis, words, unit, after, axes._left_title)
+
+
+def legend_above(axes: Axes, columns: int, **style: object) -> None:
+    """A legend above the right end of a panel, with so many columns on a page."""
+    place = {"loc": "lower right", "bbox_to_anchor": (1.01, 1.0), "ncols": by_width(columns, 2)}
+    axes.legend(**place | {"columnspacing": 1.2, "borderpad": 0.2} | style)

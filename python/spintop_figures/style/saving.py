@@ -15,22 +15,29 @@ from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from spintop_figures.style.log_axes import draw_minor_ticks, simplify_log_axes
-from spintop_figures.style.look import WIDTH, the_look
-from spintop_figures.style.options import DEFAULT, Options
-from spintop_figures.style.page import Page
-
-Metadata = dict[str, str | None]
+from spintop_figures.style.look import DEFAULT, WIDTH, the_look
 
 DOTS_PER_INCH = 150
 
 COMPRESSION = 3
 """Of PNG files: within a tenth as small as with the usual 6, in little more than half the time."""
 
-PALETTE = 128
-"""Colours of a small picture."""
-AREAS = 16
-"""How many of its most frequent colours do not change."""
+PALETTE, AREAS = 128, 16
+"""Colours of a small picture, and how many of its most frequent ones do not change."""
+
+FORMATS = frozenset(FigureCanvasBase.get_supported_filetypes()) - {"raw", "rgba", "pgf"}
+"""The kinds of files that a figure can be written to."""
+
+KEYS = {
+    "png": {name: name for name in ("Title", "Description", "Software", "Source")},
+    "svg": {"Title": "Title", "Description": "Description", "Creator": "Software"}
+    | {"Source": "Source", "Date": ""},
+    "pdf": {"Title": "Title", "Subject": "Description", "Creator": "Software"}
+    | {"Keywords": "Source", "CreationDate": ""},
+    "eps": {"Creator": "Software"},
+    "ps": {"Creator": "Software"},
+}
+"""The provenance under the names that a kind of file has for it; without a date."""
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -43,91 +50,41 @@ def save(figure: Figure, path: Path) -> None:
     kind = path.suffix[1:].lower()
     if kind not in FORMATS:
         raise ValueError(f"a figure ends in {', '.join(sorted(FORMATS))}, not in {kind!r}")
-    with the_look(options_of(figure)), warnings.catch_warnings():
+    known = getattr(figure, "provenance", {})
+    metadata = {key: known.get(name) for key, name in KEYS.get(kind, {}).items()}
+    options = getattr(figure, "options", DEFAULT)
+    with the_look(options), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")
         lay_out(figure)
         try:
-            WRITERS.get(kind, write_other)(figure, part, kind)
+            if kind == "png":  # Figure.savefig draws everything twice
+                settings = {"pil_kwargs": {"compress_level": COMPRESSION}}
+                FigureCanvasAgg(figure).print_png(str(part), metadata=metadata, **settings)
+            elif kind == "svg":
+                figure.set_dpi(DOTS_PER_INCH)
+                FigureCanvasSVG(figure).print_svg(str(part), metadata=metadata)
+            else:
+                figure.savefig(part, format=kind, dpi="figure", metadata=metadata or None)
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
 
 
 def lay_out(figure: Figure) -> None:
-    """Lay a figure out, once for all files, at the resolution of the first."""
+    """Lay a figure out, once for all files. A narrow one has as many dots across as a page."""
+    width = figure.get_size_inches()[0]
+    figure.set_dpi(DOTS_PER_INCH * max(1.0, round(WIDTH / width, 2)))
     engine = figure.get_layout_engine()
     if engine is None or isinstance(engine, PlaceHolderLayoutEngine):
         return
-    figure.set_dpi(dots_of(figure))
     FigureCanvasAgg(figure)
     for axes in figure.axes:
         axes.apply_aspect()
         for spine in axes.spines.values():
             spine.set_in_layout(False)  # it would measure all ticks once more
-    minor_ticks = simplify_log_axes(figure)
-    engine.execute(figure)
+    with the_look(getattr(figure, "options", DEFAULT)):
+        engine.execute(figure)
     figure.set_layout_engine("none")
-    for ticks in minor_ticks:
-        draw_minor_ticks(ticks)
-    if isinstance(figure, Page):
-        figure.finish()
-
-
-def options_of(figure: Figure) -> Options:
-    """What was asked of a figure."""
-    return figure.options if isinstance(figure, Page) else DEFAULT
-
-
-def dots_of(figure: Figure) -> float:
-    """Dots per inch: a narrow figure has as many across as one of a page."""
-    return DOTS_PER_INCH * max(1.0, round(WIDTH / figure.get_size_inches()[0], 2))
-
-
-def write_png(figure: Figure, path: Path, kind: str) -> None:
-    """Write a PNG file. Figure.savefig draws everything twice."""
-    dots = dots_of(figure)
-    figure.set_dpi(dots)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    texts = PngInfo()
-    for key, text in metadata_of(figure, kind).items():
-        texts.add_itxt(key, text)
-    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    picture.save(path, "png", pnginfo=texts, dpi=(dots, dots), compress_level=COMPRESSION)
-
-
-def write_svg(figure: Figure, path: Path, kind: str) -> None:
-    """Write an SVG file."""
-    figure.set_dpi(DOTS_PER_INCH)
-    FigureCanvasSVG(figure).print_svg(str(path), metadata=metadata_of(figure, kind))
-
-
-def write_other(figure: Figure, path: Path, kind: str) -> None:
-    """Write a file of any other kind that matplotlib knows."""
-    figure.set_dpi(dots_of(figure))
-    figure.savefig(path, format=kind, dpi="figure", metadata=metadata_of(figure, kind))
-
-
-WRITERS = {"png": write_png, "svg": write_svg}
-"""What writes a kind of file, faster than matplotlib does by itself."""
-
-FORMATS = frozenset(FigureCanvasBase.get_supported_filetypes()) - {"raw", "rgba", "pgf"}
-"""The kinds of files that a figure can be written to."""
-
-PDF_KEYS = {"Title": "Title", "Description": "Subject", "Software": "Creator", "Source": "Keywords"}
-
-
-def metadata_of(figure: Figure, kind: str) -> Metadata | None:
-    """The provenance of a figure under the names that a kind of file has for it."""
-    known = dict(figure.provenance) if isinstance(figure, Page) else {}
-    if kind == "svg":
-        program = known.pop("Software", None)
-        return {**known, "Creator": program, "Date": None}
-    if kind == "pdf":
-        return {PDF_KEYS[key]: text for key, text in known.items()} | {"CreationDate": None}
-    if kind in ("eps", "ps"):
-        return {"Creator": known.get("Software", "spintop")}
-    return known if kind == "png" else None
 
 
 def save_as(

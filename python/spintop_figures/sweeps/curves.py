@@ -1,33 +1,150 @@
-"""The quantities of a sweep over one parameter as curves."""
+"""The figure of a sweep over one parameter: the paper's formulas beside the exact values."""
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MultipleLocator, NullLocator
 
-from spintop_figures.style.look import FAINT, FAULT, LINES
-from spintop_figures.style.numbers import numbers as plain_numbers
-from spintop_figures.style.page import add_panels, head, is_lowest, new_figure
+from spintop_figures.kinds import figure
+from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.style.axes import name_axis
+from spintop_figures.style.look import FAINT, FAULT, GROUND, LINES, by_width
+from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
 from spintop_figures.sweeps.quantities import (
     Quantity,
-    has_log_axis,
+    draw_class_ticks,
+    is_wide,
     is_words,
-    label_parameter,
-    order_classes,
-    parameter_words,
     quantities_of,
-    tell_constants,
-    tell_failed,
-    tell_noise,
+    set_parameter_axis,
+    succeeded,
+    tell_rest,
 )
-from spintop_figures.sweeps.sweep import MOST_MARKS, marks
-from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import name_of, with_unit
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
+
+FORMULA = "_fast_top"
+"""Ending of the columns that hold the paper's formula for a fast top."""
+
+MANY_DECADES = 100
+"""The ratio of the values on a log axis that needs no minor ticks."""
+
+MOST_MARKS = 60
+"""Curves with more points have no marks at them."""
+
+EQUATIONS = {
+    "delta_u": "Eq 29",
+    "nutation_rate": "Eq 30",
+    "precession_rate": "Eq 32",
+    "nutations_per_turn": "Eq 54",
+}
+"""Quantities that the paper has a formula for."""
+
+FORMULAS = [column + FORMULA for column in EQUATIONS]
+MARKERS = "osD^"
+AZIMUTH = "azimuth_after_period_deg"
+
+
+def good_rows(table: Table) -> pd.DataFrame:
+    """The cases that succeeded, by the swept parameter."""
+    return succeeded(table).sort_values(table.axes()[0], kind="stable")
+
+
+def object_to_sweep(table: Table) -> str:
+    """The curves are over one parameter, through the cases that succeeded."""
+    if len(table.axes()) != 1:
+        return "is a sweep over more than one parameter"
+    if good_rows(table).empty:
+        return "has no case that succeeded"
+    return "has no formula for a fast top" if table.empty(FORMULAS) == FORMULAS else ""
+
+
+@figure(
+    "sweep",
+    "formulas for a fast top and exact values against the swept parameter",
+    kind="sweep",
+    needs=" ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
+    objection=object_to_sweep,
+    sparse=True,
+    assumes=LAGRANGE,
+)
+def draw_sweep(table: Table) -> Figure:
+    """The paper's formulas and the exact values against the swept parameter."""
+    figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
+    across = by_width(2, 1)
+    panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
+    rows = good_rows(table)
+    x = rows[table.axes()[0]].to_numpy(float)
+    for column, axes in zip(EQUATIONS, panels.flat, strict=False):
+        draw_quantity(axes, x, rows, column, table.units.get(column, ""))
+    draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
+    draw_deviations(panels.flat[5], x, rows)
+    set_parameter_axis(table, 0, *panels.flat)
+    figure.align_ylabels()
+    return figure
+
+
+def marks(x: np.ndarray, marker: str, **style: object) -> dict[str, object]:
+    """The marks of a curve: none where they would touch each other."""
+    return {"marker": marker, **style} if len(x) <= MOST_MARKS else {}
+
+
+def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, unit: str) -> None:
+    """A quantity by the paper's formula, and exact."""
+    exact, formula = (rows[name].to_numpy(float) for name in (column, column + FORMULA))
+    empty = marks(x, "s", markersize=4, mfc=GROUND) | {"label": f"paper's {EQUATIONS[column]}"}
+    axes.plot(x, formula, **empty, **LINES[1])
+    axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
+    if is_wide(values := np.concatenate([exact, formula])):
+        axes.set_yscale("log")
+        if is_wide(values, MANY_DECADES):
+            axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
+    name_axis(axes.yaxis, axis_of(column), unit)
+    axes.legend()
+
+
+def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
+    """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
+    axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
+    known = np.isfinite(azimuth).any()
+    label = "computed by the run" if known else "not computed: no row at $T_p$"
+    axes.plot(x, azimuth, **marks(x, "o", markersize=3) | LINES[0], label=label)
+    low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
+    axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
+    name_axis(axes.yaxis, "azimuth after $T_p$", "degrees")
+    axes.legend(loc="upper left")
+
+
+def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
+    """How far each formula is from the exact value: full marks too large, empty ones too small.
+
+    Between marks of one kind there is a line; where the sign changes, there is none.
+    """
+    handles = []
+    for line, marker, (column, equation) in zip(LINES, MARKERS, EQUATIONS.items(), strict=True):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            deviation = (rows[column + FORMULA] / rows[column] - 1).to_numpy(float)
+        style = {"color": line["color"], "marker": marker, "markersize": 4}
+        handles.append(Line2D([], [], **style, label=equation))
+        style |= {} if len(x) <= MOST_MARKS else {"marker": ""}
+        sides = (("too large", 1, line["color"], "-"), ("too small", -1, GROUND, ":"))
+        for words, sign, face, dashes in sides:
+            size = np.where(sign * deviation > 0, np.abs(deviation), np.nan)
+            look = style | {"markerfacecolor": face, "linestyle": dashes, "linewidth": 1.0}
+            axes.plot(x, size, **look, label=f"{equation} {words}")
+    axes.set_yscale("log")
+    axes.yaxis.set_minor_locator(NullLocator())
+    name_axis(axes.yaxis, "relative error of the formula")
+    axes.set_title("full: too large; empty, dotted: too small", fontsize="small", pad=3)
+    axes.legend(handles=handles, ncols=2)
+
 
 PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
 """Of a row of panels, and of all of them, in inches."""
-
 
 SAME_THRESHOLD = 1e-6
 """Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
@@ -43,34 +160,33 @@ def object_to_curves(table: Table) -> str:
         return "is no sweep over one parameter"
     if table.rows[table.axes()[0]].nunique() < 2:
         return "is a sweep with a single value of the parameter"
-    if not quantities_of(table):
-        return "has no quantity to draw"
-    return ""
+    return "" if quantities_of(table) else "has no quantity to draw"
 
 
+@figure(
+    "curves",
+    "quantities of a sweep over one parameter",
+    kind="sweep",
+    objection=object_to_curves,
+)
 def draw_curves(table: Table) -> Figure:
     """A curve of each quantity that the table has, and where cases failed."""
-    quantities = quantities_of(table)
-    name = table.axes()[0]
+    quantities, name = quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
-    x = rows[name].to_numpy(float)
-    failed = ~ended_well(rows).to_numpy()
-    height = 1.3 + max(PANEL_HEIGHT * ((len(quantities) + 1) // 2), LEAST_HEIGHT)
-    notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
-    figure = new_figure(table, f"The motion over the {parameter_words(name)}{notes}", height)
+    x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()
+    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
+    figure = new_figure(table, f"The motion over the {name_of(name)}{tell_rest(table)}", height)
     threshold = sleeping_threshold(name, rows)
     panels = add_panels(figure, len(quantities), sharey=False)
+    crosses = {"color": FAULT, "markersize": 4, "clip_on": False}
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
-        cross(axes, x[failed])
+        if failed.any():
+            place = x[failed], np.zeros(failed.sum())
+            axes.plot(*place, "x", transform=axes.get_xaxis_transform(), **crosses)
         if threshold:
             axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
-        if is_lowest(axes):
-            label_parameter(table, 0, axes.xaxis)
-    if has_log_axis(table, 0):
-        panels[0].set_xscale("log")
-        for axes in panels:
-            axes.xaxis.set_major_formatter(plain_numbers())
+    set_parameter_axis(table, 0, *panels)
     return figure
 
 
@@ -83,39 +199,28 @@ def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
     return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
 
 
-def cross(axes: Axes, x: np.ndarray) -> None:
-    """Crosses on the axis where cases failed."""
-    if x.size:
-        style = {"color": FAULT, "markersize": 4, "clip_on": False}
-        axes.plot(x, np.zeros_like(x), "x", transform=axes.get_xaxis_transform(), **style)
-
-
 def draw_curve(
     axes: Axes, x: np.ndarray, quantity: Quantity, values: pd.Series, failed: np.ndarray
 ) -> None:
     """A quantity of the cases that succeeded; a class of motion is a step, a sign change a line."""
-    title = with_unit(quantity.label, quantity.unit)
     style = marks(x, "o", markersize=3) | LINES[0]
     if is_words(values):
-        classes = order_classes(values[~failed])
-        codes = {name: float(code) for code, name in enumerate(classes)}
-        numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
+        numbers = np.where(failed, np.nan, draw_class_ticks(axes, values, values[~failed]))
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
-        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
-        axes.set_ylim(-0.5, len(classes) - 0.5)
-    else:
-        numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
-        none = quantity.is_none(numbers)
-        if none.any():
-            title += f"; 0: {quantity.none}"
-            numbers = np.where(none, 0.0, numbers)
-        if quantity.has_log_scale(numbers):
-            axes.set_yscale("log")
-            numbers = np.where(numbers > 0, numbers, np.nan)
-        elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
-            axes.axhline(0, color=FAINT, linewidth=0.8)
-        draw_joined(axes, x, numbers, style)
-    head(axes, title)
+        axes.set_ylim(-0.5, len(axes.get_yticks()) - 0.5)
+        head(axes, quantity.label)
+        return
+    numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
+    none = quantity.is_none(numbers)
+    numbers = np.where(none, 0.0, numbers)
+    if quantity.has_log_scale(numbers):
+        axes.set_yscale("log")
+        numbers = np.where(numbers > 0, numbers, np.nan)
+    elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+    draw_joined(axes, x, numbers, style)
+    after = f"; 0: {quantity.none}" if none.any() else ""
+    head(axes, quantity.label, axes.yaxis, quantity.unit, after)
 
 
 def draw_joined(axes: Axes, x: np.ndarray, y: np.ndarray, style: dict[str, object]) -> None:

@@ -1,49 +1,110 @@
-"""The maps of a sweep over a grid of two parameters."""
+"""The maps of a sweep over a grid of two parameters, and the colours of numbers."""
 
 import textwrap
 from collections.abc import Callable
 from typing import NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import (
     BoundaryNorm,
+    Colormap,
+    LinearSegmentedColormap,
     ListedColormap,
+    LogNorm,
+    Normalize,
 )
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from spintop_figures.style.lines import set_degree_ticks
-from spintop_figures.style.look import FAULT
-from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.kinds import figure
+from spintop_figures.moving.assumptions import acting
+from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, panel_rows
+from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
 from spintop_figures.sweeps.fields import jumps, spots
-from spintop_figures.sweeps.kapitza import KAPITZA, find_kapitza_limit
 from spintop_figures.sweeps.quantities import (
     Quantity,
     has_log_axis,
     is_words,
-    label_parameter,
     order_classes,
-    parameter_words,
     quantities_of,
-    tell_constants,
-    tell_failed,
-    tell_noise,
+    set_parameter_axis,
+    tell_rest,
 )
-from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
-from spintop_figures.tables.ends import ended_well
-from spintop_figures.tables.names import name_of, with_unit
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well
+
+COLOURS = mpl.colormaps["cividis"]
+"""From dark to light, for all eyes and for print without colours."""
+
+SIGNED = LinearSegmentedColormap.from_list(
+    "signed", ["#0b2a4f", "#3f6d9e", "#a9c3dc", "#f4f2ee", "#f2bd8e", "#de7f35", "#ab4a0c"]
+)
+"""For values of both signs, with a neutral zero; the ends differ in lightness, too."""
+
+OUTLIERS, FAR = 1.0, 0.5
+"""Percentage of the values, at either end, that may be beyond the colour bar, which they are where
+they would take more than this of the range of the others."""
 
 LETTER, LINE = 0.085, 0.16
 """Width of a letter and height of a line of a name in a map, in inches."""
 
 PANEL_HEIGHT, LEAST_HEIGHT = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
+
+BLANK = {"facecolor": "white", "edgecolor": "0.7", "hatch": "////"}
+"""Of a map where there is no value."""
+
+WORDS = {"ha": "center", "va": "center", "fontsize": "small"}
+"""Of a name in a map, whose colours are the same on dark ground."""
+
+RATE, AMPLITUDE = "effects.vibration_rate", "effects.vibration_amplitude(3)"
+
+KAPITZA = r"Kapitza: $A\,\Omega=\sqrt{2gI/(ml)}$"
+"""What the limit is, as a legend has it."""
+
+GRAVITY = 9.81
+"""Where an input does not say it, m/s^2."""
+
+
+def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
+    """The scale of the colours of values, and at which ends some are beyond it.
+
+    A scale of both signs has zero in its middle.
+    """
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return Normalize(0, 1), "neither"
+    if finite.min() == finite.max():
+        return Normalize(finite[0] - 1, finite[0] + 1), "neither"
+    if quantity.has_log_scale(finite):
+        above = finite[finite > 0]
+        return LogNorm(above.min(), above.max()), "min" if above.size < finite.size else "neither"
+    low, high = np.percentile(finite, [OUTLIERS, 100 - OUTLIERS])
+    room = FAR * (high - low)
+    first = low if finite.min() < low - room else finite.min()
+    last = high if finite.max() > high + room else finite.max()
+    if first < 0 < last:
+        last = max(-first, last)
+        first = -last
+    ends = {(True, True): "both", (True, False): "min", (False, True): "max"}
+    beyond = bool(finite.min() < first), bool(finite.max() > last)
+    return Normalize(first, last), ends.get(beyond, "neither")
+
+
+def is_signed(norm: Normalize) -> bool:
+    """Whether a scale has zero inside."""
+    return not isinstance(norm, LogNorm) and norm.vmin < 0 < norm.vmax
+
+
+def colours_of(norm: Normalize) -> Colormap:
+    """The colours of a scale."""
+    return SIGNED if is_signed(norm) else COLOURS
 
 
 class Grid(NamedTuple):
@@ -79,7 +140,7 @@ def edges_of(centres: np.ndarray) -> np.ndarray:
 def make_grid(table: Table) -> Grid:
     """The grid of the two parameters."""
     (x, column), (y, line) = (
-        np.unique(table.rows[name].to_numpy(float), return_inverse=True) for name in table.axes()
+        np.unique(table.column(name), return_inverse=True) for name in table.axes()
     )
     return Grid(x, y, column * y.size + line, (has_log_axis(table, 0), has_log_axis(table, 1)))
 
@@ -102,19 +163,28 @@ def object_to_maps(table: Table) -> str:
     return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
 
 
+@figure(
+    "maps",
+    "maps of the quantities of a sweep over a grid of two parameters",
+    kind="sweep",
+    objection=object_to_maps,
+)
 def draw_maps(table: Table) -> Figure:
     """A map of each quantity that the table has."""
-    grid = make_grid(table)
-    quantities = quantities_of(table)
-    down = panel_rows(len(quantities))
-    names = " and ".join(map(parameter_words, table.axes()))
-    notes = tell_failed(table) + tell_constants(table) + tell_noise(table)
-    height = 1.2 + max(PANEL_HEIGHT * down, LEAST_HEIGHT)
-    figure = new_figure(table, f"The motion over {names}{notes}", height)
+    grid, quantities = make_grid(table), quantities_of(table)
+    names = " and ".join(map(name_of, table.axes()))
+    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
+    figure = new_figure(table, f"The motion over {names}{tell_rest(table)}", height)
     failed = ~ended_well(table.rows).to_numpy()
     panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
-        draw_map(axes, grid, quantity, quantity.values(table.rows), failed)
+        axes.patch.set(**BLANK)
+        values = quantity.values(table.rows)
+        if is_words(values):
+            head(axes, quantity.label)
+            draw_classes(axes, grid, values, failed)
+        else:
+            draw_numbers(axes, grid, quantity, values.to_numpy(float), failed)
         cross(axes, grid, failed)
     label_axes(table, grid, panels)
     if limit := find_kapitza_limit(table):
@@ -123,54 +193,59 @@ def draw_maps(table: Table) -> Figure:
     return figure
 
 
+def find_kapitza_limit(table: Table) -> Callable[[np.ndarray], np.ndarray] | None:
+    """The second swept parameter at the limit, as a function of the first; None if there is none.
+
+    A vertical vibration a cos(W t) of the pivot, averaged over its period, adds the potential
+    (m l a W)^2 sin(theta)^2/(4 I) to m g l cos(theta), with I about the pivot. The body without
+    spin is stable upright if the curvature of the sum is positive there: a W > sqrt(2 g I/(m l)).
+    With I = m l^2 it is the pendulum's sqrt(2 g l). It holds for fast vibrations of small
+    amplitude, a body given by its moments of inertia, and no other effect.
+    """
+    if sorted(table.axes()) != sorted((RATE, AMPLITUDE)):
+        return None
+    others = set(acting(table, "effects.")) - {"effects.vibration_amplitude"}
+    spins = any(table.number(f"initial.{key}", 0.0) for key in ("omega3", "psi_rate"))
+    if others or spins or acting(table, "top.damping") or table.setting("top.shape") != "inertia":
+        return None
+    mass, length, inertia = (table.number(f"top.{key}") for key in ("mass", "length", "inertia"))
+    if table.setting("top.inertia_about") == "centre_of_mass":
+        inertia += mass * length**2
+    limit = np.sqrt(2 * table.number("top.gravity", GRAVITY) * inertia / (mass * length))
+    return (lambda values: limit / values) if np.isfinite(limit) else None
+
+
 def draw_limit(axes: Axes, limit: Callable[[np.ndarray], np.ndarray]) -> None:
     """Kapitza's limit over a map: the second parameter at each value of the first."""
     x = np.geomspace(*axes.get_xlim(), 200)
     outline = [withStroke(linewidth=3.5, foreground="white")]
     style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
     axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
-    axes.legend(loc="lower left", frameon=True, framealpha=0.85, edgecolor="none", fontsize=8)
-
-
-def draw_map(
-    axes: Axes, grid: Grid, quantity: Quantity, values: pd.Series, failed: np.ndarray
-) -> None:
-    """A filled map; cases without a value are hatched, failed ones crossed."""
-    axes.patch.set(facecolor="white", edgecolor="0.7", hatch="////")
-    title = with_unit(quantity.label, quantity.unit)
-    head(axes, title)
-    if is_words(values):
-        draw_classes(axes, grid, values, failed)
-    else:
-        draw_numbers(axes, grid, quantity, values.to_numpy(float), failed)
+    box = {"frameon": True, "framealpha": 0.85, "facecolor": "white", "edgecolor": "none"}
+    axes.legend(loc="lower left", labelcolor="black", **box)
 
 
 def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) -> None:
     """A map of classes, each with its name in it; those without room for it are in a legend."""
     classes = order_classes(values[~failed])
     codes = {name: float(code) for code, name in enumerate(classes)}
-    numbers = np.where(failed, np.nan, values.map(codes).to_numpy(float))
     shades = ListedColormap(COLOURS(np.linspace(0.05, 0.95, len(classes))))
     norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
-    cells = grid.fill(numbers)
+    cells = grid.fill(np.where(failed, np.nan, values.map(codes).to_numpy(float)))
     look = {"cmap": shades, "norm": norm, "rasterized": True}
     axes.pcolormesh(*grid.edges(), np.ma.masked_invalid(cells), **look)
-    named = set()
+    names, named = [*map(name_of, classes)], set()
     width, height = room_of(axes)
     for spot in spots(cells):
-        name = name_of(classes[spot.code])
-        if spot.width * width < LETTER * len(name) or spot.height * height < LINE:
-            continue
-        named.add(name)
-        ink = "black" if lightness(shades(spot.code)) > 0.45 else "white"
-        style = {"ha": "center", "va": "center", "fontsize": 9, "color": ink}
-        axes.text(spot.x, spot.y, name, transform=axes.transAxes, parse_math=False, **style)
-    handles = [
-        Patch(color=shades(code), label=name_of(name))
-        for code, name in enumerate(classes)
-        if name_of(name) not in named
-    ]
-    if handles:
+        name = names[spot.code]
+        if spot.width * width >= LETTER * len(name) and spot.height * height >= LINE:
+            named.add(name)
+            ink = "black" if lightness(shades(spot.code)) > 0.45 else "white"
+            style = WORDS | {"transform": axes.transAxes, "color": ink}
+            axes.text(spot.x, spot.y, name, parse_math=False, **style)
+    rest = [(code, name) for code, name in enumerate(names) if name not in named]
+    if rest:
+        handles = [Patch(color=shades(code), label=name) for code, name in rest]
         place = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "ncols": 3}
         axes.legend(handles=handles, **place, handlelength=1, columnspacing=0.8, borderpad=0.2)
 
@@ -180,13 +255,7 @@ def room_of(axes: Axes) -> tuple[float, float]:
     spot = axes.get_subplotspec()
     rows, columns = spot.get_gridspec().get_geometry()
     width, height = axes.figure.get_size_inches()
-    across = len(spot.colspan) / columns
-    return 0.78 * width * across, 0.72 * height / rows
-
-
-def lightness(colour: tuple[float, ...]) -> float:
-    """How light a colour is, from 0 to 1."""
-    return float(np.dot(colour[:3], (0.299, 0.587, 0.114)))
+    return 0.78 * width * len(spot.colspan) / columns, 0.72 * height / rows
 
 
 def draw_numbers(
@@ -194,8 +263,8 @@ def draw_numbers(
 ) -> None:
     """A map of a number with its colour bar; of both signs, with its zero where continuous."""
     none = quantity.is_none(np.where(failed, np.nan, numbers))
+    after = f"; white: {quantity.none}" if none.any() else ""
     if none.any():
-        axes.set_title(f"{axes.get_title(loc='left')}; white: {quantity.none}", loc="left")
         blank = np.ma.masked_equal(grid.fill(none & ~failed), 0)
         axes.pcolormesh(*grid.edges(), blank, cmap=ListedColormap(["white"]), rasterized=True)
     numbers = quantity.shown(np.where(none | failed, np.nan, numbers))
@@ -208,8 +277,9 @@ def draw_numbers(
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
-        draw_zero(axes, grid, whole)
+        after += draw_zero(axes, grid, whole)
         name_signs(axes, whole)
+    head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)
     if quantity.most and whole.count():
         name_regions(axes, np.ma.filled(whole == whole.max(), False), quantity.most)
 
@@ -220,62 +290,44 @@ def name_regions(axes: Axes, there: np.ndarray, name: str) -> None:
     for spot in spots(np.where(there, 0.0, np.nan)):
         lines = textwrap.fill(name, max(int(spot.width * width / LETTER), 8))
         if spot.height * height > LINE * (lines.count("\n") + 1):
-            style = {"ha": "center", "va": "center", "fontsize": 9, "color": "0.1"}
-            axes.text(spot.x, spot.y, lines, transform=axes.transAxes, **style)
+            axes.text(spot.x, spot.y, lines, transform=axes.transAxes, color="0.1", **WORDS)
 
 
 def name_signs(axes: Axes, cells: np.ma.MaskedArray) -> None:
     """The sign of each large region in it, for print without colours."""
     width, height = room_of(axes)
-    for spot in spots((np.ma.filled(cells, np.nan) > 0) + 0.0 * np.ma.filled(cells, np.nan)):
+    filled = np.ma.filled(cells, np.nan)
+    outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
+    style = WORDS | {"color": "0.1", "path_effects": outline, "transform": axes.transAxes}
+    for spot in spots(np.where(np.isfinite(filled), filled > 0, np.nan)):
         if spot.width * width > 3 * LETTER and spot.height * height > LINE:
-            style = {"ha": "center", "va": "center", "fontsize": 8, "color": "0.1"}
-            outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
-            words = "> 0" if spot.code else "< 0"
-            place = {"transform": axes.transAxes, "path_effects": outline}
-            axes.text(spot.x, spot.y, words, **style, **place)
+            axes.text(spot.x, spot.y, "> 0" if spot.code else "< 0", **style)
 
 
-def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> None:
-    """The line where a field is zero; where it jumps from one sign to the other there is none."""
+def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> str:
+    """The line where a field is zero; where it jumps from one sign to the other there is none.
+
+    Gives what the heading says of the jumps.
+    """
     cut, size = jumps(cells)
     known = np.ma.masked_where(cut, cells)
     if known.count() and known.min() < 0 < known.max():
         axes.contour(grid.x, grid.y, known, levels=[0], colors="0.25", linewidths=1.0)
-    if cut.any():
-        title = axes.get_title(loc="left")
-        axes.set_title(f"{title},\nwith jumps by about {write(size, 3)}", loc="left")
+    return f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
     """A cross on each case that failed, no larger than its cell but large enough to be seen."""
-    if not failed.any():
-        return
-    column, line = np.divmod(grid.place[failed], grid.y.size)
-    size = float(np.clip(120 / max(grid.x.size, grid.y.size), 1.5, 6))
-    style = {"markersize": size, "markeredgewidth": size / 6, "color": FAULT}
-    axes.plot(grid.x[column], grid.y[line], "x", linestyle="", rasterized=True, **style)
+    if failed.any():
+        column, line = np.divmod(grid.place[failed], grid.y.size)
+        size = float(np.clip(120 / max(grid.x.size, grid.y.size), 1.5, 6))
+        style = {"markersize": size, "markeredgewidth": size / 6, "color": FAULT}
+        axes.plot(grid.x[column], grid.y[line], "x", linestyle="", rasterized=True, **style)
 
 
 def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     """Scales and labels of the parameters; labels at the left and lowest panels only."""
-    plain = plain_numbers()
     x_edges, y_edges = grid.edges()
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
-    panels[0].set(xscale=scale_name(grid.logs[0]), yscale=scale_name(grid.logs[1]))
-    for axes in panels:
-        spot = axes.get_subplotspec()
-        for axis, is_log in zip((axes.xaxis, axes.yaxis), grid.logs, strict=True):
-            if is_log:
-                axis.set_major_formatter(plain)
-        if spot.is_first_col():
-            label_parameter(table, 1, axes.yaxis)
-        if table.units.get(table.axes()[1]) == "deg":
-            set_degree_ticks(axes.yaxis, grid.y)
-        if is_lowest(axes):
-            label_parameter(table, 0, axes.xaxis)
-
-
-def scale_name(is_log: bool) -> str:
-    """What matplotlib calls a scale."""
-    return "log" if is_log else "linear"
+    set_parameter_axis(table, 0, *panels)
+    set_parameter_axis(table, 1, *panels, which="y")

@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.axis import Axis
+from matplotlib.axes import Axes
 
+from spintop_figures.style.axes import name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
-from spintop_figures.tables.ends import count_failures, ended_well
-from spintop_figures.tables.names import axis_of, column_name, name_of
+from spintop_figures.style.page import is_left, is_lowest
+from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import count_failures, ended_well
 
 WIDE_AXIS = 12
 """Listed values of a parameter over a larger ratio stand on a log axis."""
@@ -78,32 +80,17 @@ class Quantity(NamedTuple):
         return bool(finite.min(initial=0) >= 0 and is_wide(finite[finite > 0], self.log_over))
 
 
-def the_column(name: str) -> Callable[[pd.DataFrame], pd.Series]:
-    """The values of a column."""
-    return lambda rows: rows[name]
-
-
-def unit_shown(column: str, unit: str) -> tuple[str, float]:
-    """The unit in which a column is drawn, and the factor to it.
-
-    Angles are in degrees. Errors stay in radians, in which tolerances and verdicts are given.
-    """
-    if unit == "rad" and "error" not in column:
-        return "degrees", float(np.degrees(1))
-    return unit, 1.0
-
-
 def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
-    unit, factor = unit_shown(name, table.units.get(name, ""))
-    values = the_column(name) if factor == 1 else in_degrees(name)
-    label = column_name(name, table.meanings.get(name, ""))
-    return Quantity((name,), label, unit, values)
+    unit = table.units.get(name, "")
+    return of_column(name, column_name(name, table.meanings.get(name, "")), unit)
 
 
-def in_degrees(name: str) -> Callable[[pd.DataFrame], pd.Series]:
-    """The values of a column in degrees."""
-    return lambda rows: np.degrees(rows[name])
+def of_column(name: str, label: str = "", unit: str = "", **settings: object) -> Quantity:
+    """A column as a quantity in the unit in which it is drawn."""
+    unit, factor = unit_shown(name, unit)
+    values = (lambda rows: rows[name]) if factor == 1 else (lambda rows: factor * rows[name])
+    return Quantity((name,), label or column_name(name), unit, values, **settings)
 
 
 def nutation_range(rows: pd.DataFrame) -> pd.Series:
@@ -111,55 +98,24 @@ def nutation_range(rows: pd.DataFrame) -> pd.Series:
     return np.degrees(rows["theta_max"] - rows["theta_min"])
 
 
+def growth(rows: pd.DataFrame) -> pd.Series:
+    """The logarithm of the growth in a period."""
+    return np.log(rows["upright_multiplier"])
+
+
+GROWTH = "growth per period, upright"
+
 QUANTITIES = (
-    Quantity(("motion_class",), "class of the motion", "", the_column("motion_class")),
+    of_column("motion_class"),
     Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
-    Quantity(
-        ("precession_per_nutation",),
-        "precession per nutation",
-        "degrees",
-        in_degrees("precession_per_nutation"),
-    ),
-    Quantity(
-        ("growth_rate",), "growth of deviations", "1/s", the_column("growth_rate"), none="stable"
-    ),
-    Quantity(
-        ("upright_multiplier",),
-        "growth per period, upright",
-        "",
-        lambda rows: np.log(rows["upright_multiplier"]),
-        none="stable",
-    ),
-    Quantity(
-        ("lyapunov_exponent",),
-        "Lyapunov exponent",
-        "1/s",
-        the_column("lyapunov_exponent"),
-    ),
-    Quantity(
-        ("orientation_error",),
-        "orientation error",
-        "rad",
-        the_column("orientation_error"),
-        WIDE_ERRORS,
-        floor=FLOOR,
-    ),
-    Quantity(
-        ("energy_error_max",),
-        "largest energy error",
-        "",
-        the_column("energy_error_max"),
-        WIDE_ERRORS,
-        floor=FLOOR,
-    ),
-    Quantity(
-        ("t_end",),
-        "end of the motion",
-        "s",
-        the_column("t_end"),
-        most="whole span",
-    ),
-    Quantity(("evaluations",), "function evaluations", "", the_column("evaluations"), WIDE_ERRORS),
+    of_column("precession_per_nutation", unit="rad"),
+    of_column("growth_rate", unit="1/s", none="stable"),
+    Quantity(("upright_multiplier",), GROWTH, "", growth, none="stable"),
+    of_column("lyapunov_exponent", unit="1/s"),
+    of_column("orientation_error", "orientation error", "rad", log_over=WIDE_ERRORS, floor=FLOOR),
+    of_column("energy_error_max", log_over=WIDE_ERRORS, floor=FLOOR),
+    of_column("t_end", unit="s", most="whole span"),
+    of_column("evaluations", log_over=WIDE_ERRORS),
 )
 """Those that any table shows that has their columns."""
 
@@ -207,21 +163,15 @@ def tell_constants(table: Table) -> str:
             continue
         value = quantity.values(succeeded(table)).dropna().iloc[0]
         if quantity.columns != COSTS or value:
-            text = value if isinstance(value, str) else with_unit_after(value, quantity.unit)
+            text = value if isinstance(value, str) else f"{write(value)} {quantity.unit}".strip()
             words.append(f"{quantity.label}: {text}")
     return f" (in all cases {'; '.join(words)})" if words else ""
 
 
-def with_unit_after(value: float, unit: str) -> str:
-    """A number with its unit, within a text."""
-    return f"{write(value)} {unit}".strip()
-
-
 def is_noise(table: Table, quantity: Quantity) -> bool:
     """Whether a quantity is nothing but rounding in all cases."""
-    if not quantity.floor:
-        return False
-    return quantity.is_rounding(quantity.values(succeeded(table)).to_numpy(float))
+    values = quantity.values(succeeded(table))
+    return bool(quantity.floor and quantity.is_rounding(values.to_numpy(float)))
 
 
 def tell_noise(table: Table) -> str:
@@ -257,6 +207,13 @@ def order_classes(words: pd.Series) -> list[str]:
     return sorted(words.unique(), key=lambda name: (known.get(name, len(known)), name))
 
 
+def draw_class_ticks(axes: Axes, values: pd.Series, among: pd.Series) -> np.ndarray:
+    """Name the classes among some values at the ticks of y; all values as their numbers."""
+    classes = order_classes(among)
+    axes.set_yticks(range(len(classes)), labels=[*map(name_of, classes)])
+    return values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
+
+
 def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
     """Whether values belong on a log axis."""
     finite = values[np.isfinite(values)]
@@ -283,20 +240,23 @@ def element(table: Table, key: str, number: int) -> str:
     return listed[number - 1] if number <= len(listed) else alone[0]
 
 
-def name_parameter(table: Table, place: int) -> str:
-    """Parameter number `place` from 0 as it is written, with its unit."""
+def name_parameter(table: Table, place: int) -> tuple[str, str]:
+    """Parameter number `place` from 0 as an axis names it, and its unit."""
     name = table.axes()[place]
-    return axis_of(name, table.units.get(name, ""))
+    return axis_of(name), table.units.get(name, "")
 
 
-def parameter_words(name: str) -> str:
-    """A parameter without its symbol, as a title names it."""
-    return name_of(name)
-
-
-def label_parameter(table: Table, place: int, axis: Axis) -> None:
-    """Label the axis of parameter number `place` from 0."""
-    axis.set_label_text(name_parameter(table, place))
+def set_parameter_axis(table: Table, place: int, *panels: Axes, which: str = "x") -> None:
+    """The scale of parameter number `place` from 0, and its name where panels are at the edge."""
+    is_log = has_log_axis(table, place)
+    for axes in panels:
+        axes.set(**{f"{which}scale": "log" if is_log else "linear"})
+    for axes in panels:
+        axis = axes.xaxis if which == "x" else axes.yaxis
+        if which == "y" and table.units.get(table.axes()[place]) == "deg":
+            set_degree_ticks(axis, table.column(table.axes()[place]))
+        if is_lowest(axes) if which == "x" else is_left(axes):
+            name_axis(axis, *name_parameter(table, place), plain=True)
 
 
 def tell_failed(table: Table) -> str:
@@ -306,3 +266,8 @@ def tell_failed(table: Table) -> str:
         f"{write_count(count)} {name_of(status)}" for status, count in counts.items()
     )
     return f" (crossed: {reasons})" if reasons else ""
+
+
+def tell_rest(table: Table) -> str:
+    """What a title says of cases and quantities that are not drawn as the others."""
+    return tell_failed(table) + tell_constants(table) + tell_noise(table)

@@ -22,27 +22,35 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.style.look import FAINT, FAULT, by_width
-from spintop_figures.style.numbers import numbers as plain_numbers
+from spintop_figures.kinds import figure
+from spintop_figures.style.axes import MANY_POINTS, name_axis
+from spintop_figures.style.look import FAINT, FAULT, GROUND, OURS, by_width, lightness, tint
 from spintop_figures.style.numbers import write_count
-from spintop_figures.style.page import new_figure
-from spintop_figures.sweeps.cloud import Cloud, make_cloud
-from spintop_figures.sweeps.maps import object_to_grid, scale_name
+from spintop_figures.style.page import new_figure, no_axis
+from spintop_figures.sweeps.maps import COLOURS, colours_of, is_signed, object_to_grid, scale_of
 from spintop_figures.sweeps.quantities import (
     Quantity,
+    draw_class_ticks,
     has_log_axis,
     is_words,
     name_parameter,
     order_classes,
-    parameter_words,
     quantities_of,
     succeeded,
     tell_noise,
 )
-from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
-from spintop_figures.tables.ends import count_failures
-from spintop_figures.tables.names import name_of, with_unit
+from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import count_failures
+
+MOST_CASES, LEAST_CASES = 10_000, 300
+"""Size of the random sample of many cases, and of each class and of the failed cases."""
+
+MARKERS = "o^sDvPX<>"
+"""Of classes, as their colours are numbered; the first three are far apart in lightness."""
+
+DENSE = 1500
+"""More cases of one class would hide each other as points."""
 
 MOST_PARAMETERS, NARROW_PARAMETERS, MOST_QUANTITIES = 4, 2, 6
 """The first of them are drawn; fewer on a narrow figure."""
@@ -50,22 +58,17 @@ MOST_PARAMETERS, NARROW_PARAMETERS, MOST_QUANTITIES = 4, 2, 6
 SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 """Colours by a number, without those that are hard to see on white."""
 
-ROW_HEIGHT, LEAST_HEIGHT = 1.45, 3.0
-"""Of a row of panels, and of all of them, in inches."""
-
-KEY_HEIGHT = 0.2
-"""Of the key above the panels, as a part of a row's."""
+ROW_HEIGHT, LEAST_HEIGHT, KEY_HEIGHT = 1.45, 3.0, 0.2
+"""Of a row of panels and of all of them, in inches, and of the key above as a part of a row's."""
 
 LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
 """Length of a line of the labels beside and below a panel, and of the failures in the key."""
 
-JITTER = 0.3
+JITTER, GOLDEN = 0.3, (5**0.5 - 1) / 2
 """How far the cases of a class stand from their line, at most; the golden ratio spreads them."""
 
 TURNS = 6
 """Classes are drawn by turns, so that none hides the others."""
-
-GOLDEN = (5**0.5 - 1) / 2
 
 RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 """Ticks at the axis for cases that failed."""
@@ -73,12 +76,75 @@ RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 FULL, FAINTEST = 60, 0.25
 """So many ticks are drawn in full colour; more are fainter, so that it is seen where most are."""
 
-
 CELLS = 46, 18
 """Cells across and down a panel in which cases are counted."""
 
-DENSITIES = LinearSegmentedColormap.from_list("densities", ["#cfdbe8", "#4d7096", "#0b2038"])
-"""From few cases to many."""
+
+class Layer(NamedTuple):
+    """Cases of a class, or all that succeeded: which are drawn, of how many, and how."""
+
+    name: str
+    rows: pd.DataFrame
+    count: int
+    colour: str
+    marker: str
+
+
+class Cloud(NamedTuple):
+    """The cases that are drawn."""
+
+    layers: list[Layer]
+    """Those that succeeded, the most numerous below."""
+    failed: pd.DataFrame
+    rasterized: bool
+    """Whether an SVG stores them as pixels."""
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """Those that succeeded."""
+        return pd.concat([layer.rows for layer in self.layers])
+
+    @property
+    def count(self) -> int:
+        """How many there are in all."""
+        return len(self.rows) + len(self.failed)
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether the cases would hide each other as points."""
+        return len(self.layers) == 1 and len(self.rows) > DENSE
+
+    @property
+    def area(self) -> float:
+        """Of a point, in square points of print: less where there are many."""
+        return float(np.clip(15 / len(self.rows) ** 0.25, 1.6, 5.0)) ** 2
+
+
+def make_cloud(table: Table, panels: int) -> Cloud:
+    """The cases that are drawn in so many panels, by class where the table has classes."""
+    good = succeeded(table)
+    words = good["motion_class"] if "motion_class" in good else pd.Series("", good.index)
+    classes = order_classes(words)
+    groups = [good[words == name] for name in classes]
+    *chosen, failed = thin([*groups, table.rows.drop(good.index)])
+    looks = [(f"{OURS}class{number}", marker) for number, marker in enumerate(MARKERS, start=1)]
+    layers = [
+        Layer(name, rows, len(group), *look)
+        for name, rows, group, look in zip(classes, chosen, groups, itertools.cycle(looks))
+    ]
+    layers.sort(key=lambda layer: -layer.count)
+    drawn = sum(map(len, chosen)) + len(failed)
+    return Cloud(layers, failed, drawn * panels > MANY_POINTS)
+
+
+def thin(groups: list[pd.DataFrame]) -> list[pd.DataFrame]:
+    """A random sample of many cases, the same one each time; rare groups are complete."""
+    share = min(1.0, MOST_CASES / sum(map(len, groups)))
+    thinned = []
+    for group in groups:
+        count = min(len(group), max(round(share * len(group)), LEAST_CASES))
+        thinned.append(group.sample(count, random_state=0).sort_index())
+    return thinned
 
 
 class Tint(NamedTuple):
@@ -86,7 +152,7 @@ class Tint(NamedTuple):
 
     values: pd.Series
     norm: Normalize
-    label: str = ""
+    label: tuple[str, str] = ("", "")
     shades: Colormap = SHADES
 
 
@@ -112,16 +178,22 @@ def object_to_scatter(table: Table) -> str:
     return "" if telling(table) else "has no quantity that varies"
 
 
+@figure(
+    "scatter",
+    "points of a sweep over several parameters that is not a grid of two",
+    kind="sweep",
+    objection=object_to_scatter,
+)
 def draw_scatter(table: Table) -> Figure:
     """One row of panels per quantity, one panel per parameter; two parameters span a plane."""
     places, quantities = varying(table), telling(table)
-    most = by_width(MOST_PARAMETERS, NARROW_PARAMETERS)
-    shown, told = places[:most], quantities[:MOST_QUANTITIES]
+    shown = places[: by_width(MOST_PARAMETERS, NARROW_PARAMETERS)]
+    told = quantities[:MOST_QUANTITIES]
     has_plane = len(places) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
     counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
-    title = "Cases over " + ", ".join(parameter_words(table.axes()[place]) for place in shown)
+    title = "Cases over " + ", ".join(name_of(table.axes()[place]) for place in shown)
     title += tell_left_out((*counts, (quantities, len(told), "quantities"))) + tell_noise(table)
     figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
     key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])
@@ -138,9 +210,7 @@ def draw_scatter(table: Table) -> Figure:
             else:
                 draw_points(axes, cloud, name, heights, tint)
             mark_failed(axes, cloud.failed[name].to_numpy(float))
-            scale_heights(axes, quantity, cloud.rows, heights)
-            axes.tick_params(labelleft=axes is row[0])
-        row[0].set_ylabel(label_quantity(quantity, cloud.rows), fontsize=9)
+            scale_heights(axes, quantity, cloud.rows, heights, axes is row[0])
         if has_plane:
             draw_plane(row[-1], table, shown, cloud, quantity)
     set_parameter_axes(panels, table, shown, has_plane)
@@ -148,9 +218,9 @@ def draw_scatter(table: Table) -> Figure:
         norm = LogNorm(1, max(max(cells.get_array()) for cells in densities))
         for cells in densities:
             cells.set_norm(norm)
-        tint = Tint(pd.Series(dtype=float), norm, "cases per cell", DENSITIES)
-    add_key(figure.add_subplot(key), cloud, table, tint)
-    Figure.align_ylabels(figure, panels[:, 0])  # before the layout: labels have several lines
+        tint = Tint(pd.Series(dtype=float), norm, ("cases per cell", ""), densities[0].cmap)
+    add_key(no_axis(figure.add_subplot(key)), cloud, table, tint)
+    figure.align_ylabels(panels[:, 0])
     return figure
 
 
@@ -180,12 +250,19 @@ def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
 def draw_density(
     axes: Axes, x: pd.Series, heights: pd.Series, logs: tuple[bool, bool]
 ) -> PolyCollection:
-    """How many cases there are in each cell of a panel; it has to have its scales before."""
+    """How many cases there are in each cell of a panel; it has to have its scales before.
+
+    The colours are from few cases to many, which are far from the ground.
+    """
     there = np.isfinite(heights) & np.isfinite(x)
-    scales = {f"{which}scale": scale_name(is_log) for which, is_log in zip("xy", logs, strict=True)}
-    return axes.hexbin(
-        x[there], heights[there], gridsize=CELLS, mincnt=1, cmap=DENSITIES, linewidths=0.1, **scales
+    ends = ("#0b2038", "#cfdbe8") if lightness(GROUND) < 0.5 else ("#cfdbe8", "#0b2038")
+    shades = LinearSegmentedColormap.from_list(
+        "densities", [tint(ends[0], 0.2), "#4d7096", ends[1]]
     )
+    style = {"gridsize": CELLS, "mincnt": 1, "cmap": shades, "linewidths": 0.1}
+    for which, is_log in zip("xy", logs, strict=True):
+        style[f"{which}scale"] = "log" if is_log else "linear"
+    return axes.hexbin(x[there], heights[there], **style)
 
 
 def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: Tint | None) -> None:
@@ -195,15 +272,8 @@ def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: T
         look = {"color": layer.colour}
         if tint:
             look = {"c": tint.values[rows.index], "cmap": tint.shades, "norm": tint.norm}
-        axes.scatter(
-            rows[name],
-            heights[rows.index],
-            cloud.area,
-            marker=layer.marker,
-            linewidths=0,
-            rasterized=cloud.rasterized,
-            **look,
-        )
+        look |= {"marker": layer.marker, "linewidths": 0, "rasterized": cloud.rasterized}
+        axes.scatter(rows[name], heights[rows.index], cloud.area, **look)
 
 
 def mark_failed(axes: Axes, x: np.ndarray) -> None:
@@ -215,19 +285,28 @@ def mark_failed(axes: Axes, x: np.ndarray) -> None:
         axes.plot(x, np.full_like(x, 0.035), **style, **RUG)
 
 
-def scale_heights(axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: pd.Series) -> None:
+def scale_heights(
+    axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: pd.Series, is_first: bool
+) -> None:
     """The scale of a quantity: names of classes, a log axis, or a line where its sign changes."""
-    values = quantity.values(rows)
+    values, after = quantity.values(rows), ""
+    axes.tick_params(which="both", labelleft=is_first)
     if is_words(values):
-        classes = order_classes(values)
-        axes.set_yticks(range(len(classes)), labels=list(map(name_of, classes)))
-        axes.set_ylim(-0.5 - 0.1 * len(classes), len(classes) - 0.4)
-    elif quantity.has_log_scale(heights.to_numpy()):
+        draw_class_ticks(axes, values, values)
+        count = len(axes.get_yticks())
+        axes.set_ylim(-0.5 - 0.1 * count, count - 0.4)
+        axes.set_ylabel(textwrap.fill(quantity.label, LABEL_LETTERS) if is_first else "")
+        return
+    if quantity.has_log_scale(heights.to_numpy()):
         axes.set_yscale("log")
     else:
         axes.yaxis.set_major_locator(MaxNLocator(5))
         if heights.min() < 0 < heights.max():
             axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+    if quantity.is_none(values.to_numpy(float)).any():
+        after = f"; 0: {quantity.none}"
+    if is_first:
+        name_axis(axes.yaxis, quantity.label, quantity.unit, after, letters=LABEL_LETTERS)
 
 
 def draw_plane(
@@ -235,33 +314,17 @@ def draw_plane(
 ) -> None:
     """The plane of two parameters: points coloured by a quantity, failed cases crossed."""
     x, y = (table.axes()[place] for place in places)
-    values = quantity.values(cloud.rows)
     tint = None
-    if not is_words(values):
+    if not is_words(quantity.values(cloud.rows)):
         numbers = heights_of(quantity, cloud.rows)
         norm, extend = scale_of(quantity, numbers.to_numpy())
-        tint = Tint(numbers, norm, shades=shades_of(norm))
-        bar = axes.figure.colorbar(
-            ScalarMappable(norm, shades_of(norm)), ax=axes, extend=extend, pad=0.03, aspect=14
-        )
-        bar.ax.tick_params(labelsize=8)
+        tint = Tint(numbers, norm, shades=colours_of(norm) if is_signed(norm) else SHADES)
+        style = {"extend": extend, "pad": 0.03, "aspect": 14}
+        bar = axes.figure.colorbar(ScalarMappable(norm, tint.shades), ax=axes, **style)
+        name_axis(bar.ax.yaxis, "")  # the first panel of the row has the unit
     draw_points(axes, cloud, x, cloud.rows[y], tint)
     style = {"color": FAULT, "markersize": 4, "markeredgewidth": 0.8}
     axes.plot(cloud.failed[x], cloud.failed[y], "x", rasterized=cloud.rasterized, **style)
-
-
-def shades_of(norm: Normalize) -> Colormap:
-    """The colours of a scale that can be seen on white."""
-    return colours_of(norm) if is_signed(norm) else SHADES
-
-
-def label_quantity(quantity: Quantity, rows: pd.DataFrame) -> str:
-    """A quantity with its unit in short lines, and what 0 means if that has a name."""
-    label = with_unit(quantity.label, quantity.unit)
-    values = quantity.values(rows)
-    if not is_words(values) and quantity.is_none(values.to_numpy(float)).any():
-        label += f"; 0: {quantity.none}"
-    return textwrap.fill(label, LABEL_LETTERS)
 
 
 def set_parameter_axes(
@@ -270,38 +333,31 @@ def set_parameter_axes(
     """Scales, limits and labels of the parameters: those below at the lowest panels only."""
     for column, place in enumerate([*places, places[0]] if has_plane else places):
         for axes in panels[:, column]:
-            set_parameter_axis(axes, "x", table, place)
-            axes.tick_params(labelbottom=axes is panels[-1, column])
-        panels[-1, column].set_xlabel(break_name(table, place), fontsize=9)
+            set_parameter_axis(axes, "x", table, place, axes is panels[-1, column])
+            axes.tick_params(which="both", labelbottom=axes is panels[-1, column])
     for axes in panels[:, -1] if has_plane else ():
-        set_parameter_axis(axes, "y", table, places[1])
-        axes.set_ylabel(break_name(table, places[1]), fontsize=9)
+        set_parameter_axis(axes, "y", table, places[1], True)
 
 
-def set_parameter_axis(axes: Axes, which: str, table: Table, place: int) -> None:
+def set_parameter_axis(axes: Axes, which: str, table: Table, place: int, is_named: bool) -> None:
     """The same scale and limits wherever a parameter is on an axis, with room at the ends."""
-    values = table.rows[table.axes()[place]].to_numpy(float)
-    is_log = has_log_axis(table, place)
+    values, is_log = table.column(table.axes()[place]), has_log_axis(table, place)
     ends = np.array([values.min(), values.max()])
     ends = np.log(ends) if is_log else ends
     ends += 0.04 * np.ptp(ends) * np.array([-1, 1])
-    axes.set(**{f"{which}scale": scale_name(is_log)})
+    axes.set(**{f"{which}scale": "log" if is_log else "linear"})
     axes.set(**{f"{which}lim": tuple(np.exp(ends) if is_log else ends)})
     axis = axes.xaxis if which == "x" else axes.yaxis
-    if is_log:
-        axis.set_major_formatter(plain_numbers())
-        axis.set_minor_formatter("")
-    else:
+    if not is_log:
         axis.set_major_locator(MaxNLocator(4))
-
-
-def break_name(table: Table, place: int) -> str:
-    """A parameter with its unit in short lines, broken before a formula or the unit."""
-    name = name_parameter(table, place)
-    if len(name) <= NARROW_LETTERS:
-        return name
-    words, *rest = re.split(r" (?=[$(])", name, maxsplit=1)
-    return "\n".join([*textwrap.wrap(words, NARROW_LETTERS), *rest])
+    words, unit = name_parameter(table, place)
+    if len(words) > NARROW_LETTERS:  # broken before a formula
+        words, *rest = re.split(r" (?=[$(])", words, maxsplit=1)
+        words = "\n".join([*textwrap.wrap(words, NARROW_LETTERS), *rest])
+    if is_named:
+        name_axis(axis, words, unit, plain=True)
+    if is_log:
+        axis.set_minor_formatter("")
 
 
 def tint_by_parameter(table: Table, place: int, cloud: Cloud) -> Tint:
@@ -317,30 +373,20 @@ def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
     handles = []
     for layer in () if tint else cloud.layers:
         look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
-        handles.append(
-            a_mark(f"{name_of(layer.name)} ({write_count(layer.count)})", markeredgewidth=0, **look)
-        )
-    failures = count_failures(table.rows)
+        label = f"{name_of(layer.name)} ({write_count(layer.count)})"
+        handles.append(Line2D([], [], **look, linestyle="", markeredgewidth=0, label=label))
+    failures = count_failures(table.rows).items()
     if failures:
-        words = ", ".join(
-            f"{name_of(status)} ({write_count(count)})" for status, count in failures.items()
-        )
-        handles.append(a_mark(textwrap.fill(f"failed: {words}", FAILED_LETTERS), **RUG))
-    axes.set_axis_off()
+        words = ", ".join(f"{name_of(status)} ({write_count(count)})" for status, count in failures)
+        label = textwrap.fill(f"failed: {words}", FAILED_LETTERS)
+        handles.append(Line2D([], [], **RUG, linestyle="", label=label))
     if tint:
         bar = axes.inset_axes([0.0, 0.0, 0.45, 0.35])
         colours = ScalarMappable(tint.norm, tint.shades)
         axes.figure.colorbar(colours, cax=bar, orientation="horizontal")
-        bar.set_title(f"colours: {tint.label}", fontsize=9, pad=3)
-        if isinstance(tint.norm, LogNorm):
-            bar.xaxis.set_major_formatter(plain_numbers())
-        bar.tick_params(labelsize=8)
+        title = bar.set_title("", fontsize="small", pad=3, loc="center")
+        words, unit = tint.label
+        name_axis(bar.xaxis, f"colours: {words}", unit, holder=title, plain=True)
     if handles:
-        place = "center right" if tint else "center left"
-        columns = by_width(4, 2)
-        axes.legend(handles=handles, loc=place, ncols=columns, handletextpad=0.2, borderpad=0)
-
-
-def a_mark(label: str, **style: object) -> Line2D:
-    """An entry of the key."""
-    return Line2D([], [], linestyle="", label=label, **style)
+        place = {"loc": "center right" if tint else "center left", "ncols": by_width(4, 2)}
+        axes.legend(handles=handles, **place, handletextpad=0.2, borderpad=0)

@@ -9,14 +9,22 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from spintop_figures.style.lines import set_degree_ticks
-from spintop_figures.style.look import FAINT, GREY, HIDDEN, LINES, by_width
-from spintop_figures.style.numbers import MINUS, numbers, write, write_count
-from spintop_figures.style.page import add_panels, head, is_lowest, new_figure, panel_rows, width_of
-from spintop_figures.sweeps.maps import LEAST_HEIGHT, PANEL_HEIGHT, scale_name
-from spintop_figures.sweeps.quantities import Quantity, parameter_words, the_column, unit_shown
-from spintop_figures.sweeps.scales import COLOURS, colours_of, is_signed, scale_of
-from spintop_figures.tables.names import axis_of, column_name, with_unit
+from spintop_figures.kinds import figure, unless
+from spintop_figures.style.axes import letters_of, name_axis, set_degree_ticks
+from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
+from spintop_figures.style.numbers import MINUS, write, write_count
+from spintop_figures.style.page import add_panels, head, is_left, is_lowest, new_figure, panel_rows
+from spintop_figures.sweeps.maps import (
+    BLANK,
+    COLOURS,
+    LEAST_HEIGHT,
+    PANEL_HEIGHT,
+    colours_of,
+    is_signed,
+    scale_of,
+)
+from spintop_figures.sweeps.quantities import of_column
+from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -31,8 +39,8 @@ DARK = -0.5
 """Bins below this part of the largest size have dark colours."""
 EVEN = 1.5
 """Variance over mean of the cases in bins, which is 1 of random ones, up to which they are even."""
-NAME_ROOM = 0.16
-"""Distance of the names of two lines, in inches."""
+NAME_LETTERS = 2.2
+"""Distance of the names of two lines, in letters."""
 
 
 class Bins(NamedTuple):
@@ -59,37 +67,31 @@ class Distribution(NamedTuple):
     cases: np.ndarray
 
 
+def rows_of_bins(table: Table) -> pd.DataFrame:
+    """The rows of bins, without that of all cases."""
+    return table.rows[table.rows["bin"] > 0]
+
+
 def bins_of(table: Table) -> list[Bins]:
     """The bins of each quantity that the cases are binned over."""
-    names = list(table.rows.columns)
+    names, rows = list(table.rows.columns), rows_of_bins(table)
     found = []
     for name in names[1 : names.index("cases") : 3]:
-        rows = table.rows[table.rows["bin"] > 0]
-        low, high = rows[f"{name}_from"].to_numpy(float), rows[f"{name}_to"].to_numpy(float)
-        edges = np.append(np.unique(low), high.max())
-        found.append(Bins(name, edges, np.unique(rows[name].to_numpy(float))))
+        low, high, middles = (rows[name + end].to_numpy(float) for end in ("_from", "_to", ""))
+        found.append(Bins(name, np.append(np.unique(low), high.max()), np.unique(middles)))
     return found
 
 
 def gathered(table: Table) -> list[str]:
     """The columns of numbers that have statistics."""
-    return [
-        name.removesuffix("_mean")
-        for name in table.rows
-        if f"{name.removesuffix('_mean')}_deviation" in table.rows and name.endswith("_mean")
-    ]
-
-
-def object_to_bins(table: Table) -> str:
-    """There is something over which the cases are binned."""
-    return "" if bins_of(table) else "has no bins"
+    means = [name.removesuffix("_mean") for name in table.rows if name.endswith("_mean")]
+    return [name for name in means if f"{name}_deviation" in table.rows]
 
 
 def object_to_distributions(table: Table) -> str:
     """There are numbers, and their histograms where they are looked for."""
-    if not gathered(table):
-        return "has no column of numbers"
-    return object_to_beside(table, "histogram")
+    lacks = "" if gathered(table) else "has no column of numbers"
+    return lacks or object_to_beside(table, "histogram")
 
 
 def object_to_beside(table: Table, what: str) -> str:
@@ -114,18 +116,19 @@ def beside(path: Path, what: str) -> Path:
 def distributions_of(table: Table) -> dict[str, Distribution]:
     """The histogram of each column."""
     if table.path.suffix == ".nc":
-        _, variables = read_netcdf(table.path)
-        found = {}
-        for name, variable in variables.items():
-            if name.endswith("_histogram"):
-                column = name.removesuffix("_histogram")
-                ends = variables[f"{column}_interval_bounds"].values.astype(float)
-                found[column] = Distribution(ends[:, 0], ends[:, 1], variable.values.astype(float))
-        return found
-    rows = rows_beside(table, "histogram")
+        _, data = read_netcdf(table.path)
+        columns = [key.removesuffix("_histogram") for key in data if key.endswith("_histogram")]
+        return {
+            column: Distribution(
+                *data[f"{column}_interval_bounds"].values.astype(float).T,
+                data[f"{column}_histogram"].values.astype(float),
+            )
+            for column in columns
+        }
+    groups = rows_beside(table, "histogram").groupby("column", sort=False)
     return {
         str(name): Distribution(*(part[key].to_numpy(float) for key in ("from", "to", "cases")))
-        for name, part in rows.groupby("column", sort=False)
+        for name, part in groups
     }
 
 
@@ -136,38 +139,38 @@ def tell_cases(table: Table) -> str:
     return f"{write_count(row['cases'])} cases{failed}"
 
 
-def label(table: Table, column: str) -> str:
-    """A parameter or a column with its unit, as an axis names it."""
-    return axis_of(column, table.units.get(column, ""))
-
-
 def describe(table: Table, column: str) -> tuple[str, str, float]:
     """What a column of the cases is called, the unit in which it is drawn, the factor to that."""
     meaning = table.meanings.get(f"{column}_mean", "").removeprefix("mean: ")
     return column_name(column, meaning), *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
+@figure(
+    "means",
+    "means of a sweep over its bins, and the number of cases",
+    kind="statistics",
+    needs="cases",
+    objection=unless(bins_of, "has no bins"),
+)
 def draw_statistics(table: Table) -> Figure:
     """The mean of each column over the bins, and the number of cases."""
-    bins = bins_of(table)
-    rows = table.rows[table.rows["bin"] > 0]
-    names = gathered(table)
-    is_noise = len(bins) == 2 and names and is_even(rows["cases"].to_numpy(float))
-    names += [] if is_noise else [""]
-    count = len(names)
-    over = " and ".join(parameter_words(each.column) for each in bins)
+    bins, rows, names = bins_of(table), rows_of_bins(table), gathered(table)
+    over = " and ".join(name_of(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
-    if "" not in names:
+    if len(bins) == 2 and names and is_even(rows["cases"].to_numpy(float)):
         title += f", about {write(rows['cases'].mean(), 3)} in each bin"
-    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * panel_rows(count), LEAST_HEIGHT))
-    panels = add_panels(figure, count, sharey=len(bins) == 2)
+    else:
+        names.append("")
+    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
+    figure = new_figure(table, title, height)
+    panels = add_panels(figure, len(names), sharey=len(bins) == 2)
     for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
         else:
             draw_curve(axes, table, bins[0], rows, name)
-    for axes in panels:
-        label_bins(axes, table, bins)
+    for bin_, which in zip(bins, "xy", strict=False):
+        set_bin_axis(table, bin_, which, panels)
     return figure
 
 
@@ -178,30 +181,26 @@ def is_even(cases: np.ndarray) -> bool:
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
     """A map of a mean, or of the number of cases; bins without values are hatched."""
-    axes.patch.set(facecolor="white", edgecolor="0.7", hatch="////")
-    shape = bins[1].edges.size - 1, bins[0].edges.size - 1
+    axes.patch.set(**BLANK)
+    words, unit, after, extend = "number of cases", "", "", "neither"
     if name:
         words, unit, factor = describe(table, name)
         values = factor * rows[f"{name}_mean"].to_numpy(float)
-        norm, extend = scale_of(Quantity((name,), name, unit, the_column(f"{name}_mean")), values)
-        colours, heading = colours_of(norm), with_unit(words, unit)
-        values = np.clip(values, norm.vmin, norm.vmax)
+        norm, extend = scale_of(of_column(f"{name}_mean"), values)
+        values, colours = np.clip(values, norm.vmin, norm.vmax), colours_of(norm)
         if is_signed(norm):
-            heading += f"; {MINUS}: below zero"
+            after = f"; {MINUS}: below zero"
             mark_negative(axes, *(rows[each.column].to_numpy(float) for each in bins), values)
     else:
         values = rows["cases"].to_numpy(float)
         values = np.where(values > 0, values, np.nan)
-        above = values[np.isfinite(values)]
-        wide = above.size and above.max() > 100 * above.min()
-        norm, extend, colours = LogNorm() if wide else None, "neither", COLOURS
-        heading = "number of cases"
-    head(axes, heading)
-    cells = np.ma.masked_invalid(values.reshape(shape))
-    image = axes.pcolormesh(
-        bins[0].edges, bins[1].edges, cells, cmap=colours, norm=norm, rasterized=True
-    )
-    axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+        is_wide = np.isfinite(values).any() and np.nanmax(values) > 100 * np.nanmin(values)
+        norm, colours = LogNorm() if is_wide else None, COLOURS
+    cells = np.ma.masked_invalid(values.reshape(bins[1].edges.size - 1, bins[0].edges.size - 1))
+    look = {"cmap": colours, "norm": norm, "rasterized": True}
+    image = axes.pcolormesh(bins[0].edges, bins[1].edges, cells, **look)
+    bar = axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+    head(axes, words, bar.ax.yaxis, unit, after)
 
 
 def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray) -> None:
@@ -216,65 +215,52 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
     """A mean with standard deviation and extremes, or the number of cases, over one quantity."""
     if not name:
         axes.stairs(rows["cases"].to_numpy(float), bins.edges, fill=True, color=HIDDEN)
-        head(axes, "number of cases")
         axes.set_ylim(bottom=0)
+        head(axes, "number of cases", axes.yaxis)
         return
-    middle = rows[bins.column].to_numpy(float)
     words, unit, factor = describe(table, name)
-    mean, deviation, low, high = (
-        factor * rows[f"{name}_{key}"].to_numpy(float)
-        for key in ("mean", "deviation", "min", "max")
-    )
+    middle, keys = rows[bins.column].to_numpy(float), ("mean", "deviation", "min", "max")
+    mean, spread, low, high = (factor * rows[f"{name}_{key}"].to_numpy(float) for key in keys)
     axes.fill_between(middle, low, high, color=FAINT, linewidth=0, label="minimum to maximum")
-    axes.fill_between(
-        middle,
-        np.maximum(mean - deviation, low),
-        np.minimum(mean + deviation, high),
-        color=HIDDEN,
-        linewidth=0,
-        label="standard deviation",
-    )
+    ends = np.maximum(mean - spread, low), np.minimum(mean + spread, high)
+    axes.fill_between(middle, *ends, color=HIDDEN, linewidth=0, label="standard deviation")
     axes.plot(middle, mean, **LINES[0], label="mean")
-    head(axes, with_unit(words, unit))
-    if not axes.get_subplotspec().is_first_row() or not axes.get_subplotspec().is_first_col():
-        return
-    axes.legend(loc="best", fontsize=8)
+    head(axes, words, axes.yaxis, unit)
+    if axes.get_subplotspec().is_first_row() and is_left(axes):
+        axes.legend(loc="best")
 
 
-def label_bins(axes: Axes, table: Table, bins: list[Bins]) -> None:
-    """Scales and labels of the binned quantities, at the left and lowest panels only."""
-    spot = axes.get_subplotspec()
-    plain = numbers()
-    axes.set_xscale(scale_name(bins[0].is_log))
-    axes.set_xlim(bins[0].edges[0], bins[0].edges[-1])
-    if bins[0].is_log:
-        axes.xaxis.set_major_formatter(plain)
-    if is_lowest(axes):
-        axes.set_xlabel(label(table, bins[0].column))
-    if len(bins) < 2:
-        return
-    axes.set_yscale(scale_name(bins[1].is_log))
-    axes.set_ylim(bins[1].edges[0], bins[1].edges[-1])
-    if bins[1].is_log:
-        axes.yaxis.set_major_formatter(plain)
-    if table.units.get(bins[1].column) == "deg":
-        set_degree_ticks(axes.yaxis, bins[1].edges)
-    if spot.is_first_col():
-        axes.set_ylabel(label(table, bins[1].column))
+def set_bin_axis(table: Table, bins: Bins, which: str, panels: list[Axes]) -> None:
+    """Scale and name of a binned quantity, at the left or the lowest panels only."""
+    for axes in panels:
+        axes.set(**{f"{which}scale": "log" if bins.is_log else "linear"})
+        axes.set(**{f"{which}lim": (bins.edges[0], bins.edges[-1])})
+    unit = table.units.get(bins.column, "")
+    for axes in panels:
+        axis = axes.xaxis if which == "x" else axes.yaxis
+        if which == "y" and unit == "deg":
+            set_degree_ticks(axis, bins.edges)
+        if is_lowest(axes) if which == "x" else is_left(axes):
+            name_axis(axis, axis_of(bins.column), unit, plain=True)
 
 
+@figure(
+    "distributions",
+    "histograms of a sweep over all cases, with quantiles",
+    kind="statistics",
+    needs="cases",
+    objection=object_to_distributions,
+)
 def draw_distributions(table: Table) -> Figure:
     """The distribution of each column over all cases, with its mean and quantiles."""
     found = distributions_of(table)
     if not found:
-        raise TableError("has no value in any column: no distributions figure")
+        raise TableError("has no value in any column")
     names = [name for name in gathered(table) if name in found]
-    title = f"Distributions over {tell_cases(table)}"
-    figure = new_figure(table, title, 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), 3.0))
-    across = min(by_width(2, 1), len(names))
-    cells = figure.add_gridspec(-(-len(names) // across), across)
-    for place, name in enumerate(names):
-        axes = figure.add_subplot(cells[divmod(place, across)])
+    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), 3.0)
+    figure = new_figure(table, f"Distributions over {tell_cases(table)}", height)
+    panels = add_panels(figure, len(names), sharex=False, sharey=False)
+    for name, axes in zip(names, panels, strict=True):
         draw_distribution(axes, table, name, found[name])
     return figure
 
@@ -299,12 +285,11 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
         marks = {f"{write(100 * float(key.rpartition('_q')[2]))} %": row[key] for key in quantiles}
         shown = marks if len(marks) <= MOST_QUANTILES else {}
         mark_values(axes, {"mean": row[f"{name}_mean"], **shown}, factor)
-        per = {"": "", "degrees": "per degree"}.get(unit, f"per {unit}")
-        axes.set_ylabel(with_unit("density", per))
-    axes.set_xlabel(with_unit(words, unit))
+        name_axis(axes.yaxis, "density", {"": "", "degrees": "per degree"}.get(unit, f"per {unit}"))
+    name_axis(axes.xaxis, words, unit)
     none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
     if none:
-        axes.set_title(f"{write_count(none)} cases have no value", loc="left", fontsize=8.5)
+        axes.set_title(f"{write_count(none)} cases have no value", fontsize="small")
 
 
 def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:
@@ -318,12 +303,112 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
     left, right = axes.get_xlim()
     axes.set_xlim(left, right)
     last = -np.inf
+    style = {"xycoords": "axes fraction", "fontsize": "small", "rotation": 90, "ha": "center"}
     for words, value in sorted(marks.items(), key=lambda mark: mark[1]):
-        if not np.isfinite(value):
-            continue
-        place = (factor * value - left) / (right - left)
-        last = max(place, last + NAME_ROOM / width_of(axes))
-        look = LINES[1] if words == "mean" else {"color": GREY, "linestyle": ":"}
-        axes.axvline(factor * value, **look | {"linewidth": 1.0})
-        style = {"fontsize": 8, "color": look["color"], "rotation": 90, "ha": "center"}
-        axes.annotate(words, (last, 1.02), xycoords="axes fraction", va="bottom", **style)
+        if np.isfinite(value):
+            place = (factor * value - left) / (right - left)
+            last = max(place, last + NAME_LETTERS / letters_of(axes, "x"))
+            look = LINES[1] if words == "mean" else {"color": GREY, "linestyle": ":"}
+            axes.axvline(factor * value, **look | {"linewidth": 1.0})
+            axes.annotate(words, (last, 1.02), va="bottom", color=look["color"], **style)
+
+
+LEAST_RANGE, FURTHEST = 0.5, 0.5
+"""The axis reaches to this share at least, and this far beyond 0 and 1 at most, where intervals are
+wide."""
+FACTOR_HEIGHT, FRAME_HEIGHT = 0.34, 0.75
+"""Of a factor, and of what is above and below the factors of a panel, in inches."""
+INDICES = ("first_order", "total")
+
+APART = 0.13
+LOOKS = (
+    (-APART, LINES[0]["color"], {"marker": "o", "label": "first order"}),
+    (APART, LINES[1]["color"], {"marker": "D", "label": "total", "markerfacecolor": GROUND}),
+)
+"""How far the two indices of a factor stand from its line, their colours and marks; the factors are
+1 apart."""
+
+
+def object_to_indices(table: Table) -> str:
+    """Indices were computed, and their table is there where it is looked for."""
+    if table.setting("statistics.indices") != "sobol":
+        return "has no Sobol' indices"
+    return object_to_beside(table, "indices")
+
+
+def indices_of(table: Table) -> pd.DataFrame:
+    """A row for each column and factor: the indices, the ends of their intervals, the groups."""
+    if table.path.suffix != ".nc":
+        return rows_beside(table, "indices")
+    _, data = read_netcdf(table.path)
+    factors, parts = str(data["factor"].attrs["flag_meanings"]).split(), []
+    for stem in (key.removesuffix("_first_order") for key in data if key.endswith("_first_order")):
+        column = str(data[f"{stem}_first_order"].attrs["column"])
+        cells: dict[str, object] = {"column": [column] * len(factors), "factor": factors}
+        for index in INDICES:
+            ends = data[f"{stem}_{index}_bounds"].values.astype(float)
+            cells[index] = data[f"{stem}_{index}"].values.astype(float)
+            cells[f"{index}_low"], cells[f"{index}_high"] = ends[:, 0], ends[:, 1]
+        cells["groups"] = int(data[f"{stem}_groups"].values)
+        cells["left_out"] = int(data[f"{stem}_groups_left_out"].values)
+        parts.append(pd.DataFrame(cells))
+    return pd.concat(parts, ignore_index=True)
+
+
+@figure(
+    "indices",
+    "first-order and total Sobol' indices of a sweep with their intervals",
+    kind="statistics",
+    needs="cases",
+    objection=object_to_indices,
+)
+def draw_indices(table: Table) -> Figure:
+    """The indices of each column as dots with their intervals, a line a factor."""
+    found = indices_of(table)
+    if not np.isfinite(found["first_order"].to_numpy(float)).any():
+        raise TableError("has no column that varies")
+    groups = list(found.groupby("column", sort=False))
+    title = by_width("Sobol' indices with 95 % intervals", "Sobol' indices")
+    most = max(len(rows) for _, rows in groups)
+    height = 1.2 + (FRAME_HEIGHT + FACTOR_HEIGHT * most) * panel_rows(len(groups))
+    figure = new_figure(table, f"{title}: {tell_cases(table)}", height)
+    panels = add_panels(figure, len(groups), sharey=True)
+    for axes, (name, rows) in zip(panels, groups, strict=True):
+        head(axes, describe(table, str(name))[0])
+        draw_dots(axes, rows)
+    ends = found[[f"{index}_{end}" for index in INDICES for end in ("low", "high")]].to_numpy(float)
+    ends = ends[np.isfinite(ends)]
+    low, high = ends.min(initial=0.0), ends.max(initial=LEAST_RANGE)
+    room = 0.03 * (high - low)
+    panels[0].set_xlim(max(low - room, -FURTHEST), min(high + room, 1 + FURTHEST))
+    panels[0].set_ylim(most - 0.5, -0.5)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=2, borderpad=0)
+    for axes in panels:
+        axes.tick_params(labelleft=is_left(axes), left=False)
+        if is_lowest(axes):
+            name_axis(axes.xaxis, "share of the variance")
+    return figure
+
+
+def draw_dots(axes: Axes, rows: pd.DataFrame) -> None:
+    """The indices of a column as dots with intervals; a column without indices says so."""
+    places = np.arange(len(rows))
+    axes.set_yticks(places, [name_of(factor) for factor in rows["factor"]])
+    axes.axvline(0, color=GREY, linewidth=0.6, zorder=0)
+    for place in places:
+        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
+    for index, (shift, colour, look) in zip(INDICES, LOOKS, strict=True):
+        values, low, high = (rows[index + end].to_numpy(float) for end in ("", "_low", "_high"))
+        there = places + shift
+        known = np.isfinite(high) & np.isfinite(low)
+        axes.hlines(there[known], low[known], high[known], color=colour, linewidth=1.4)
+        style = look | {"color": colour, "markersize": 5, "linestyle": "", "zorder": 3}
+        axes.plot(values, there, **style)
+    left_out = int(rows["left_out"].iloc[0])
+    if not np.isfinite(rows["first_order"].to_numpy(float)).any():
+        axes.annotate("no indices", (0.5, 0.5), xycoords="axes fraction", ha="center", color=FAULT)
+    elif left_out:
+        groups = write_count(left_out + rows["groups"].iloc[0])
+        text = f"{write_count(left_out)} of {groups} groups left out"
+        axes.set_title(text, loc="right", fontsize="small", color=FAULT)

@@ -10,23 +10,21 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spintop_figures.style.cells import Cells
-from spintop_figures.style.look import GREY
-from spintop_figures.style.numbers import DASH, true_minus, with_power, write
-from spintop_figures.style.page import new_figure
+from spintop_figures.kinds import figure
+from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.style.look import GREY, INK
+from spintop_figures.style.numbers import COMMA, DASH, localised, with_power, write
+from spintop_figures.style.page import new_figure, no_axis
 from spintop_figures.style.provenance import describe_run
-from spintop_figures.tables.ends import ended_well, is_good_end
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import ended_well, is_good_end
 
 MOST_ROWS = 60
 """Longer tables make no page."""
 
-ROW_HEIGHT = 0.215
-"""In inches."""
-
-HEADS = 4.0
-"""Height of the heads, in rows."""
+ROW_HEIGHT, HEADS = 0.215, 4.0
+"""Height of a row in inches, and of the heads in rows."""
 
 
 class Column(NamedTuple):
@@ -59,10 +57,8 @@ PAGE_LETTERS = 160
 LEAST, LARGEST = 1e-6, 1e6
 """A column with smaller or larger numbers has powers of ten."""
 
-POINT = "."
-
-MARK, MARK_WIDTH = "*", 0.08
-"""Of a case that failed; the width in inches."""
+DIGIT = 0.0883
+"""Width of a digit of the usual letters, in inches; a point takes half of it."""
 
 LEGEND = (
     "paper: its formula for a fast top; exact: closed form of the whole motion; this run: {run} "
@@ -70,63 +66,72 @@ LEGEND = (
 )
 
 
+def object_to_table1(table: Table) -> str:
+    """The page is for a sweep over the spin ratio that fits on it."""
+    if table.axes() != ["initial.spin_ratio"]:
+        return "is not a sweep over initial.spin_ratio alone"
+    fits = len(table.rows) <= MOST_ROWS
+    return "" if fits else f"has more rows than fit on a page ({MOST_ROWS})"
+
+
+@figure(
+    "table1",
+    "the same as a page, where the spin ratio is swept (Table 1)",
+    kind="sweep",
+    needs=" ".join(column.column for column in COLUMNS),
+    objection=object_to_table1,
+    sparse=True,
+    assumes=LAGRANGE,
+)
 def draw_table1(table: Table) -> Figure:
     """The page."""
-    notes = [
-        line
-        for note in (LEGEND.format(run=describe_run(table)), *notes_on(table.rows))
-        for line in textwrap.wrap(note, PAGE_LETTERS)
-    ]
+    notes = [LEGEND.format(run=describe_run(table)), *notes_on(table.rows)]
+    notes = [line for note in notes for line in textwrap.wrap(note, PAGE_LETTERS)]
     bottom = HEADS + 0.4 + len(table.rows)
     lines = bottom + 0.5 + len(notes)
-    figure = new_figure(
-        table,
-        f"Table 1 with {name_inertia(table)}: fast-top formulas and exact solution",
-        height=lines * ROW_HEIGHT + 1.2,
-        width=PAGE_WIDTH,
-    )
-    axes = figure.subplots()
-    axes.set_axis_off()
+    title = f"Table 1 with {name_inertia(table)}: fast-top formulas and exact solution"
+    figure = new_figure(table, title, lines * ROW_HEIGHT + 1.2, PAGE_WIDTH)
+    axes = no_axis(figure.subplots())
     axes.set(xlim=(0, PAGE_WIDTH), ylim=(lines, 0))
     write_heads(axes)
     failed = ~ended_well(table.rows).to_numpy()
-    cells = Cells()
     for column in COLUMNS:
-        write_column(cells, column, table.rows[column.column].to_numpy(float), failed)
-    axes.add_artist(cells)
-    axes.axhline(bottom, color="black", linewidth=1.2)
+        write_column(axes, column, table.column(column.column), failed)
+    axes.axhline(bottom, color=INK, linewidth=1.2)
     for number, note in enumerate(notes):
-        axes.text(0.1, bottom + 0.8 + number, note, va="center", parse_math=False, fontsize=9)
+        style = {"va": "center", "parse_math": False, "fontsize": "small"}
+        axes.text(0.1, bottom + 0.8 + number, note, **style)
     return figure
 
 
 def write_heads(axes: Axes) -> None:
     """Two lines of heads between rules; a group's head stands over its columns."""
-    axes.axhline(0.2, color="black", linewidth=1.2)
-    for group in dict.fromkeys(column.group for column in COLUMNS):
-        members = [column for column in COLUMNS if column.group == group]
-        right = RIGHT_EDGES[members[-1]]
-        left = RIGHT_EDGES[members[0]] - 0.85
+    axes.axhline(0.2, color=INK, linewidth=1.2)
+    for group, members in itertools.groupby(COLUMNS, key=lambda column: column.group):
+        first, *rest = members
+        right = RIGHT_EDGES[[first, *rest][-1]]
+        left = RIGHT_EDGES[first] - 0.85
         axes.text((left + right) / 2, 1.4, group, ha="center", va="center")
-        if len(members) > 1:
-            axes.plot([left, right], [2.4, 2.4], color="black", linewidth=0.6)
+        if rest:
+            axes.plot([left, right], [2.4, 2.4], color=INK, linewidth=0.6)
     for column in COLUMNS:
         axes.text(RIGHT_EDGES[column], 3.2, column.head, ha="right", va="center")
-    axes.axhline(HEADS, color="black", linewidth=0.8)
+    axes.axhline(HEADS, color=INK, linewidth=0.8)
 
 
-def write_column(cells: Cells, column: Column, values: np.ndarray, failed: np.ndarray) -> None:
+def write_column(axes: Axes, column: Column, values: np.ndarray, failed: np.ndarray) -> None:
     """The cells of a column below each other, on their decimal points; a failed case is grey."""
     is_first = column is COLUMNS[0]
     texts = [write(value) for value in values] if is_first else as_column(values)
-    decimals = max(len(text.partition(POINT)[2]) for text in texts)
+    point = "," if COMMA.get() else "."
+    behind = [len(text.partition(point)[2]) + 0.5 * (point in text) for text in texts]
     for number, (text, is_failed) in enumerate(zip(texts, failed, strict=True)):
-        _, point, behind = text.partition(POINT)
-        room = "0" * (decimals - len(behind)) + (POINT if decimals and not point else "")
-        end = (RIGHT_EDGES[column], HEADS + 0.7 + number)
-        cells.write(end, text, "" if text == DASH else room, GREY if is_failed else "black")
+        room = DIGIT * (max(behind) - behind[number]) if text != DASH else 0.0
+        place = RIGHT_EDGES[column] - room, HEADS + 0.7 + number
+        style = {"va": "center_baseline", "color": GREY if is_failed else INK}
+        axes.text(*place, text, ha="right", **style, in_layout=False)
         if is_first and is_failed:
-            cells.write((end[0] + MARK_WIDTH, end[1]), MARK, "", GREY)
+            axes.text(RIGHT_EDGES[column] + 0.02, place[1], "*", **style, in_layout=False)
 
 
 def as_column(values: np.ndarray) -> list[str]:
@@ -142,7 +147,7 @@ def as_text(value: float, is_fixed: bool = True) -> str:
         return DASH
     if is_fixed:
         decimals = 4 - math.floor(math.log10(abs(value))) if value else 0
-        return true_minus(f"{value:.{max(decimals, 0)}f}")
+        return localised(f"{value:.{max(decimals, 0)}f}")
     mantissa, exponent = f"{value:.4e}".split("e")
     return with_power(mantissa, int(exponent))
 
@@ -168,8 +173,7 @@ def notes_on(rows: pd.DataFrame) -> list[str]:
     notes = []
     for (status, reason), cases in rows.groupby([rows["status"], reasons], sort=False):
         mark, words = ("", []) if is_good_end(status) else ("* ", [name_of(status)])
-        if reason:
-            words.append(reason)
+        words += [reason] if reason else []
         if words:
             ratios = ", ".join(write(ratio) for ratio in cases[COLUMNS[0].column])
             notes.append(f"{mark}λ = {ratios}: {': '.join(words)}")

@@ -5,6 +5,7 @@ The registry of the program and the headers of tables have a description and a u
 has none of its own is named by its parts. `name_of` and `axis_of` find them.
 """
 
+import math
 import re
 from typing import NamedTuple
 
@@ -219,6 +220,16 @@ def unit_of_netcdf(text: str) -> str:
     if text == "1":
         return ""
     return re.sub(r"^[^ */^]+", lambda word: UNITS.get(word[0], word[0]), text)
+
+
+def unit_shown(column: str, unit: str) -> tuple[str, float]:
+    """The unit in which a column is drawn, and the factor to it.
+
+    Angles are in degrees. Errors stay in radians, in which tolerances and verdicts are given.
+    """
+    if unit == "rad" and "error" not in column:
+        return UNIT_WORDS["deg"], math.degrees(1)
+    return unit, 1.0
 
 
 def raised(unit: str) -> str:

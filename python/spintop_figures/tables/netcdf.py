@@ -1,81 +1,124 @@
-"""Reading NetCDF tables of spintop, classic or NetCDF-4, by the package netCDF4."""
+"""NetCDF tables of spintop, classic or NetCDF-4, as xarray reads them by netCDF4."""
 
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
-from spintop_figures.tables.causes import TableError
+from spintop_figures.tables.characters import TableError, printable
+from spintop_figures.tables.ending import problem_of_cells
+from spintop_figures.tables.names import unit_of_netcdf
+from spintop_figures.tables.table import BIN, NOTE, Table, check_program, read_head, stride_of
 
-Attributes = dict[str, str | np.ndarray]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable: the names of its dimensions, its attributes, its values."""
-
-    dimensions: tuple[str, ...]
-    attributes: Attributes
-    values: np.ndarray
+if TYPE_CHECKING:
+    from xarray import Variable
 
 
-def read_netcdf(path: Path) -> tuple[Attributes, dict[str, Variable]]:
-    """The attributes of a file and its variables."""
+def read_netcdf(path: Path) -> tuple[dict[str, object], dict[str, "Variable"]]:
+    """The attributes of a file and its variables in their order, with numbers as they stand there.
+
+    A data set of xarray would have coordinates before all others.
+    """
     try:
-        from netCDF4 import Dataset
+        import netCDF4  # noqa: F401
+        from xarray.backends import NetCDF4DataStore
     except ImportError as error:
         raise TableError(
-            "is read by the Python package netCDF4, which is not installed: `pip install netCDF4`, "
-            "in a checkout `.venv/bin/pip install --no-deps -r scripts/requirements_netcdf.txt`"
+            "is read by the Python packages netCDF4 and xarray, which are not installed: `pip "
+            "install netCDF4 xarray`, in a checkout `.venv/bin/pip install --no-deps -r "
+            "scripts/requirements_netcdf.txt`"
         ) from error
     if path.stat().st_size == 0:
         raise TableError("is empty")
     try:
-        # The library takes no name that is not in the encoding of the locale, and cannot open
-        # every classic file in memory.
+        # The library takes no name that is not in the encoding of the locale.
         with tempfile.TemporaryDirectory() as folder:
             link = Path(folder, "table.nc")
             link.symlink_to(path.absolute())
-            with Dataset(link) as file:
-                file.set_auto_maskandscale(False)
-                variables = {
-                    name: Variable(each.dimensions, attributes_of(each), each[...])
-                    for name, each in file.variables.items()
-                }
-                return attributes_of(file), variables
-    except (OSError, RuntimeError) as error:
+            with NetCDF4DataStore.open(link) as store:
+                variables, attributes = store.load()
+                return dict(attributes), {name: each.load() for name, each in variables.items()}
+    except (OSError, RuntimeError, ValueError) as error:
         raise TableError("is no NetCDF file, or is damaged or cut short") from error
 
 
-def attributes_of(place: object) -> Attributes:
-    """The attributes of a file or of a variable: texts, and arrays of numbers."""
-    found = {name: place.getncattr(name) for name in place.ncattrs()}
-    return {
-        name: value if isinstance(value, str) else np.atleast_1d(value)
-        for name, value in found.items()
-    }
+def read_netcdf_table(path: Path) -> Table:
+    """Read the NetCDF table of a sweep, of a trajectory, or of statistics."""
+    try:
+        return table_of(path, *read_netcdf(path))
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise TableError("is damaged or cut short") from error
 
 
-def along(variable: Variable, grid: Variable) -> np.ndarray:
-    """The values of a column in the order of the cases, which `grid` has all."""
-    values = variable.values
-    if variable.dimensions != grid.dimensions:
-        axis = grid.dimensions.index(variable.dimensions[0])
-        shape = [-1 if i == axis else 1 for i in range(grid.values.ndim)]
-        values = np.broadcast_to(values.reshape(shape), grid.values.shape)
-    return values.reshape(-1)
+def table_of(path: Path, found: dict[str, object], variables: dict[str, "Variable"]) -> Table:
+    """The table that a NetCDF file holds."""
+    header = {key: str(value) for key, value in found.items()}
+    lines = [printable(line) for line in header.pop("input", "").split("\n")]
+    said = header.pop("end", "")
+    header = {key: printable(text) for key, text in header.items()}
+    check_program(header)
+    settings = read_head([line.strip() for line in lines])[1]
+    known = {"path": path, "header": header, "settings": settings, "input": "\n".join(lines)}
+    if "all_cases" in variables:
+        return Table(**known, **statistics_of(variables), status=None)
+    columns = {printable(each.attrs["column"]): each for each in variables.values()}
+    if not columns:
+        raise TableError("has no columns")
+    grid = columns.get("case", next(iter(columns.values())))
+    status = header.pop("status", None)
+    if grid.size == 0:
+        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    stride = stride_of(settings.get("study.kind", [""])[0], list(columns), grid.size)
+    numbers = {name: each.set_dims(grid.sizes).values.ravel() for name, each in columns.items()}
+    if problem := said and problem_of_cells(said, list(numbers.values())):
+        raise TableError(problem)
+    cells = {name: in_words(columns[name], values)[::stride] for name, values in numbers.items()}
+    known |= {"units": attributes(columns, "units"), "meanings": attributes(columns, "long_name")}
+    note = "" if said else NOTE
+    return Table(**known, rows=pd.DataFrame(cells), status=status, stride=stride, note=note)
 
 
-def cells_of(variable: Variable, grid: Variable) -> np.ndarray:
-    """The cells of a column in the order of the cases, which `grid` has all: numbers or words."""
-    values = along(variable, grid)
-    if "flag_values" in variable.attributes:
-        return np.array(str(variable.attributes["flag_meanings"]).split())[values]
-    if "flag_masks" in variable.attributes:
-        words = str(variable.attributes["flag_meanings"]).split()
-        masks = [int(mask) for mask in variable.attributes["flag_masks"]]
+def in_words(variable: "Variable", values: np.ndarray) -> np.ndarray:
+    """The cells of a column: numbers, or the words that stand for their values or their bits."""
+    words = str(variable.attrs.get("flag_meanings", "")).split()
+    if "flag_values" in variable.attrs:
+        return np.array(words)[values]
+    if "flag_masks" in variable.attrs:
+        masks = [int(mask) for mask in np.atleast_1d(variable.attrs["flag_masks"])]
         pairs = list(zip(masks, words, strict=True))
         texts = {bits: "; ".join(w for m, w in pairs if bits & m) for bits in set(values.tolist())}
         return np.array([texts[bits] for bits in values.tolist()])
     return values
+
+
+def attributes(columns: dict[str, "Variable"], name: str) -> dict[str, str]:
+    """An attribute of each column, empty if it has none; units as tables of texts have them."""
+    texts = {column: printable(each.attrs.get(name, "")) for column, each in columns.items()}
+    return {c: unit_of_netcdf(t) for c, t in texts.items()} if name == "units" else texts
+
+
+def statistics_of(variables: dict[str, "Variable"]) -> dict[str, object]:
+    """Rows, units and meanings of statistics: a row of all cases, then one of each bin."""
+    bins = variables.get("cases")
+    over, shape = (bins.dims, bins.shape) if bins is not None else ((), ())
+    count = bins.size if over else 0
+    cells: dict[str, np.ndarray] = {BIN: np.arange(count + 1)}
+    columns: dict[str, Variable] = {}
+    for axis in over[::-1]:
+        variable, bounds = variables[axis], variables[f"{axis}_bounds"].values
+        name, parts = printable(variable.attrs["column"]), (variable.values, *bounds.T)
+        for ending, values in zip(("", "_from", "_to"), parts, strict=True):
+            place = [-1 if other == axis else 1 for other in over]
+            grid = np.broadcast_to(values.reshape(place), shape).ravel()
+            cells[name + ending] = np.concatenate([[np.nan], grid])
+            columns[name + ending] = variable
+    for key, variable in variables.items():
+        if key.startswith("all_"):
+            name, of_bins = printable(variable.attrs["column"]), key.removeprefix("all_")
+            grid = variables[of_bins].values.ravel() if of_bins in variables else [np.nan] * count
+            cells[name] = np.concatenate([[float(variable.values)], grid])
+            columns[name] = variable
+    texts = {"units": attributes(columns, "units"), "meanings": attributes(columns, "long_name")}
+    return {"rows": pd.DataFrame(cells), **texts}

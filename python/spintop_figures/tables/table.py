@@ -1,20 +1,19 @@
 """Reading a table of spintop: its header of `#` lines, its rows, its status."""
 
+import csv
+import io
 import itertools
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from spintop_figures.tables.causes import TableError, changed_header, plain
-from spintop_figures.tables.characters import printable
-from spintop_figures.tables.ending import problem_of_cells, problem_of_text
-from spintop_figures.tables.names import unit_of_netcdf
-from spintop_figures.tables.netcdf import Attributes, Variable, along, cells_of, read_netcdf
-from spintop_figures.tables.rows import is_word, names_of, read_rows, rows_of
+from spintop_figures.tables.characters import TableError, printable
+from spintop_figures.tables.ending import problem_of_text
+from spintop_figures.tables.names import unit_shown
 from spintop_figures.tables.words import words_of
 
 NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
@@ -31,12 +30,16 @@ FACTOR = "factor"
 EVENT = "event"
 """First column of a table of events, which may have no rows."""
 
-MANY_CASES = 20_000
-"""Rows of a sweep over one parameter beyond which only some are kept, about KEPT_CASES."""
-KEPT_CASES = 5_000
+MANY_CASES, KEPT_CASES = 20_000, 5_000
+"""Rows of a sweep over one parameter beyond which only some are kept, and about how many."""
+
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
+LARGEST_INTEGER = 2.0**53
+LONGEST = 40
+"""Characters of a cell that a message quotes at most."""
 
 
 @dataclass(frozen=True)
@@ -111,9 +114,18 @@ class Table:
         """Whether a column of words has no numbers alone; a problem may have any name."""
         return column == "problem" or self.rows.empty or any(map(is_word, self.rows[column]))
 
+    def column(self, name: str) -> np.ndarray:
+        """The numbers of a column."""
+        return self.rows[name].to_numpy(float)
+
+    def shown(self, name: str, unit: str = "") -> tuple[np.ndarray, str]:
+        """The numbers of a column as they are drawn, and their unit, this one if none is told."""
+        unit, factor = unit_shown(name, self.units.get(name) or unit)
+        return self.column(name) * factor, unit
+
     def finite(self, column: str) -> np.ndarray:
         """Which rows have a finite number in a column."""
-        return np.isfinite(self.rows[column].to_numpy(float))
+        return np.isfinite(self.column(column))
 
     def axes(self) -> list[str]:
         """The swept parameters: the columns between `case` and `status`."""
@@ -130,112 +142,14 @@ def swept(names: list[str]) -> list[str]:
 def read_table(path: str | Path) -> Table:
     """Read a table, or raise a TableError that says why it is none."""
     path = Path(path)
-    return read_netcdf_table(path) if path.suffix == ".nc" else read_text_table(path)
-
-
-def read_netcdf_table(path: Path) -> Table:
-    """Read the NetCDF table of a sweep or of a trajectory."""
     try:
-        return table_of_netcdf(path, *read_netcdf(path))
+        if path.suffix == ".nc":
+            from spintop_figures.tables.netcdf import read_netcdf_table
+
+            return read_netcdf_table(path)
+        return table_of_text(path, path.read_bytes())
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise TableError("is damaged or cut short") from error
-
-
-def table_of_netcdf(path: Path, attributes: Attributes, variables: dict[str, Variable]) -> Table:
-    """The table that a NetCDF file holds."""
-    if not str(attributes.get("program", "")).startswith("spintop"):
-        raise TableError("is no table of spintop: its attributes name no program")
-    texts = {key: str(value) for key, value in attributes.items()}
-    check_format(texts)
-    said = texts.pop("end", "")
-    lines = [printable(line) for line in texts.pop("input", "").split("\n")]
-    resolved = "\n".join(lines)
-    header = {key: printable(text) for key, text in texts.items()}
-    _, settings, _, _ = read_head([line.strip() for line in lines])
-    if "all_cases" in variables:
-        return table_of_statistics(path, header, settings, variables, resolved)
-    columns = {printable(each.attributes["column"]): each for each in variables.values()}
-    if not columns:
-        raise TableError("has no columns")
-    grid = columns.get("case", next(iter(columns.values())))
-    status = header.pop("status", None)
-    if grid.values.size == 0:
-        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
-    stride = stride_of(settings, list(columns), grid.values.size)
-    if problem := said and problem_of_cells(said, [along(each, grid) for each in columns.values()]):
-        raise TableError(problem)
-    cells = {name: cells_of(column, grid) for name, column in columns.items()}
-    rows = pd.DataFrame({name: column[::stride] for name, column in cells.items()})
-    units = {name: attribute(column, "units") for name, column in columns.items()}
-    meanings = {name: attribute(column, "long_name") for name, column in columns.items()}
-    note = "" if said else NOTE
-    return Table(path, header, settings, units, meanings, rows, status, stride, resolved, (), note)
-
-
-def table_of_statistics(
-    path: Path,
-    header: dict[str, str],
-    settings: dict[str, list[str]],
-    variables: dict[str, Variable],
-    resolved: str,
-) -> Table:
-    """The statistics in a NetCDF file as a table: a row of all cases, then one of each bin."""
-    over = variables["cases"].dimensions[::-1] if "cases" in variables else ()
-    shape = tuple(variables[name].values.size for name in over[::-1])
-    count = int(np.prod(shape)) if over else 0
-    cells: dict[str, np.ndarray] = {BIN: np.arange(count + 1)}
-    units, meanings = {}, {}
-    none = [np.nan]
-    for place, axis in enumerate(over):
-        name = printable(variables[axis].attributes["column"])
-        along = [-1 if i == len(over) - 1 - place else 1 for i in range(len(over))]
-        ends = variables[f"{axis}_bounds"].values
-        parts = {"": variables[axis].values, "_from": ends[:, 0], "_to": ends[:, 1]}
-        for ending, values in parts.items():
-            grid = np.broadcast_to(values.reshape(along), shape).reshape(-1)
-            cells[name + ending] = np.concatenate([none, grid])
-            units[name + ending] = attribute(variables[axis], "units")
-            meanings[name + ending] = attribute(variables[axis], "long_name")
-    for key, variable in variables.items():
-        if not key.startswith("all_"):
-            continue
-        name = printable(variable.attributes["column"])
-        of_bins = variables.get(key.removeprefix("all_"))
-        grid = of_bins.values.reshape(-1) if of_bins else np.full(count, np.nan)
-        cells[name] = np.concatenate([[float(variable.values)], grid])
-        units[name], meanings[name] = attribute(variable, "units"), attribute(variable, "long_name")
-    return Table(path, header, settings, units, meanings, pd.DataFrame(cells), None, 1, resolved)
-
-
-def check_format(header: Mapping[str, str]) -> None:
-    """Refuse a table of another format than the one that is known here."""
-    found = header.get("format", f"0 ({header['program']})")
-    if found != FORMAT:
-        known = f"figures are drawn of format {FORMAT}"
-        raise TableError(f"is a table of format {printable(found)}, and {known}: write it again")
-
-
-def attribute(variable: Variable, name: str) -> str:
-    """An attribute of a variable, empty if it has none; a unit as tables of texts have it."""
-    text = printable(variable.attributes.get(name, ""))
-    return unit_of_netcdf(text) if name == "units" else text
-
-
-def stride_of(settings: dict[str, list[str]], names: list[str], count: int) -> int:
-    """How many rows there are for one that a figure can show."""
-    is_long = settings.get("study.kind") == ["sweep"] and count > MANY_CASES
-    return count // KEPT_CASES if is_long and len(swept(names)) == 1 else 1
-
-
-def read_text_table(path: Path) -> Table:
-    """Read a table of texts."""
-    try:
-        data = plain(path.read_bytes())
-    except OSError as error:
-        raise TableError((error.strerror or str(error)).lower()) from error
-    return table_of_text(path, data)
 
 
 def table_in_memory(
@@ -246,54 +160,153 @@ def table_in_memory(
     return replace(table, frame=frame, others=others)
 
 
+def lines_of_text(data: bytes) -> tuple[list[str], list[str], list[str]]:
+    """The lines of a table before, in and after its rows; of the head the last names the columns.
+
+    A mark of UTF-8, and other ends of lines than line feeds, are taken away.
+    """
+    text = data.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n")
+    first = next((i for i, line in enumerate(lines) if line and line[0] != "#"), len(lines))
+    last = max((i for i, line in enumerate(lines) if line and line[0] != "#"), default=first)
+    return lines[: first + 1], lines[first + 1 : last + 1], lines[last + 1 :]
+
+
 def table_of_text(
     path: Path, data: bytes, columns: Mapping[str, np.ndarray] | None = None
 ) -> Table:
     """The table in a text; its rows are there, or else they are columns in memory."""
-    text = data.decode("utf-8", errors="replace")
-    lines = text.split("\n")
-    first = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    if not text.replace("\n", "").replace("\0", "").isprintable():
-        lines = [line if line.isprintable() else printable(line) for line in lines]
-    header, settings, units, meanings = read_head([line[1:].strip() for line in lines[:first]])
-    if not header.get("program", "").startswith("spintop"):
-        cause = changed_header(lines) or "its header names no program"
-        raise TableError(f"is no table of spintop: {cause}")
-    check_format(header)
-    if not text.endswith("\n"):
-        raise TableError("is cut short: its last line has no end")
-    if "\0" in text:
-        number = text[: text.index("\0")].count("\n") + 1
+    head, inside, last = lines_of_text(data)
+    if "\0" in "".join(head[:1]):
+        raise TableError("is no table of spintop: it is no text in UTF-8")
+    lines = [*head, *inside, *last]
+    if number := next((number for number, line in enumerate(lines, 1) if "\0" in line), 0):
         raise TableError(f"line {number} has a byte of value 0: the file is damaged")
+    head, inside, last = ([*map(printable, part)] for part in (head, inside, last))
+    has_names = not head[-1].startswith("#") and bool(head[-1])
+    *top, names_line = head if has_names else [*head, ""]
+    header, settings, units, meanings = read_head([line[1:].strip() for line in top])
+    check_program(header)
+    if not data.endswith((b"\n", b"\r")):
+        raise TableError("is cut short: its last line has no end")
+    notes = [line[1:].strip() for line in (*inside, *last) if line.startswith("#")]
+    status = next((line[7:].strip() for line in notes if line.startswith("status:")), None)
+    kind = settings.get("study.kind", [""])[0]
+    if kind == "trajectory" and status is None:
+        raise TableError("is cut short: its last line, the status, is missing")
+    if not has_names:
+        raise TableError("is cut short: it names no columns")
+    names = names_of(len(head), names_line)
     body = [
         (number, line)
-        for number, line in enumerate(lines[first:], start=first + 1)
+        for number, line in enumerate(inside, start=len(head) + 1)
         if line and not line.startswith("#")
     ]
-    last = [line[1:].strip() for line in lines[first:] if line.startswith("#")]
-    status = next((line[7:].strip() for line in last if line.startswith("status:")), None)
-    if settings.get("study.kind") == ["trajectory"] and status is None:
-        raise TableError("is cut short: its last line, the status, is missing")
-    if not body:
-        raise TableError("is cut short: it names no columns")
-    names = names_of(*body[0])
+    stride = stride_of(kind, names, len(body) if columns is None else len(columns[names[0]]))
     if columns is None:
-        stride = stride_of(settings, names, len(body) - 1)
-        words = words_of(next(iter(settings.get("study.kind", ())), ""))
-        rows = read_rows(names, body[1::stride], words)
+        rows = read_rows(names, body[::stride], words_of(kind))
     else:
-        stride = stride_of(settings, names, len(columns[names[0]]))
         rows = rows_of({name: columns[name][::stride] for name in names})
     if rows.empty and names[0] != EVENT:
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     if problem := problem_of_text(data) if columns is None else "":
-        raise TableError(problem + place_of(names, body[1:]))
-    resolved = input_of(lines[:first])
-    said = tuple(line[9:].strip() for line in last if line.startswith("in words:"))
+        raise TableError(problem + place_of(names, body))
+    said = tuple(line[9:].strip() for line in notes if line.startswith("in words:"))
     note = NOTE if problem is None else ""
-    return Table(
-        path, header, settings, units, meanings, rows, status, stride, resolved, said, note
+    columns_said = (header, settings, units, meanings)
+    return Table(path, *columns_said, rows, status, stride, input_of(top), said, note)
+
+
+def check_program(header: Mapping[str, str]) -> None:
+    """Refuse what is no table of spintop, or one of another format than that known here."""
+    if not header.get("program", "").startswith("spintop"):
+        raise TableError("is no table of spintop: its header names no program")
+    found = header.get("format", f"0 ({header['program']})")
+    if found != FORMAT:
+        known = f"figures are drawn of format {FORMAT}"
+        raise TableError(f"is a table of format {printable(found)}, and {known}: write it again")
+
+
+def stride_of(kind: str, names: list[str], count: int) -> int:
+    """How many rows there are for one that a figure can show."""
+    is_long = kind == "sweep" and count > MANY_CASES and len(swept(names)) == 1
+    return count // KEPT_CASES if is_long else 1
+
+
+def names_of(number: int, line: str) -> list[str]:
+    """The names of the columns, which stand in this line."""
+    names = cells_in(number, line)
+    for place, name in enumerate(names):
+        if not name.strip():
+            raise TableError(f"line {number}: column {place + 1} has no name")
+        if not re.fullmatch(r"[^\s;\\]+", name):
+            wrong = "has a space or a separator in its name"
+            raise TableError(f"line {number}: column {place + 1} {wrong}")
+        if name in names[:place]:
+            raise TableError(f"line {number}: there are two columns {name}")
+    return names
+
+
+def cells_in(number: int, line: str) -> list[str]:
+    """The cells of this line; quotes are around those with a comma."""
+    try:
+        return next(csv.reader([line], strict=True)) if '"' in line else line.split(",")
+    except csv.Error as error:
+        raise TableError(f"line {number}: quotes must be around the whole cell") from error
+
+
+def line_of(cells: Iterable[object]) -> str:
+    """A line with these cells, with quotes around those with a comma."""
+    return ",".join(f'"{cell}"' if "," in str(cell) else str(cell) for cell in cells)
+
+
+def read_rows(
+    names: list[str], body: list[tuple[int, str]], words: Collection[str] = ()
+) -> pd.DataFrame:
+    """The rows of columns with these names, from lines with their numbers in the file.
+
+    The columns that hold words are named; all others hold numbers.
+    """
+    for number, line in body:
+        cells = len(cells_in(number, line)) if '"' in line else line.count(",") + 1
+        if cells != len(names):
+            raise TableError(f"line {number} has {cells} cells in place of {len(names)}")
+    rows = pd.read_csv(
+        io.StringIO("\n".join([line_of(names), *(line for _, line in body)])),
+        keep_default_na=False,
+        na_values=["nan"],
+        low_memory=False,
+        lineterminator="\n",
+        dtype={name: str for name in names if name in words},
     )
+    for name in rows if len(rows) else ():
+        column = rows[name]
+        is_number = pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column)
+        if name in words or is_number:
+            continue
+        for (number, _), cell in zip(body, map(str, column), strict=True):
+            if is_word(cell):
+                cell = printable(cell if len(cell) <= LONGEST else f"{cell[:LONGEST]}...")
+                raise TableError(f"line {number}: '{cell}' in {name} is no number")
+        rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
+    return rows
+
+
+def rows_of(columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    """The rows of columns in memory, as they are read from a file: whole numbers are integers."""
+    rows = pd.DataFrame(columns)
+    for name, values in columns.items():
+        is_number = values.dtype.kind == "f" and values.size
+        if is_number and (values % 1 == 0).all() and np.abs(values).max() < LARGEST_INTEGER:
+            rows[name] = values.astype(np.int64)
+    return rows
+
+
+def is_word(cell: object) -> bool:
+    """Whether a cell holds something that is no number."""
+    if isinstance(cell, bool):
+        return True
+    return not isinstance(cell, int | float | np.number) and not NUMBER.fullmatch(str(cell).strip())
 
 
 def place_of(names: list[str], body: list[tuple[int, str]]) -> str:

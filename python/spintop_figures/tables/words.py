@@ -1,11 +1,22 @@
 """What the registry of the program says of columns: their units, meanings, which hold words."""
 
 import functools
+import json
+import re
+from pathlib import Path
 
-from spintop_figures.tables.listed import listed
+import pandas as pd
+
+COPIES = Path(__file__).parent
+"""Where copies of registries are. scripts/manual_tables renews them, and a test compares them."""
 
 OF_PEERS = frozenset({"program"})
 """Columns of words that scripts/compare_peers adds to those of the program."""
+
+
+def listed(topic: str) -> dict[str, list]:
+    """What `spintop list TOPIC --json` gives, from its copy."""
+    return json.loads((COPIES / f"{topic}.json").read_text(encoding="utf-8"))
 
 
 @functools.cache
@@ -36,3 +47,24 @@ def words_of(study: str) -> frozenset[str]:
     """The columns of words in the tables of a kind of study; all others hold numbers."""
     own = {name for name, column in columns_of(study).items() if column["words"]}
     return OF_PEERS.union(own, registry()["other_words"])
+
+
+@functools.cache
+def good_ends() -> frozenset[str]:
+    """The statuses of motions that were computed to their end."""
+    return frozenset(status["name"] for status in listed("statuses")["statuses"] if status["good"])
+
+
+def is_good_end(status: object) -> bool:
+    """Whether a status is that of a good end; more words may follow, as in `at_rest at t = 3`."""
+    return re.split(r"[ :]", str(status), maxsplit=1)[0] in good_ends()
+
+
+def ended_well(rows: pd.DataFrame) -> pd.Series:
+    """Which rows have a status of a good end."""
+    return rows["status"].isin(good_ends())
+
+
+def count_failures(rows: pd.DataFrame) -> dict[str, int]:
+    """How many rows there are with each other status, the most frequent first."""
+    return rows["status"][~ended_well(rows)].value_counts().to_dict()

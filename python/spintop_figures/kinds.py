@@ -1,0 +1,98 @@
+"""Kinds of figures. A figure is a function with a line that says to which tables it belongs."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from spintop_figures.moving.assumptions import Assumption, broken
+from spintop_figures.style.look import DEFAULT, Options, the_look
+from spintop_figures.style.page import finish
+from spintop_figures.tables.own_units import in_own_units
+from spintop_figures.tables.table import Table, TableError
+
+
+class FigureKind(NamedTuple):
+    """A figure: the study and the columns it is made of, and what else it asks of a table."""
+
+    name: str
+    what: str
+    kind: str
+    """Of the study; empty is any."""
+    columns: tuple[str, ...]
+    make: Callable[..., Figure]
+    """Draws it from the table, or from all tables that are compared."""
+    objection: Callable[[Table], str] = lambda table: ""
+    """Why a table with these columns has no such figure; empty if it has."""
+    sparse: bool = False
+    """Whether some of the columns may have no numbers."""
+    words: tuple[str, ...] = ()
+    """The categorical columns that it needs."""
+    assumes: tuple[Assumption, ...] = ()
+    """What holds for the scenes that it is true for."""
+
+    def draw(self, tables: Table | Sequence[Table], options: Options = DEFAULT) -> Figure:
+        """Draw the figure of a table, or of all tables that are compared, in the look of all."""
+        alone = isinstance(tables, Table)
+        with the_look(options):
+            try:
+                figure = self.make(in_own_units(tables) if alone else [*map(in_own_units, tables)])
+            except TableError as error:
+                raise TableError(f"{error}: no {self.name} figure") from None
+            return finish(figure, options)
+
+    def refusal(self, table: Table) -> str:
+        """Why the figure does not belong to a table; empty if it does."""
+        table = in_own_units(table)
+        if self.kind and table.kind != self.kind:
+            return f"is no table of the kind {self.kind}"
+        if missing := table.missing(self.words + self.columns):
+            return f"has no column {', '.join(missing)}"
+        if wordless := [name for name in self.words if not table.has_words(name)]:
+            return f"has no word in column {', '.join(wordless)}"
+        empty = table.empty(self.columns)
+        if empty and not (self.sparse and len(empty) < len(self.columns)):
+            return f"has no number in column {', '.join(empty)}"
+        return broken(self.assumes, table) or self.objection(table)
+
+    def is_expected(self, table: Table) -> bool:
+        """Whether the table has all columns, so that it is an error if they hold no number."""
+        return (
+            table.kind == self.kind
+            and not table.missing(self.words + self.columns)
+            and not (broken(self.assumes, table) or self.objection(table))
+        )
+
+
+FIGURES: list[FigureKind] = []
+COMPARISONS: list[FigureKind] = []
+"""Figures of a table, and of several tables together, of each of which they ask the same."""
+
+
+def unless(holds: Callable[[Table], object], reason: str) -> Callable[[Table], str]:
+    """An objection to tables for which something does not hold."""
+    return lambda table: "" if holds(table) else reason
+
+
+def figure(
+    name: str,
+    what: str,
+    kind: str,
+    needs: str = "",
+    words: str = "",
+    together: bool = False,
+    **asks,
+) -> Callable[[Callable], Callable]:
+    """Register the function below as a figure, of the columns that it needs.
+
+    `words` are categorical columns; `asks` are the other fields of FigureKind. A figure `together`
+    is drawn of several tables.
+    """
+
+    def register(make: Callable) -> Callable:
+        names = tuple(needs.split()), tuple(words.split())
+        known = FigureKind(name, what, kind, names[0], make, words=names[1], **asks)
+        (COMPARISONS if together else FIGURES).append(known)
+        return make
+
+    return register

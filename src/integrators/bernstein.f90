@@ -19,7 +19,7 @@ module spintop_bernstein
     !> before the last says little of those left out, and the third nothing.
     real(dp), parameter :: of_last(3) = [16, 16, 16], of_last_coarse(3) = [16, 2, 0]
     !> The bound is at least so many times the largest value.
-    real(dp), parameter :: rounding = 16 * epsilon(1.0_dp)
+    real(dp), parameter :: rounding = 32 * epsilon(1.0_dp)
     !> A polynomial with a larger bound than this fraction of the largest value is useless.
     real(dp), parameter :: useless = 0.25_dp
 

@@ -86,6 +86,17 @@ static void end_unplanned(void) {
     _exit(exit_internal);
 }
 
+// Ends the process where memory cannot be had; the first thread that needs it has the word. A program calls it from its
+// allocator, so it must not ask for memory.
+void spintop_end_without_memory(void) {
+    static const char text[] = "spintop: there is no more memory\n";
+    static atomic_flag is_reported = ATOMIC_FLAG_INIT;
+    while (atomic_flag_test_and_set(&is_reported)) pause();
+    complain(text, sizeof text - 1);
+    report_rows_kept();
+    _exit(exit_internal);
+}
+
 // Ends the process by a signal, after its message.
 static void report_and_end(int number) {
     report_rows_kept();

@@ -442,7 +442,9 @@ class CommandsTest(ManualCase):
             text = block.text
             if "file" in block.tags:
                 with self.subTest(str(block)):
-                    self.assertEqual(text, (ROOT / block.tags[-1]).read_text(encoding="utf-8"))
+                    whole = (ROOT / block.tags[-1]).read_text(encoding="utf-8")
+                    # What an input says of its figures in the gallery is not shown.
+                    self.assertEqual(text, whole.partition("\n! gallery ")[0])
             if block.tags[0] != "nml":
                 continue
             with self.subTest(str(block)):

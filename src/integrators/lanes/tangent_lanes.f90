@@ -6,8 +6,7 @@
 module spintop_tangent_lanes
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_lane_series, only: rows
-    use spintop_lane_tangents, only: carry_tangents, components
+    use spintop_lane_series, only: carry_tangents, components, rows
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_limit
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none

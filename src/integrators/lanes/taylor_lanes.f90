@@ -14,8 +14,7 @@ module spintop_taylor_lanes
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
-    use spintop_lane_effects, only: lane_effects_t
-    use spintop_lane_series, only: expand, lanes, parts, rows
+    use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, choose_durations, end_before_reversals, non_finite
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales

@@ -1,4 +1,4 @@
-// The rows of the terms of motions in lanes, one number of each lane in a row, as lane_series.f90 and lane_effects.f90 have
+// The rows of the terms of motions in lanes, one number of each lane in a row, as lane_series.f90 has
 // them.
 
 enum { lanes = 8, rows = 9, term = lanes * rows, more_rows = 36, more = lanes * more_rows };

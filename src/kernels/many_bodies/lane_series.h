@@ -1,9 +1,9 @@
 // Taylor coefficients of many motions, one in each lane of a vector, and of perturbations of them; see
-// lane_series.f90 and lane_tangents.f90, which have the equations. C with vectors, as a Fortran compiler gets
+// lane_series.f90, which has the equations. C with vectors, as a Fortran compiler gets
 // there only with flags that would hold for all files: the loop over the terms needs its sums in registers,
 // and every operand read once.
 
-// Components of a perturbation, as in lane_tangents.f90, and perturbations that are carried in turn, so that one is computed
+// Components of a perturbation, as in lane_series.f90, and perturbations that are carried in turn, so that one is computed
 // while another waits for its last term.
 enum { components = 6, in_turn = 2 };
 

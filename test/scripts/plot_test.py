@@ -95,12 +95,12 @@ class ChoiceTest(TableCase):
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
         self.assertEqual(
-            self.figures_of(a_trajectory()), "angles forces path trace error residuals"
+            self.figures_of(a_trajectory()), "angles forces trace path error residuals"
         )
-        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles path trace")
+        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles trace path")
         self.assertEqual(self.figures_of(a_trajectory(["t", "phi"])), "")
         without = a_trajectory(orientation_error=math.nan, R1=math.nan)
-        self.assertEqual(self.figures_of(without), "angles forces path trace")
+        self.assertEqual(self.figures_of(without), "angles forces trace path")
         self.assertNotIn("error", self.figures_of(a_trajectory(orientation_error=0.0)))
 
     def test_sweep(self) -> None:

@@ -44,7 +44,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     for name in (*ADDITIONS, OF_LOADS):
         patch = ROOT / f"test/additions/{name}.patch"
         subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O1"}
+    environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
     build = subprocess.run(
         ["bash", "-c", "source scripts/setup; build release"],

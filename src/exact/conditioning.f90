@@ -20,7 +20,7 @@ module spintop_conditioning
     use spintop_given_axes, only: about_z, unshifted
     implicit none
     private
-    public :: conditioning_t, prepare_conditioning, inherent_error, half_unit
+    public :: conditioning_t, prepare_conditioning, inherent_error
 
     !> Relative displacement of each datum: large enough that the rounding error of the attitude does not
     !> matter, small enough for inherent errors up to `hopeless`, rad. For larger errors the displaced motions

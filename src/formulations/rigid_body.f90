@@ -4,13 +4,13 @@
 !> whatever its length: they keep the length constant, and integrators nearly so.
 module spintop_rigid_body
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_kinds, only: dp, qp
+    use spintop_kinds, only: dp
     use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
-    use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
+    use spintop_body_quadruple, only: quaternion_body_t
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: formulation_t, formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
+    use spintop_formulation, only: formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
         structure_group, structure_quadruple, structure_series, structure_split
     use spintop_kernel_types, only: body_products_t, stage_factors_t
     use spintop_motion, only: motion_t
@@ -26,7 +26,7 @@ module spintop_rigid_body
     public :: rigid_body_t, bracket_of_turns, move_by_turns
 
     !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
-    type, extends(formulation_t) :: rigid_body_t
+    type, extends(quaternion_body_t) :: rigid_body_t
         private
         !> Gravitational torque m g r, N m.
         real(dp) :: moment(3) = 0
@@ -47,8 +47,6 @@ module spintop_rigid_body
         procedure :: invariants
         procedure :: find_stages
         procedure :: expand
-        procedure :: quadruple_start
-        procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
         procedure :: velocity
@@ -266,23 +264,6 @@ contains
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
         call c_expand(order, self%products, y, short_share, share_rest, coefficient)
     end subroutine expand
-
-    !> The state at the start in quadruple precision.
-    pure function quadruple_start(self) result(y)
-        class(rigid_body_t), intent(in) :: self
-        real(qp) :: y(max_states)
-        y = start_of_body(self%body, self%start)
-    end function quadruple_start
-
-    !> Taylor coefficients of the motion in quadruple precision.
-    pure subroutine expand_quadruple(self, t, y, order, coefficient)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        real(qp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call expand_body_quadruple(self%body, t, y, order, coefficient)
-    end subroutine expand_quadruple
 
     !> Free rotation. In body axes the momentum rotates by the same angle in the opposite direction.
     !>

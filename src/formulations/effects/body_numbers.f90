@@ -9,7 +9,7 @@ module spintop_body_numbers
     use spintop_loads, only: find_kinematics, loads_t
     implicit none
     private
-    public :: kinds_of, numbers_of, look_up, has_drag_force, has_drag_moment
+    public :: kinds_of, numbers_of, look_up, has_drag_moment
 
 contains
 

@@ -1,19 +1,25 @@
-!> Power series of the motion of any rigid body with a fixed point, also under effects, in quadruple precision:
-!> motion_series.h has the equations. It takes longer than a short run in double precision, so nothing is kept.
+!> What the formulations of any rigid body with a fixed point have in common, with effects and without: power series of the
+!> motion in quadruple precision. motion_series.h has the equations. They take longer than a short run in double precision, so
+!> nothing is kept.
 module spintop_body_quadruple
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_loc, c_ptr
-    use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
     use spintop_effects, only: effects_t, series_effects
-    use spintop_formulation, only: max_series_order, max_states
+    use spintop_formulation, only: formulation_t, max_series_order, max_states
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t
     use spintop_kinds, only: dp, no_number, qp
     use spintop_loads, only: torque_series
-    use spintop_motion, only: motion_t
     use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
     implicit none
     private
-    public :: expand_body_quadruple, start_of_body
+    public :: quaternion_body_t
+
+    !> A formulation whose state begins with the attitude quaternion and the momentum in body axes.
+    type, abstract, extends(formulation_t) :: quaternion_body_t
+    contains
+        procedure :: quadruple_start
+        procedure :: expand_quadruple
+    end type quaternion_body_t
 
     interface
         ! Numbers of quadruple precision have no type that Fortran and C are sure to share.
@@ -33,21 +39,20 @@ module spintop_body_quadruple
 contains
 
     !> The state at the start.
-    pure function start_of_body(body, start) result(y)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+    pure function quadruple_start(self) result(y)
+        class(quaternion_body_t), intent(in) :: self
         real(qp) :: y(max_states), q(4), omega(3), o(3), rotor(3)
-        q = quadruple_attitude(start)
-        omega = quadruple_omega(start)
+        q = quadruple_attitude(self%start)
+        omega = quadruple_omega(self%start)
         rotor = 0
-        if (allocated(body%effects)) then
-            o = frame_of(body%effects)
-            rotor = body%effects%rotor_momentum
+        if (allocated(self%body%effects)) then
+            o = frame_of(self%body%effects)
+            rotor = self%body%effects%rotor_momentum
             if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), o) &
                 + q(2:4) * dot_product(q(2:4), o)) / sum(q**2) - o
         end if
-        y = [q, body%inertia * omega + rotor, 0.0_qp]
-    end function start_of_body
+        y = [q, self%body%inertia * omega + rotor, 0.0_qp]
+    end function quadruple_start
 
     !> The rotation of the frame; its rate itself was rounded.
     pure function frame_of(effects) result(rate)
@@ -66,8 +71,8 @@ contains
     end function vector
 
     !> Taylor coefficients of the motion.
-    pure subroutine expand_body_quadruple(body, t, y, order, coefficient)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point, with its effects
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(quaternion_body_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(qp), intent(in) :: y(max_states) !! state
         integer, intent(in) :: order !! order of the highest coefficient
@@ -75,16 +80,18 @@ contains
         real(qp), target :: state(max_states), c(max_states, 0:order), given(3, 0:order)
         real(dp) :: table(3, 0:3), law(5, 2), undefined
         integer(c_int) :: exists
-        call look_up(body, t, real(y, dp), table, law)
-        state = y
-        given = 0
-        if (allocated(body%effects)) given = torque_series(body%effects, t, order)
-        call c_expand_quadruple(order, kinds_of(body), numbers_of(body), t, c_loc(state), table, law, c_loc(given), &
-                                c_loc(c), exists)
-        coefficient(:, 0:order) = c
-        undefined = no_number
-        if (allocated(body%effects)) exists = merge(exists, 0_c_int, body%effects%only(series_effects))
-        if (exists == 0) coefficient(:, 1:order) = undefined
-    end subroutine expand_body_quadruple
+        associate (body => self%body)
+            call look_up(body, t, real(y, dp), table, law)
+            state = y
+            given = 0
+            if (allocated(body%effects)) given = torque_series(body%effects, t, order)
+            call c_expand_quadruple(order, kinds_of(body), numbers_of(body), t, c_loc(state), table, law, c_loc(given), &
+                                    c_loc(c), exists)
+            coefficient(:, 0:order) = c
+            undefined = no_number
+            if (allocated(body%effects)) exists = merge(exists, 0_c_int, body%effects%only(series_effects))
+            if (exists == 0) coefficient(:, 1:order) = undefined
+        end associate
+    end subroutine expand_quadruple
 
 end module spintop_body_quadruple

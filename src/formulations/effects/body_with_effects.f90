@@ -9,14 +9,14 @@ module spintop_body_with_effects
     use spintop_attitude, only: conjugate_quaternion, quaternion_product
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
-    use spintop_body_quadruple, only: expand_body_quadruple, start_of_body
+    use spintop_body_quadruple, only: quaternion_body_t
     use spintop_compare, only: is_zero
     use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_series_order, max_states, structure_group, &
+    use spintop_formulation, only: formulation_info_t, max_aside, max_series_order, max_states, structure_group, &
         structure_quadruple, structure_series
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t
-    use spintop_kinds, only: dp, no_number, qp
+    use spintop_kinds, only: dp, no_number
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
@@ -29,7 +29,7 @@ module spintop_body_with_effects
     public :: body_with_effects_t
 
     !> State y = (q0, q1, q2, q3, P1, P2, P3).
-    type, extends(formulation_t) :: body_with_effects_t
+    type, extends(quaternion_body_t) :: body_with_effects_t
         private
         type(effects_t) :: effects
         !> Constants of stages; which parts of the equations there are, and constants of the series.
@@ -45,8 +45,6 @@ module spintop_body_with_effects
         procedure :: kinematics
         procedure :: find_stages
         procedure :: expand
-        procedure :: quadruple_start
-        procedure :: expand_quadruple
         procedure :: velocity
         procedure, nopass :: bracket => bracket_of_turns
         procedure, nopass :: move => move_by_turns
@@ -257,22 +255,5 @@ contains
         call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
         if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand
-
-    !> The state at the start in quadruple precision.
-    pure function quadruple_start(self) result(y)
-        class(body_with_effects_t), intent(in) :: self
-        real(qp) :: y(max_states)
-        y = start_of_body(self%body, self%start)
-    end function quadruple_start
-
-    !> Taylor coefficients of the motion in quadruple precision.
-    pure subroutine expand_quadruple(self, t, y, order, coefficient)
-        class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t
-        real(qp), intent(in) :: y(max_states)
-        integer, intent(in) :: order
-        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call expand_body_quadruple(self%body, t, y, order, coefficient)
-    end subroutine expand_quadruple
 
 end module spintop_body_with_effects

@@ -7,7 +7,7 @@ module spintop_splitting_tables
     use spintop_kinds, only: dp
     implicit none
     private
-    public :: splitting_table_t, max_flows
+    public :: splitting_table_t
     public :: strang_table, nystrom_4_table, nystrom_6_table
     public :: composition_4_table, composition_6_table, composition_8_table
 

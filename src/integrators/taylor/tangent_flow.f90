@@ -19,7 +19,7 @@ module spintop_tangent_flow
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: propagate_tangents, take_tangent_step, step_limit, drive_period
+    public :: propagate_tangents, drive_period
 
     !> Default maximum number of steps.
     integer, parameter :: step_limit = 1000000

@@ -100,7 +100,6 @@ SKIPPED = {
         "scripts/film --from 1 --to 3 --speed 0.25 --elevation 60 input/slow_top.nml",
         "scripts/film --ghost input/slow_top.nml input/slow_top_scenario2_rk4.nml",
     ],
-    "measurements.md": [".venv/bin/python test/measure_live_page.py"],
     "packaging.md": [
         "scripts/wheel",
         "pip install spintop-0.1.0-py3-none-manylinux_2_35_x86_64.whl",

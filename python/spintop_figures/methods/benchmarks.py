@@ -23,10 +23,8 @@ ROW, LETTERS = (0.44, 0.62), (44, 22)
 
 
 @figure(
-    "benchmarks",
-    "errors of published numbers and of spintop",
-    kind="benchmark",
-    needs="published_error error truth_error time_s",
+    "benchmark",
+    "published_error error truth_error time_s",
     words="benchmark quantity published_method",
     objection=unless(
         lambda table: table.rows["published_error"].notna().any(),
@@ -35,7 +33,9 @@ ROW, LETTERS = (0.44, 0.62), (44, 22)
     sparse=True,
 )
 def draw_benchmarks(table: Table) -> Figure:
-    """The errors of all quantities of a publication on a line: published, spintop's, the truth's.
+    """Errors of published numbers and of spintop.
+
+    The errors of all quantities of a publication on a line: published, spintop's, the truth's.
 
     Spintop's are those of its cheapest run that has at most a hundredth of the published error.
     """

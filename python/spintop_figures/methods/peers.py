@@ -40,16 +40,17 @@ TICKS = 9
 
 
 @figure(
-    "peers",
-    "error against time of spintop and of other programs (scripts/compare_peers)",
-    kind="work_precision",
-    needs="orientation_error time_s inherent_error",
+    "work_precision",
+    "orientation_error time_s inherent_error",
     words="problem program method status",
     objection=unless(lambda t: ended_well(t.rows).any(), "has no row that went to its end"),
     sparse=True,
 )
 def draw_peers(table: Table) -> Figure:
-    """The cheapest way to each error: a line a method of spintop, a grey one each other program."""
+    """Error against time of spintop and of other programs (scripts/compare_peers).
+
+    The cheapest way to each error: a line a method of spintop, a grey one each other program.
+    """
     problems = list(table.rows["problem"].unique())
     alone = len(problems) == 1
     title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")

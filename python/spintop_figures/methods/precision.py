@@ -341,28 +341,16 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
-@figure(
-    "precision_time",
-    "work-precision diagram: error against time, one panel per problem",
-    needs="error_max time_s",
-    objection=object_to_precision,
-    **PRECISION,
-)
+@figure(needs="error_max time_s", objection=object_to_precision, **PRECISION)
 def draw_precision_time(table: Table) -> Figure:
-    """Error against time, the fastest of the repeats."""
+    """Work-precision diagram: error against time, one panel per problem."""
     less = "is {ratio} times as fast as {other}"
     return draw_over(table, "time_s", less, "computing time", "s")[0]
 
 
-@figure(
-    "precision_work",
-    "work-precision diagram: error against evaluations, one panel per problem",
-    needs="error_max evaluations",
-    objection=object_to_precision,
-    **PRECISION,
-)
+@figure(needs="error_max evaluations", objection=object_to_precision, **PRECISION)
 def draw_precision_work(table: Table) -> Figure:
-    """Error against evaluations, with lines whose slopes are orders."""
+    """Work-precision diagram: error against evaluations, one panel per problem."""
     less = "takes {ratio} times fewer than {other}"
     words = "function evaluations (a Taylor series of order p counts as p)"
     figure, panels = draw_over(table, "evaluations", less, words, "")
@@ -441,15 +429,9 @@ def with_order(curve: Curve) -> str:
     return f"{curve.label}: {measured} / {order_of(curve.method) or DASH}"
 
 
-@figure(
-    "orders",
-    "error against step size of the fixed-step methods, with measured orders",
-    needs="error_max",
-    objection=object_to_orders,
-    **PRECISION,
-)
+@figure(needs="error_max", objection=object_to_orders, **PRECISION)
 def draw_orders(table: Table) -> Figure:
-    """Error against the size of the step, a panel a problem, each curve with its name and order."""
+    """Error against step size of the fixed-step methods, with measured orders."""
     rows = equal_steps(table)
     title = "Convergence of the fixed-step methods, with measured / theoretical order"
     figure, panels = problem_panels(table, title, rows)

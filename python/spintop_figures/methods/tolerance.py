@@ -88,15 +88,12 @@ def object_to_tolerance_map(table: Table) -> str:
     return object_to_grid(problems) or reason
 
 
-@figure(
-    "tolerance_map",
-    "the cheapest method for a given error, over two swept parameters",
-    needs="error_max time_s",
-    objection=object_to_tolerance_map,
-    **PRECISION,
-)
+@figure(needs="error_max time_s", objection=object_to_tolerance_map, **PRECISION)
 def draw_tolerance_map(table: Table) -> Figure:
-    """The cheapest method and the next one for the target as colours, and numbers in the cells."""
+    """The cheapest method for a given error, over two swept parameters.
+
+    The cheapest method and the next one for the target as colours, and numbers in the cells.
+    """
     problems = table_of_problems(table)
     grid = make_grid(problems)
     failed = ~ended_well(problems.rows).to_numpy()
@@ -220,15 +217,16 @@ def choices_of(table: Table) -> list[Choice]:
 
 
 @figure(
-    "choice",
-    "time of the automatic choice of a method over that of the cheapest one",
-    kind=PRECISION["kind"],
-    needs="orientation_error time_s",
+    PRECISION["kind"],
+    "orientation_error time_s",
     words=f"{PRECISION['words']} auto",
     objection=object_to_choice,
 )
 def draw_choice(table: Table) -> Figure:
-    """How many times longer the choice takes than the cheapest method, a dot a problem."""
+    """Time of the automatic choice of a method over that of the cheapest one.
+
+    How many times longer the choice takes than the cheapest method, a dot a problem.
+    """
     choices = choices_of(table)
     ratios = np.array([choice.ratio for choice in choices])
     worst = ratios[np.isfinite(ratios)].max(initial=1.0)

@@ -128,15 +128,12 @@ class Layout(NamedTuple):
     height: float
 
 
-@figure(
-    "verdicts",
-    "verdict and digits of each method on each hard case",
-    needs="orientation_error",
-    objection=object_to_trials,
-    **STABILITY,
-)
+@figure(needs="orientation_error", objection=object_to_trials, **STABILITY)
 def draw_verdicts(table: Table) -> Figure:
-    """Verdict and digits of every method on every case, counts at the edges, and a legend."""
+    """Verdict and digits of each method on each hard case.
+
+    Verdict and digits of every method on every case, counts at the edges, and a legend.
+    """
     rows = trials(table)
     layout, letters = lay_out(rows), letters_of(rows)
     legend = legend_lines(table, rows, letters)
@@ -327,14 +324,13 @@ def with_ratio(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 @figure(
-    "costs",
-    "cost and error of the methods, a line per method and a dot per hard case",
-    needs="orientation_error evaluations inherent_error",
-    objection=object_to_costs,
-    **STABILITY,
+    needs="orientation_error evaluations inherent_error", objection=object_to_costs, **STABILITY
 )
 def draw_costs(table: Table) -> Figure:
-    """Two panels over the same methods: their cost, and the error that they reach."""
+    """Cost and error of the methods, a line per method and a dot per hard case.
+
+    Two panels over the same methods: their cost, and the error that they reach.
+    """
     rows = with_ratio(judged(trials(table)))
     places: dict[str, float] = {}
     for number, entries in enumerate(entries_by_family(rows).values()):

@@ -60,10 +60,8 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
 
 
 @figure(
-    "drift",
-    "drift of the first integrals and of the quaternion norm in long runs of several methods",
-    kind="trajectory",
-    needs="t energy_error",
+    "trajectory",
+    "t energy_error",
     objection=unless(
         lambda table: (running_maximum(table, "energy_error")[1] > LEAST).any(),
         "has no error of the energy above zero",
@@ -72,7 +70,10 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
     together=True,
 )
 def draw_drift(tables: Sequence[Table]) -> Figure:
-    """The running maximum of each constant's error against time, with guide lines."""
+    """Drift of the first integrals and of the quaternion norm in long runs of several methods.
+
+    The running maximum of each constant's error against time, with guide lines.
+    """
     there = [name for name in CONSTANTS if all(is_drawn(table, name) for table in tables)]
     across = columns_of(len(there))
     down = -(-len(there) // across)

@@ -41,15 +41,13 @@ COLOUR = LINES[0]["color"]
 
 
 @figure(
-    "events",
-    "instants of the events of a trajectory",
-    kind="events",
-    needs="t",
-    words="event",
-    objection=unless(lambda table: len(table.rows), "has no events"),
+    "events", "t", words="event", objection=unless(lambda table: len(table.rows), "has no events")
 )
 def draw_events(table: Table) -> Figure:
-    """The instants of the events, one row per kind; where there are many, how many per interval."""
+    """Instants of the events of a trajectory.
+
+    The instants of the events, one row per kind; where there are many, how many per interval.
+    """
     names = list(table.rows["event"].unique())
     figure = new_figure(table, "Events of the motion", 1.5 + ROW_HEIGHT * len(names))
     axes = figure.add_subplot()
@@ -102,10 +100,8 @@ def sections(table: Table) -> list[str]:
 
 
 @figure(
-    "sections",
-    "inclination and its rate at frequent events (Poincare sections)",
-    kind="events",
-    needs="theta theta_rate",
+    "events",
+    "theta theta_rate",
     words="event",
     objection=unless(
         sections,
@@ -113,7 +109,7 @@ def sections(table: Table) -> list[str]:
     ),
 )
 def draw_sections(table: Table) -> Figure:
-    """Inclination and its rate at the events of each kind that happens often."""
+    """Inclination and its rate at frequent events (Poincare sections)."""
     names = sections(table)
     height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
     figure = new_figure(table, "Inclination and nutation rate at events", height)

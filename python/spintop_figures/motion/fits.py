@@ -62,15 +62,12 @@ def values_beside(table: Table) -> pd.DataFrame | None:
     return other.rows if other is not None and wanted <= {*other.rows} else None
 
 
-@figure(
-    "fit",
-    "residuals of a fit against time",
-    kind="fit",
-    needs="t",
-    objection=unless(measured_columns, "has no column of residuals"),
-)
+@figure("fit", "t", objection=unless(measured_columns, "has no column of residuals"))
 def draw_fit(table: Table) -> Figure:
-    """Two panels for each measured column: it with the fitted motion, and the residuals below."""
+    """Residuals of a fit against time.
+
+    Two panels for each measured column: it with the fitted motion, and the residuals below.
+    """
     names, values = measured_columns(table), values_beside(table)
     lines = [] if values is None else tell_values(values)
     across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1

@@ -188,14 +188,9 @@ def turns_of(reduced: Reduced) -> list[tuple[float, bool]]:
     return [(upright, False) if never and end == least else (end, True) for end in ends]
 
 
-@figure(
-    "potential",
-    "effective potential of a symmetric top, with the turning points",
-    objection=object_to_reduced,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_reduced, **SYMMETRIC)
 def draw_potential(table: Table) -> Figure:
-    """The effective potential with the energy of the motion, its turning points and its band."""
+    """Effective potential of a symmetric top, with the turning points."""
     reduced = find_reduced(table)
     figure = new_figure(table, "Effective potential of the inclination", 4.2)
     axes = figure.subplots()
@@ -227,14 +222,9 @@ def draw_potential(table: Table) -> Figure:
     return figure
 
 
-@figure(
-    "portrait",
-    "phase portrait of the inclination of a symmetric top",
-    objection=object_to_reduced,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_reduced, **SYMMETRIC)
 def draw_portrait(table: Table) -> Figure:
-    """Inclination and its rate: the motion among the level curves of the energy."""
+    """Phase portrait of the inclination of a symmetric top."""
     reduced = find_reduced(table)
     figure = new_figure(table, "Phase portrait of the inclination", 4.6)
     axes = figure.subplots()
@@ -359,14 +349,9 @@ def object_to_bifurcation(table: Table) -> str:
     return "" if spins else "is of a top without a momentum about its axis"
 
 
-@figure(
-    "bifurcation",
-    "bifurcation diagram of a symmetric top: its momenta and energy among all motions",
-    objection=object_to_bifurcation,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_bifurcation, **SYMMETRIC)
 def draw_bifurcation(table: Table) -> Figure:
-    """The curve of the steady precessions, the cusps, both rests, and the motion as a point."""
+    """Bifurcation diagram of a symmetric top: its momenta and energy among all motions."""
     constants = Constants(find_reduced(table))
     figure = new_figure(table, "Bifurcation diagram of the symmetric top", 4.4)
     axes = figure.subplots()

@@ -372,15 +372,13 @@ def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
 
 
 @figure(
-    "traces",
-    "paths of the axis tip on the unit sphere, side by side",
-    kind="trajectory",
-    needs="theta phi",
+    "trajectory",
+    "theta phi",
     objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
     together=True,
 )
 def draw_traces(tables: Sequence[Table]) -> Figure:
-    """The paths of several motions side by side, each under its title."""
+    """Paths of the axis tip on the unit sphere, side by side."""
     alone, width = len(tables) == 1, drawn_width()
     across = min(len(tables), by_width(MOST_ACROSS, 2))
     down = -(-len(tables) // across)
@@ -411,14 +409,12 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
 
 
 @figure(
-    "trace",
-    "path of the axis tip on the unit sphere",
-    kind="trajectory",
-    needs="theta phi",
+    "trajectory",
+    "theta phi",
     objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
 )
 def draw_trace(table: Table) -> Figure:
-    """The path of a single motion."""
+    """Path of the axis tip on the unit sphere."""
     return draw_traces([table])
 
 
@@ -432,14 +428,9 @@ FLAT = 0.25
 """The height that a path from the side takes at least, over its width, has its own scale."""
 
 
-@figure(
-    "path",
-    "path of the centre of mass in space and from above (Figure 11)",
-    kind="trajectory",
-    needs="com_x com_y com_z",
-)
+@figure("trajectory", "com_x com_y com_z")
 def draw_path(table: Table) -> Figure:
-    """Path of the centre of mass, on its sphere, from above and from the side (Figure 11)."""
+    """Path of the centre of mass in space and from above (Figure 11)."""
     x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
@@ -546,14 +537,9 @@ def body_at_start(table: Table) -> np.ndarray:
     return turn_by_euler(in_body(table), *(table.column(name)[0] for name in ANGLES))
 
 
-@figure(
-    "cones",
-    "angular velocity in the body and in space (polhode and herpolhode)",
-    kind="trajectory",
-    needs="phi theta psi omega1 omega2 omega3",
-)
+@figure("trajectory", "phi theta psi omega1 omega2 omega3")
 def draw_cones(table: Table) -> Figure:
-    """The two cones, that of the body rolling on that in space, and their curves in planes."""
+    """Angular velocity in the body and in space (polhode and herpolhode)."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
     figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
     (globe, body, space), key = three_panels(figure)

@@ -166,14 +166,9 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
     return np.flatnonzero(near & (turned > LEAST_JUMP) & (on < SAME_TURN * turned)) + 1
 
 
-@figure(
-    "angles",
-    "angles and height of the centre of mass against time (Figure 8)",
-    kind="trajectory",
-    needs="t phi theta psi com_z",
-)
+@figure("trajectory", "t phi theta psi com_z")
 def draw_angles(table: Table) -> Figure:
-    """Euler angles and height of the centre of mass against time (Figure 8)."""
+    """Angles and height of the centre of mass against time (Figure 8)."""
     figure, (phi, theta, psi, height) = panels(
         table, "Euler angles and height of the centre of mass"
     )
@@ -211,12 +206,7 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
             axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
 
-@figure(
-    "forces",
-    "support force and energies against time (Figure 9)",
-    kind="trajectory",
-    needs="t force_x force_y force_z energy kinetic potential",
-)
+@figure("trajectory", "t force_x force_y force_z energy kinetic potential")
 def draw_forces(table: Table) -> Figure:
     """Support force and energies against time (Figure 9)."""
     figure, (x, y, z, energy) = panels(table, "Support force on the top, and energy of the top")
@@ -266,14 +256,9 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     axes.set_title(rf"zero at $\theta$ = {words}", **style)
 
 
-@figure(
-    "support",
-    "support force in the plane of the axis and normal to it, against time",
-    kind="trajectory",
-    needs="t force_r force_n force_z",
-)
+@figure("trajectory", "t force_r force_n force_z")
 def draw_support(table: Table) -> Figure:
-    """Support force in the plane of the axis, normal to it and upward, and its size."""
+    """Support force in the plane of the axis and normal to it, against time."""
     figure, axes = panels(table, "Support force: outward, along the nodes and upward")
     draw_column(axes[0], table, "force_r", "outward force $F_r$")
     draw_column(axes[1], table, "force_n", "force along the nodes $F_n$")
@@ -291,16 +276,14 @@ AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}ar
 
 
 @figure(
-    "account",
-    "inclination, spin, and account of energy under effects, against time",
-    kind="trajectory",
-    needs="t theta omega3 energy energy_error work",
+    "trajectory",
+    "t theta omega3 energy energy_error work",
     objection=unless(
         lambda table: table.rows["energy_error"].any(), "has no energy error that is not zero"
     ),
 )
 def draw_account(table: Table) -> Figure:
-    """Inclination, spin, the budget of the energy, and the error of its balance."""
+    """Inclination, spin, and account of energy under effects, against time."""
     figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
     ratios = {"height_ratios": (1, 1, 1.4, 1)}
     theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)

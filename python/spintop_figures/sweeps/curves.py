@@ -64,15 +64,13 @@ def object_to_sweep(table: Table) -> str:
 
 @figure(
     "sweep",
-    "formulas for a fast top and exact values against the swept parameter",
-    kind="sweep",
-    needs=" ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
+    " ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
     objection=object_to_sweep,
     sparse=True,
     assumes=LAGRANGE,
 )
 def draw_sweep(table: Table) -> Figure:
-    """The paper's formulas and the exact values against the swept parameter."""
+    """Formulas for a fast top and exact values against the swept parameter."""
     figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
     across = by_width(2, 1)
     panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
@@ -163,14 +161,9 @@ def object_to_curves(table: Table) -> str:
     return "" if quantities_of(table) else "has no quantity to draw"
 
 
-@figure(
-    "curves",
-    "quantities of a sweep over one parameter",
-    kind="sweep",
-    objection=object_to_curves,
-)
+@figure("sweep", objection=object_to_curves)
 def draw_curves(table: Table) -> Figure:
-    """A curve of each quantity that the table has, and where cases failed."""
+    """Quantities of a sweep over one parameter."""
     quantities, name = quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
     x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()

@@ -163,14 +163,9 @@ def object_to_maps(table: Table) -> str:
     return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
 
 
-@figure(
-    "maps",
-    "maps of the quantities of a sweep over a grid of two parameters",
-    kind="sweep",
-    objection=object_to_maps,
-)
+@figure("sweep", objection=object_to_maps)
 def draw_maps(table: Table) -> Figure:
-    """A map of each quantity that the table has."""
+    """Maps of the quantities of a sweep over a grid of two parameters."""
     grid, quantities = make_grid(table), quantities_of(table)
     names = " and ".join(map(name_of, table.axes()))
     height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)

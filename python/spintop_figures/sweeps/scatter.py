@@ -178,14 +178,9 @@ def object_to_scatter(table: Table) -> str:
     return "" if telling(table) else "has no quantity that varies"
 
 
-@figure(
-    "scatter",
-    "points of a sweep over several parameters that is not a grid of two",
-    kind="sweep",
-    objection=object_to_scatter,
-)
+@figure("sweep", objection=object_to_scatter)
 def draw_scatter(table: Table) -> Figure:
-    """One row of panels per quantity, one panel per parameter; two parameters span a plane."""
+    """Points of a sweep over several parameters that is not a grid of two."""
     places, quantities = varying(table), telling(table)
     shown = places[: by_width(MOST_PARAMETERS, NARROW_PARAMETERS)]
     told = quantities[:MOST_QUANTITIES]

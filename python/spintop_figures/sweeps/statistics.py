@@ -145,15 +145,9 @@ def describe(table: Table, column: str) -> tuple[str, str, float]:
     return column_name(column, meaning), *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
-@figure(
-    "means",
-    "means of a sweep over its bins, and the number of cases",
-    kind="statistics",
-    needs="cases",
-    objection=unless(bins_of, "has no bins"),
-)
-def draw_statistics(table: Table) -> Figure:
-    """The mean of each column over the bins, and the number of cases."""
+@figure("statistics", "cases", objection=unless(bins_of, "has no bins"))
+def draw_means(table: Table) -> Figure:
+    """Means of a sweep over its bins, and the number of cases."""
     bins, rows, names = bins_of(table), rows_of_bins(table), gathered(table)
     over = " and ".join(name_of(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
@@ -244,15 +238,9 @@ def set_bin_axis(table: Table, bins: Bins, which: str, panels: list[Axes]) -> No
             name_axis(axis, axis_of(bins.column), unit, plain=True)
 
 
-@figure(
-    "distributions",
-    "histograms of a sweep over all cases, with quantiles",
-    kind="statistics",
-    needs="cases",
-    objection=object_to_distributions,
-)
+@figure("statistics", "cases", objection=object_to_distributions)
 def draw_distributions(table: Table) -> Figure:
-    """The distribution of each column over all cases, with its mean and quantiles."""
+    """Histograms of a sweep over all cases, with quantiles."""
     found = distributions_of(table)
     if not found:
         raise TableError("has no value in any column")
@@ -355,15 +343,9 @@ def indices_of(table: Table) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-@figure(
-    "indices",
-    "first-order and total Sobol' indices of a sweep with their intervals",
-    kind="statistics",
-    needs="cases",
-    objection=object_to_indices,
-)
+@figure("statistics", "cases", objection=object_to_indices)
 def draw_indices(table: Table) -> Figure:
-    """The indices of each column as dots with their intervals, a line a factor."""
+    """First-order and total Sobol' indices of a sweep with their intervals."""
     found = indices_of(table)
     if not np.isfinite(found["first_order"].to_numpy(float)).any():
         raise TableError("has no column that varies")

@@ -75,16 +75,14 @@ def object_to_table1(table: Table) -> str:
 
 
 @figure(
-    "table1",
-    "the same as a page, where the spin ratio is swept (Table 1)",
-    kind="sweep",
-    needs=" ".join(column.column for column in COLUMNS),
+    "sweep",
+    " ".join(column.column for column in COLUMNS),
     objection=object_to_table1,
     sparse=True,
     assumes=LAGRANGE,
 )
 def draw_table1(table: Table) -> Figure:
-    """The page."""
+    """The same as a page, where the spin ratio is swept (Table 1)."""
     notes = [LEGEND.format(run=describe_run(table)), *notes_on(table.rows)]
     notes = [line for note in notes for line in textwrap.wrap(note, PAGE_LETTERS)]
     bottom = HEADS + 0.4 + len(table.rows)

@@ -21,9 +21,6 @@ PANEL_HEIGHT, ALONE = 1.9, 3.4
 LEGEND_LETTERS, HANDLE = 12.5, 7
 """Letters of a legend in an inch, and those that a line takes beside its label."""
 
-MANY_ROWS = 60
-"""Fewer rows have marks."""
-
 
 def columns_kind(options: Options) -> FigureKind:
     """The figure of the columns that a user chose."""
@@ -50,7 +47,7 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
         spread = []
         for line, table in enumerate(tables):
             x, (y, unit) = table.shown(options.x)[0], table.shown(name)
-            style = {"marker": "o", "markersize": 3} if len(x) < MANY_ROWS else {}
+            style = {"marker": "o", "markersize": 3} if len(x) < 60 else {}  # few rows have marks
             draw_line(axes, x, y, line % len(LINES), label=labels[line], **style)
             spread.append(y)
         for axis in options.log:

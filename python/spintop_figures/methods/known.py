@@ -90,9 +90,6 @@ MARKERS = "psv^PXo*h<>d"
 DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)))
 """Of the members of a family, the first of which has the family's own colour."""
 
-PALER, PALEST = 0.17, 0.6
-"""How much of the way to the ground a member's colour is from the one before it, and at most."""
-
 GAMMA, LUMINANCES, INK_ON_WHITE = 2.2, (0.2126, 0.7152, 0.0722), 0.18
 """Of the colours of screens: exponent, shares of red, green and blue, and the luminance of words on
 white at a contrast of 4.5 to 1."""
@@ -140,7 +137,7 @@ def style_of(method: str, formulation: str = "") -> dict[str, object]:
     """How the curve of a method under a formulation is drawn, in every figure alike."""
     look, variation = look_of(family_of(method)), place_of(method)
     return {
-        "color": tint(look.colour, min(PALER * variation, PALEST)),
+        "color": tint(look.colour, min(0.17 * variation, 0.6)),
         "linestyle": DASHES[variation % len(DASHES)],
         "marker": look.marker,
         "markersize": 5.5 * look.size,

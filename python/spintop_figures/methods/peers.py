@@ -33,8 +33,6 @@ PEER_MARKERS = {
 PEER = {"color": GREY, "linewidth": 0.9, "markersize": 4.5, "markerfacecolor": GROUND, "zorder": 2}
 LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
 """Errors are drawn between these, rad: the one stands for zero too, no turn is beyond pi."""
-PANEL_HEIGHT, ALONE = 2.9, 4.2
-"""Of a row of panels and of a single one, in inches."""
 TICKS = 9
 """At most, on the width of a figure."""
 
@@ -54,7 +52,7 @@ def draw_peers(table: Table) -> Figure:
     problems = list(table.rows["problem"].unique())
     alone = len(problems) == 1
     title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")
-    height = ALONE if alone else PANEL_HEIGHT * panel_rows(len(problems))
+    height = 4.2 if alone else 2.9 * panel_rows(len(problems))
     figure = new_figure(table, title, 1.9 + height)
     handles: dict[str, object] = {}
     for name, axes in zip(problems, add_panels(figure, len(problems)), strict=True):

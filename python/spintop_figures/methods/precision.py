@@ -33,9 +33,6 @@ APART, APART_ON_TOP = 0.06, 0.05
 SIDE, TOP, SLOPE = 1.045, 1.015, 32
 """Where names stand beside a panel and above it, over its size, and how they rise, in degrees."""
 
-REACH = 0.3
-"""A curve that begins further below, over the height of the panel, has its name at its end."""
-
 Point = tuple[float, float]
 
 
@@ -144,7 +141,8 @@ def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, Point]]) -> None:
     """
     to_panel = axes.transData + axes.transAxes.inverted()
     ends = [to_panel.transform(point) for _, point in named]
-    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < REACH), key=lambda i: ends[i][0])
+    # others begin far below, and have their names there
+    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < 0.3), key=lambda i: ends[i][0])
     spots = dict(zip(high, spread(np.array([ends[i][0] for i in high]), APART_ON_TOP), strict=True))
     for i, (curve, point) in enumerate(named):
         colour = ink_of(family_of(curve.method))
@@ -197,9 +195,6 @@ OTHERS = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
 """Curves that are not the best of their family."""
 
 NOTE = f"named: the best of each family at {GOAL}; grey: the others"
-
-LEAST_LEAD = 1.05
-"""A method that is ahead by less, as a ratio, is not said to be."""
 
 ERROR = "largest error of the attitude", "rad"
 
@@ -333,7 +328,7 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
     curves = [c for c in curves_of(table.rows, (cost, "error_max")) if c.method != EXACT]
     costs = [(time_to(curve, cost=cost), curve) for curve in best_of_families(curves, cost)]
     reached = sorted(((x, c.label) for x, c in costs if np.isfinite(x)), key=lambda pair: pair[0])
-    if len(reached) < 2 or reached[1][0] < LEAST_LEAD * reached[0][0]:
+    if len(reached) < 2 or reached[1][0] < 1.05 * reached[0][0]:  # no lead worth a word
         return ""
     (least, first), (more, second) = reached[:2]
     ratio = more / least

@@ -42,9 +42,6 @@ PANELS = (
 UNITS = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 """Of times."""
 
-PALE = 0.62
-"""How much of the way to the ground the colours of cells are from those of their families."""
-
 PANEL_HEIGHT = 2.9
 """In inches."""
 
@@ -126,7 +123,7 @@ def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
     colours = {}
     for label in counts.index.drop(NONE, errors="ignore"):
         family = family_of(known.get(label.partition(", ")[0], ""))
-        pale = 1 - (1 - PALE) * 0.55 ** members.get(family, 0)
+        pale = 1 - 0.38 * 0.55 ** members.get(family, 0)
         members[family] = members.get(family, 0) + 1
         colours[label] = tint(look_of(family).colour, pale)
     return colours
@@ -173,11 +170,6 @@ LEAST_PROBLEMS = 5
 
 NEAR = 2.0
 """A choice that takes no more than so many times as long is near the cheapest."""
-
-HEIGHT, SPREAD = 0.75, 0.3
-"""Of a target, in inches, and how far its dots stand from its line, over that."""
-
-GOLDEN = (5**0.5 - 1) / 2
 
 
 class Choice(NamedTuple):
@@ -238,7 +230,7 @@ def draw_choice(table: Table) -> Figure:
         title += f"no more than {write(NEAR)} times as long as the cheapest method in {within} of "
         title += f"{len(choices)} comparisons"
     targets = [target for target in TARGETS if any(c.target == target for c in choices)]
-    figure = new_figure(table, title, 1.4 + HEIGHT * len(targets))
+    figure = new_figure(table, title, 1.4 + 0.75 * len(targets))
     axes = figure.add_subplot()
     axes.axvspan(1, NEAR, color=FAINT, alpha=0.4, linewidth=0)
     axes.axvline(1, color=GREY, linewidth=0.8)
@@ -276,7 +268,7 @@ def ratios_below(edge: float) -> list[float]:
 def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> None:
     """The comparisons for a target; those in which the choice misses it are at the right edge."""
     axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
-    heights = place + SPREAD * (2 * (GOLDEN * np.arange(len(choices)) % 1) - 1)
+    heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
     for choice, height in zip(choices, heights, strict=True):
         look = look_of(family_of(choice.cheapest))
         style = {"color": look.colour, "marker": look.marker, "markersize": 6 * look.size}

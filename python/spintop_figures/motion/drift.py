@@ -19,9 +19,6 @@ from spintop_figures.tables.table import Table
 LEAST = 1e-18
 """What is smaller is not drawn."""
 
-GUIDES = ((1.0, "$t$"), (0.5, r"$t^{1/2}$"))
-"""Rounding errors of one sign grow with time, those of either sign with its root."""
-
 CONSTANTS = {
     "energy_error": ("relative energy error", ""),
     "lz": ("change of $L_z$", "J s"),
@@ -105,7 +102,8 @@ def draw_guides(axes: Axes) -> None:
     """Lines that grow as powers of time, from the middle of the left side."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     style = {"textcoords": "offset points", "va": "center", "fontsize": "small", "color": GREY}
-    for power, label in GUIDES:
+    # rounding errors of one sign grow with time, those of either with its root
+    for power, label in ((1.0, "$t$"), (0.5, r"$t^{1/2}$")):
         start = np.sqrt(low * high) / (right / left) ** (power / 2)
         ends = start, start * (right / left) ** power
         axes.plot((left, right), ends, color=GREY, linewidth=0.8, linestyle=":")

@@ -25,17 +25,8 @@ from spintop_figures.tables.table import Table
 LEAST_EVENTS = 20
 """Fewer events of a kind show no section."""
 
-FLAT = 1e-6
-"""Events whose inclination or nutation rate differs by less, of the largest, make no section."""
-
-MANY_EVENTS, BARS = 80, 60
-"""More events of a kind are counted in so many intervals."""
-
 ROW = 0.8
 """Height of the highest bar, over that of a row."""
-
-ROW_HEIGHT, PANEL_HEIGHT, LEAST_HEIGHT = 0.36, 2.5, 4.0
-"""Of a kind of event, of a row of sections, and of all of them, in inches."""
 
 COLOUR = LINES[0]["color"]
 
@@ -49,15 +40,15 @@ def draw_events(table: Table) -> Figure:
     The instants of the events, one row per kind; where there are many, how many per interval.
     """
     names = list(table.rows["event"].unique())
-    figure = new_figure(table, "Events of the motion", 1.5 + ROW_HEIGHT * len(names))
+    figure = new_figure(table, "Events of the motion", 1.5 + 0.36 * len(names))
     axes = figure.add_subplot()
     times, labels = table.column("t"), []
     begin, end = min(0.0, times.min()), times.max()
     for place, name in enumerate(names):
         t = times[(table.rows["event"] == name).to_numpy()]
         label = f"{describe_event(name)} ({write_count(len(t))})"
-        if len(t) > MANY_EVENTS:
-            counts, edges = np.histogram(t, BARS, (times.min(), end))
+        if len(t) > 80:  # more are counted in intervals
+            counts, edges = np.histogram(t, 60, (times.min(), end))
             heights, width = -ROW * counts / counts.max(), edges[1] - edges[0]
             style = {"align": "edge", "color": COLOUR, "linewidth": 0}
             axes.bar(edges[:-1], heights, np.diff(edges), place + ROW / 2, **style)
@@ -92,7 +83,7 @@ def sections(table: Table) -> list[str]:
     """The kinds of events that happen often, at different inclinations and nutation rates."""
     names = []
     plane = table.rows[["theta", "theta_rate"]]
-    least = FLAT * plane.abs().max()
+    least = 1e-6 * plane.abs().max()  # events that hardly differ make no section
     for name, rows in plane.groupby(table.rows["event"], sort=False):
         if len(rows) >= LEAST_EVENTS and (rows.max() - rows.min() > least).all():
             names.append(str(name))
@@ -111,7 +102,7 @@ def sections(table: Table) -> list[str]:
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at frequent events (Poincare sections)."""
     names = sections(table)
-    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
+    height = 1.3 + max(2.5 * panel_rows(len(names)), 4.0)
     figure = new_figure(table, "Inclination and nutation rate at events", height)
     for name, axes in zip(names, add_panels(figure, len(names)), strict=True):
         draw_section(axes, table, name)

@@ -27,9 +27,6 @@ SIDE = 2.2
 PAIR, LEAST_HEIGHT, BELOW = 1.9, 3.4, 1.2
 """Height of the panels of a column, of all of them at least, and of what is below, in inches."""
 
-MANY_COLUMNS = 4
-"""So many measured columns stand two abreast."""
-
 OUTLYING = 8
 """Residuals of more standard deviations, as the median has them, are marked at the edge."""
 
@@ -70,7 +67,7 @@ def draw_fit(table: Table) -> Figure:
     """
     names, values = measured_columns(table), values_beside(table)
     lines = [] if values is None else tell_values(values)
-    across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1
+    across = by_width(2, 1) if len(names) >= 4 else 1  # many stand two abreast
     down = -(-len(names) // across)
     beside = LINE * len(lines) + BELOW
     height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, beside)

@@ -140,20 +140,8 @@ def object_to_reduced(table: Table) -> str:
     return reduced if isinstance(reduced, str) else ""
 
 
-ROOM = 0.35
-"""What is seen on either side of the motion, over its range."""
-
-LEAST_ROOM = 1e-9
-"""In radians."""
-
 LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 """Amplitudes of the level curves over that of the motion."""
-
-NEVER = 1e-9
-"""A motion whose energy is that of the separatrix, over its depth, never reaches the upright."""
-
-JOINED = 0.1
-"""Rows that are nearer to each other, over the panel, are joined."""
 
 INCLINATION = axis_of("theta"), "degrees"
 SEPARATRIX = {"color": PALE, "linewidth": 4, "linestyle": "-", "zorder": 1.5}
@@ -165,7 +153,7 @@ SYMMETRIC = {"kind": "trajectory", "needs": COLUMNS, "assumes": LAGRANGE}
 def seen(reduced: Reduced) -> tuple[float, float]:
     """The range of inclinations that a figure shows, rad."""
     least, largest = reduced.turning_points()
-    room = max(ROOM * (largest - least), LEAST_ROOM)
+    room = max(0.35 * (largest - least), 1e-9)  # on either side
     return max(0.0, least - room), min(np.pi, largest + room)
 
 
@@ -181,7 +169,7 @@ def turns_of(reduced: Reduced) -> list[tuple[float, bool]]:
     """
     separatrix = reduced.separatrix()
     depth = reduced.energy - reduced.bottom()
-    never = separatrix is not None and abs(reduced.energy - separatrix) <= NEVER * depth
+    never = separatrix is not None and abs(reduced.energy - separatrix) <= 1e-9 * depth
     upright = 0.0 if reduced.weight > 0 else np.pi
     ends = reduced.turning_points()
     least = min(ends, key=lambda end: abs(end - upright))
@@ -233,7 +221,7 @@ def draw_portrait(table: Table) -> Figure:
     draw_levels(axes, reduced, (low, high), 1.4 * fastest)
     theta, rate = table.column("theta"), table.column("theta_rate")
     steps = np.hypot(np.diff(theta) / (high - low), np.diff(rate) / (2.8 * fastest))
-    joined = np.nanmax(steps) < JOINED
+    joined = np.nanmax(steps) < 0.1  # rows that are near each other
     dots = {} if joined else {"linestyle": "", "marker": "o", "markersize": 2.5}
     axes.plot(np.degrees(theta), rate, **LINES[0] | {"linewidth": 1.8} | dots, label="the motion")
     draw_arrows(axes, np.degrees(theta), rate)
@@ -274,24 +262,8 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
         axes.plot(np.degrees(theta), -branch, **SEPARATRIX)
 
 
-WEAK = 1e-9
-"""A smaller momentum about the axis, over that about the vertical, has no bifurcation diagram."""
-
-LEAST_SLEEPING = 2.0
-"""The value of L3^2/(2 I1 m g l) from which the sleeping top is stable."""
-
 FAR = 6
 """The inclinations of the curve come as close to the horizontal and to the poles as 10^-FAR."""
-
-BESIDE = 0.12
-"""Room beside the motion and the poles, over the width."""
-
-LEAST_HEIGHT, WIDEST, NARROWEST = 0.12, 5.0, 1.6
-"""A region is named if it is as high, over the figure, and if the figure reaches from minus this to
-this ratio at most (between the poles) or at least (beside them)."""
-
-FURTHER = 3
-"""The curve is drawn this many times as far as the edge of the figure, which cuts it off."""
 
 
 class Constants:
@@ -337,7 +309,7 @@ class Constants:
 
     def sleeps(self) -> bool:
         """Whether the sleeping top is stable with this momentum about the axis."""
-        return self.strength >= LEAST_SLEEPING
+        return self.strength >= 2.0  # of L3^2/(2 I1 m g l)
 
 
 def object_to_bifurcation(table: Table) -> str:
@@ -345,7 +317,7 @@ def object_to_bifurcation(table: Table) -> str:
     reduced = find_reduced(table)
     if isinstance(reduced, str):
         return reduced
-    spins = abs(reduced.l3) > WEAK * abs(reduced.lz)
+    spins = abs(reduced.l3) > 1e-9 * abs(reduced.lz)  # a weaker one has no diagram
     return "" if spins else "is of a top without a momentum about its axis"
 
 
@@ -355,9 +327,9 @@ def draw_bifurcation(table: Table) -> Figure:
     constants = Constants(find_reduced(table))
     figure = new_figure(table, "Bifurcation diagram of the symmetric top", 4.4)
     axes = figure.subplots()
-    edge = (1 + BESIDE) * max(1, abs(constants.ratio))
+    edge = 1.12 * max(1, abs(constants.ratio))
     ratio, energy = constants.steady()
-    near = abs(ratio) <= FURTHER * edge
+    near = abs(ratio) <= 3 * edge  # the edge cuts it off
     depth = -energy[abs(ratio) <= edge].min()
     high = max(1.5 * depth, 1.25 * constants.excess)
     low = -max(1.5 * depth, 0.2 * high)
@@ -397,7 +369,8 @@ def name_regions(
         ("waves", -beside, left, high),
     )
     for name, place, bottom, top in regions:
-        has_width = edge < WIDEST if place == 0 else edge > NARROWEST
-        if has_width and top - bottom > LEAST_HEIGHT * (high - low):
+        # of the figure's ratios, between the poles and beside them
+        has_width = edge < 5.0 if place == 0 else edge > 1.6
+        if has_width and top - bottom > 0.12 * (high - low):
             axes.text(place, (bottom + top) / 2, name, ha="center", va="center")
     axes.text(0, (low + min(0.0, middle)) / 2, "no motion", ha="center", va="center")

@@ -42,28 +42,13 @@ ELEVATION = np.radians(28)
 GRID = np.radians(30)
 """Distance of the circles of the graticule."""
 
-LARGEST_CAP = np.radians(35)
-"""A path that keeps to a smaller cap is seen through a window."""
-
-ROOM = 1.12
-"""The radius of a window over that of the cap."""
-
-AT_POLE = 0.2
-"""A cap whose centre is nearer to a pole, over its radius, is seen from straight above."""
-
 STEPS = 500
 """Of the search for the least cap, which is off by one part in so many."""
-
-INSET = (0.84, 0.82, 0.22, 0.22)
-"""Where the small globe is beside a window, over the sides of the panel."""
 
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
 
 MOST_DOTS = 1000
 """Points that are not joined: more are thinned, or they would be a cloud."""
-
-START_OF_ARROW = 0.3
-"""How far from its start, over the radius of what is seen, a path has its arrow."""
 
 FRONT = {"color": LINES[0]["color"], "linewidth": 1.5}
 BACK = {"color": HIDDEN, "linewidth": 1.1}
@@ -128,15 +113,16 @@ def radius_about(middle: np.ndarray, directions: np.ndarray) -> float:
 def view_of(points: Points) -> View:
     """The view of a path: of the whole sphere, or of a small cap from straight above it."""
     middle, radius = find_cap(points)
-    if not 0 < radius < LARGEST_CAP:
+    if not 0 < radius < np.radians(35):  # a smaller cap is seen through a window
         return WHOLE
     pole = np.array([0.0, 0.0, np.copysign(1.0, middle[2])])
-    if np.linalg.norm(middle - pole) < AT_POLE * radius:
+    if np.linalg.norm(middle - pole) < 0.2 * radius:  # about a pole: from straight above
         middle, radius = pole, radius_about(pole, np.array(points))
     upright = np.array([0.0, 1.0, 0.0]) if abs(middle[2]) == 1 else np.array([0.0, 0.0, 1.0])
     up = upright - (upright @ middle) * middle
     up /= np.linalg.norm(up)
-    return View(np.cross(up, middle), up, middle, ROOM * float(np.sin(radius)))
+    # with some room about the cap
+    return View(np.cross(up, middle), up, middle, 1.12 * float(np.sin(radius)))
 
 
 def draw_seen(
@@ -247,7 +233,7 @@ def thinned(points: Points) -> Points:
 def draw_arrow(axes: Axes, points: Points, view: View) -> None:
     """The direction of a path, near its start and before the sphere."""
     x, y, towards = project(*points, view)
-    far = np.hypot(x - x[0], y - y[0]) > START_OF_ARROW * view.window
+    far = np.hypot(x - x[0], y - y[0]) > 0.3 * view.window
     steps = np.hypot(np.diff(x), np.diff(y)) > 0
     places = np.flatnonzero(far[:-1] & (towards[:-1] > 0) & steps)
     if not places.size:
@@ -262,7 +248,7 @@ def draw_arrow(axes: Axes, points: Points, view: View) -> None:
 
 def draw_inset(axes: Axes, view: View) -> None:
     """A small globe with the window on it."""
-    inset = axes.inset_axes(INSET)
+    inset = axes.inset_axes((0.84, 0.82, 0.22, 0.22))
     draw_globe(inset)
     angle = np.arcsin(view.window)
     rim = np.cos(angle) * view.towards[:, np.newaxis] + view.window * (
@@ -284,9 +270,6 @@ def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
     return handles + [Line2D([], [], **look, label=name) for name, look in ENDS.items()]
 
 
-LEAST_NUTATION = np.radians(0.5)
-"""A smaller range of the inclination is about the width of the line of the path."""
-
 BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
 UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
 """Where the legend of a single sphere is, beside it and below it."""
@@ -306,9 +289,6 @@ in inches."""
 
 LETTERS = 13
 """Letters of a title per inch."""
-
-MANY_DEGREES = 1000
-"""An azimuth of more is told in turns."""
 
 EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
 """The circles of the extreme inclinations."""
@@ -330,7 +310,8 @@ def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool]:
     joined = not sparseness(*tip)
     view = draw_path_on(axes, tip, joined)
     low, high = inclination_extremes(table)
-    nutates = high.value - low.value > min(LEAST_NUTATION, 0.04 * view.window)
+    # more than the width of the line
+    nutates = high.value - low.value > min(np.radians(0.5), 0.04 * view.window)
     for extreme in (low, high) if nutates else ():
         circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
         draw_seen(axes, circle, EDGE, EDGE | {"alpha": 0.35}, view)
@@ -351,7 +332,7 @@ def tell_path(table: Table) -> list[str]:
 
 def tell_turn(degrees: float) -> str:
     """How far an azimuth turns, in degrees or in turns."""
-    many = abs(degrees) > MANY_DEGREES
+    many = abs(degrees) > 1000  # else turns would be hard to compare
     sign = "+" if degrees > 0 else ""
     return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
@@ -493,23 +474,11 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
-RAYS = 24
-"""Lines of a cone from its apex."""
-
-MANY_TURNS = 15
-"""Curves that are longer, in circles about their extent, have thin lines."""
-
 LEAST = 1e-9
 """What is slower, over the fastest, has no direction."""
 
 BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
-BODY_BACK = {"color": PALE, "linewidth": 1.1, "linestyle": (0, (3, 1))}
-"""The cone of the body, before the sphere and behind it."""
-
 TOUCH = {"color": INK, "linewidth": 1.3}
-
-CONE_ROOM = 1.08
-"""What is seen of a plane, over the extent of its curve."""
 
 ANGLES = ("phi", "theta", "psi")
 
@@ -545,7 +514,7 @@ def draw_cones(table: Table) -> Figure:
     (globe, body, space), key = three_panels(figure)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
-    draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
+    draw_cone(globe, body_at_start(table), BODY, BODY | {"color": PALE, "linewidth": 1.1})
     touch = directions(in_space(table))[:, :1]
     if touch.size:
         (x,), (y,), _ = project(*touch)
@@ -578,7 +547,7 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
     draw_seen(axes, tuple(points), *(thin_if_long(style, points) for style in (front, back)))
     x, y, towards = project(*points)
     passed = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=0))])
-    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), RAYS))
+    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), 24))
     for place in np.unique(np.minimum(places, len(x) - 1)):
         colour = (front if towards[place] >= 0 else back)["color"]
         look = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
@@ -586,10 +555,10 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
 
 
 def thin_if_long(style: dict, curve: np.ndarray) -> dict:
-    """A style with a thin line for a curve of many turns, which would be a solid area."""
+    """A style with a thin line for a curve of many circles, which would be a solid area."""
     length = np.nansum(np.linalg.norm(np.diff(curve, axis=1), axis=0))
     extent = np.max(np.nanmax(curve, axis=1) - np.nanmin(curve, axis=1))
-    is_long = length > MANY_TURNS * np.pi * extent
+    is_long = length > 15 * np.pi * extent
     return style | {"linewidth": 0.4} if is_long else style
 
 
@@ -600,7 +569,7 @@ def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, head
     axes.plot(0, 0, "+", color=GREY)
     for name, place in (("end", -1), ("start", 0)):
         axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec=GROUND, zorder=5)
-    side = CONE_ROOM * float(np.nanmax(np.abs(omega[:2]))) or 1.0
+    side = 1.08 * float(np.nanmax(np.abs(omega[:2]))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.yaxis.set_major_locator(MaxNLocator(4))

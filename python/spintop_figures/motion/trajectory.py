@@ -22,14 +22,8 @@ from spintop_figures.tables.words import columns_of, units_of_columns
 
 NEEDS = COLUMNS.split()
 
-MOST_ARC = np.radians(15)
-"""Rows of which the axes are further apart are not joined: the line would be a guess."""
-
 STEADY = 1e-9
 """A smaller range of the inclination in radians is that of a steady precession."""
-
-SAME_ENERGY = 1e-7
-"""The change of energy, over its size, up to which a run has the turning points of its start."""
 
 
 class Extreme(NamedTuple):
@@ -76,7 +70,7 @@ def keeps_energy(table: Table) -> bool:
     """Whether a run keeps its energy, so that the turning points of the start are its own."""
     energy = (table.rows["kinetic"] + table.rows["potential"]).to_numpy(float)
     size = np.abs(table.rows["kinetic"]).max() + np.abs(table.rows["potential"]).max()
-    return bool(np.ptp(energy) <= SAME_ENERGY * size)
+    return bool(np.ptp(energy) <= 1e-7 * size)
 
 
 def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
@@ -108,7 +102,7 @@ def largest_arc(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> float:
 def sparseness(*path: np.ndarray) -> str:
     """Why the points of a path are not joined; empty if they are."""
     arc = largest_arc(*path)
-    if arc <= MOST_ARC:
+    if arc <= np.radians(15):  # else a line would be a guess
         return ""
     return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
 
@@ -118,15 +112,6 @@ SAME, MOST_INCLINATIONS = 1.0, 3
 
 NEAR_POLE, LEAST_JUMP, SAME_TURN = np.radians(15), np.radians(45), 0.5
 """Of jumps at a pole: how near to it, how large, and what part of them the body turns at most."""
-
-DENSE = 150
-"""A curve that turns more often in the width of a panel has a thin line."""
-
-MOST_DECIMALS = 8
-"""Extremes that differ only in further decimals have no numbers."""
-
-MOST_OFTEN = 0.25
-"""Sign changes between more of the rows than this part are those of rounding."""
 
 
 def panels(table: Table, title: str) -> tuple[Page, list[Axes]]:
@@ -145,7 +130,7 @@ def draw_column(
     if name.startswith(("force", "R", "omega")):
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(values))))
-    if turns > DENSE and name.startswith("force"):
+    if turns > 150 and name.startswith("force"):
         style = {"linewidth": 0.4} | style
     draw_line(axes, np.insert(t, gaps, np.nan), np.insert(values, gaps, np.nan), **style)
     if unit == "degrees":
@@ -201,7 +186,7 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
     sides = (("least", "top", -2), ("largest", "bottom", 2))
     for end, (which, side, shift) in zip(ends, sides, strict=True):
         axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
-        if decimals <= MOST_DECIMALS:
+        if decimals <= 8:  # else they differ in further decimals only
             words = f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}"
             axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
@@ -246,7 +231,7 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     ordered = np.sort(inclinations)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= SAME) + 1)
     is_chain = any(np.ptp(group) >= SAME for group in groups if group.size)
-    is_rounding = times.size > MOST_OFTEN * y.size or is_chain
+    is_rounding = times.size > 0.25 * y.size or is_chain
     if not times.size or len(groups) > MOST_INCLINATIONS or is_rounding:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)

@@ -11,9 +11,6 @@ BODY = re.compile(
     r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m"
     r"(?:; elements 23, 31, 12 of the inertia tensor (.+?) kg m\^2)?"
 )
-PART = re.compile(r"part(\(\d+\))?\.")
-"""The keys of a part in a header: the group of the second has the name part(2)."""
-
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
 
@@ -169,7 +166,8 @@ def part_solid(table: Table, group: str) -> dict[str, object] | None:
 
 def part_drawing(table: Table) -> Drawing | None:
     """The parts of which the input composes the body; None if it has none."""
-    groups = sorted({key.partition(".")[0] for key in table.settings if PART.match(key)})
+    keys = filter(re.compile(r"part(\(\d+\))?\.").match, table.settings)  # the second is part(2)
+    groups = sorted({key.partition(".")[0] for key in keys})
     if not groups:
         return None
     solids = [solid for group in groups if (solid := part_solid(table, group))]

@@ -37,9 +37,6 @@ DOWN_ONLY = ("s", "J s", "rad", "rad/s", "m/s")
 """Units with prefixes; of the second ones for tiny numbers only."""
 
 DEGREES, TURN = ("degrees", "deg"), 360.0
-CLOSE = 1e-4
-"""Numbers of which the range is a smaller part are written as differences from one of them."""
-
 NOISE, FLAT = 1e-12, 0.05
 """A range that is a smaller part of the numbers is of rounding, and what is shown around it."""
 
@@ -70,7 +67,7 @@ class Scale(NamedTuple):
 def scale_for(low: float, high: float, unit: str) -> Scale:
     """How numbers between these in a unit are written; turns for many degrees."""
     origin = 0.0
-    if 0 < high - low < CLOSE * max(abs(low), abs(high)) and low * high > 0:
+    if 0 < high - low < 1e-4 * max(abs(low), abs(high)) and low * high > 0:  # they differ little
         numbers = (float(f"{(low + high) / 2:.{digits}e}") for digits in range(17))
         origin = next((number for number in numbers if low <= number <= high), low)
     largest = max(abs(low - origin), abs(high - origin))

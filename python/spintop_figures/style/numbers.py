@@ -18,8 +18,6 @@ PLAIN = -3, 6
 """Powers of ten from and below which a number is written without a power."""
 
 POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
-THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
-
 COMMA = ContextVar("COMMA", default=False)
 """Whether numbers have decimal commas, as the look says."""
 
@@ -70,4 +68,5 @@ def true_minus(text: str) -> str:
 
 def with_comma(text: str) -> str:
     """A text whose numbers have decimal commas, and thin spaces between thousands."""
-    return POINT_OR_SEPARATOR.sub(lambda mark: "," if mark[0] == "." else THIN_SPACE, text)
+    marks = {".": ",", ",": "\N{NARROW NO-BREAK SPACE}"}
+    return POINT_OR_SEPARATOR.sub(lambda mark: marks[mark[0]], text)

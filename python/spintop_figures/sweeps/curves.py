@@ -29,9 +29,6 @@ from spintop_figures.tables.words import ended_well
 FORMULA = "_fast_top"
 """Ending of the columns that hold the paper's formula for a fast top."""
 
-MANY_DECADES = 100
-"""The ratio of the values on a log axis that needs no minor ticks."""
-
 MOST_MARKS = 60
 """Curves with more points have no marks at them."""
 
@@ -98,7 +95,7 @@ def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, un
     axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
     if is_wide(values := np.concatenate([exact, formula])):
         axes.set_yscale("log")
-        if is_wide(values, MANY_DECADES):
+        if is_wide(values, 100):
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
     name_axis(axes.yaxis, axis_of(column), unit)
     axes.legend()
@@ -144,9 +141,6 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
 PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
 """Of a row of panels, and of all of them, in inches."""
 
-SAME_THRESHOLD = 1e-6
-"""Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
-
 FAR = 0.08
 """Neighbours among many cases that differ by more of the range are not joined: between them a curve
 is not known."""
@@ -189,7 +183,8 @@ def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
         return None
     at = np.abs(rows[name] / rows["sleeping_ratio"]).dropna()
     spread = np.ptp(at) if at.size else np.inf
-    return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
+    # a rotor adds to them, and then there is no one threshold
+    return float(at.mean()) if spread <= 1e-6 * at.mean() else None
 
 
 def draw_curve(

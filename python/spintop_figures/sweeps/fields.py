@@ -4,14 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-JUMP = 4.0
-"""A change between cells is a jump if it is so many times the changes on either side of it."""
-
 COARSE = 60
 """Cells of a grid along an axis by which the place of a name is found; finer ones are skipped."""
-
-LEAST_SHARE = 0.02
-"""A region with a smaller share of the cells has no name in it."""
 
 
 class Spot(NamedTuple):
@@ -40,7 +34,8 @@ def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:
         quiet[1:] = np.fmax(quiet[1:], change[:-1])
         quiet[:-1] = np.fmax(quiet[:-1], change[1:])
         crosses = rows[1:] * rows[:-1] < 0
-        is_jump = crosses & (change > JUMP * quiet) & (len(change) > 1)
+        # much larger than those on either side
+        is_jump = crosses & (change > 4.0 * quiet) & (len(change) > 1)
         marks[1:] |= is_jump
         marks[:-1] |= is_jump
         sizes += change[is_jump].tolist()
@@ -80,7 +75,7 @@ def spots(codes: np.ndarray) -> list[Spot]:
     down, across = coarse.shape
     found = []
     for region in regions(coarse):
-        if region.sum() < LEAST_SHARE * region.size:
+        if region.sum() < 0.02 * region.size:  # too small for a name
             break
         depth, inside = 0, region
         while inside.any():

@@ -14,15 +14,8 @@ from spintop_figures.tables.names import axis_of, column_name, name_of, unit_sho
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import count_failures, ended_well
 
-WIDE_AXIS = 12
-"""Listed values of a parameter over a larger ratio stand on a log axis."""
-
 WIDE_VALUES, WIDE_ERRORS = 1e3, 10
 """The ratio over which a quantity has a log scale; errors and costs are compared by ratios."""
-
-ROUNDING = 1e-6
-"""Growth rates come from eigenvalues, which are double at the limit of stability: there the root of
-the rounding error is seen."""
 
 FLOOR, MARGIN = 1e-15, 10
 """The rounding error of an angle in radians or of a relative error. A quantity that exceeds it by
@@ -72,7 +65,8 @@ class Quantity(NamedTuple):
         finite = values[np.isfinite(values)]
         if not self.none or not finite.size:
             return np.zeros(values.shape, dtype=bool)
-        return np.abs(values) <= ROUNDING * np.abs(finite).max()
+        # eigenvalues are double at the limit of stability: the root of rounding is seen
+        return np.abs(values) <= 1e-6 * np.abs(finite).max()
 
     def has_log_scale(self, values: np.ndarray) -> bool:
         """Whether values above zero or equal to it have a log scale."""
@@ -103,14 +97,12 @@ def growth(rows: pd.DataFrame) -> pd.Series:
     return np.log(rows["upright_multiplier"])
 
 
-GROWTH = "growth per period, upright"
-
 QUANTITIES = (
     of_column("motion_class"),
     Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
     of_column("precession_per_nutation", unit="rad"),
     of_column("growth_rate", unit="1/s", none="stable"),
-    Quantity(("upright_multiplier",), GROWTH, "", growth, none="stable"),
+    Quantity(("upright_multiplier",), "growth per period, upright", "", growth, none="stable"),
     of_column("lyapunov_exponent", unit="1/s"),
     of_column("orientation_error", "orientation error", "rad", log_over=WIDE_ERRORS, floor=FLOOR),
     of_column("energy_error_max", log_over=WIDE_ERRORS, floor=FLOOR),
@@ -121,9 +113,6 @@ QUANTITIES = (
 
 COSTS = ("evaluations",)
 """Columns that are drawn last."""
-
-CONSTANT = 1e-9
-"""A smaller range of values, over their size, is rounding."""
 
 
 def known_quantities(table: Table) -> list[Quantity]:
@@ -151,7 +140,8 @@ def is_constant(table: Table, quantity: Quantity) -> bool:
         return values.nunique() == 1 < len(values)
     numbers = values.to_numpy(float)
     finite = numbers[np.isfinite(numbers)]
-    return bool(finite.size > 1 and np.ptp(finite) <= CONSTANT * np.abs(finite).max())
+    # a smaller range is rounding
+    return bool(finite.size > 1 and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
 
 def tell_constants(table: Table) -> str:
@@ -214,7 +204,7 @@ def draw_class_ticks(axes: Axes, values: pd.Series, among: pd.Series) -> np.ndar
     return values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
 
 
-def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
+def is_wide(values: np.ndarray, ratio: float = 12) -> bool:
     """Whether values belong on a log axis."""
     finite = values[np.isfinite(values)]
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > ratio * finite.min())

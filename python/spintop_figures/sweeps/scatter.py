@@ -49,32 +49,17 @@ MOST_CASES, LEAST_CASES = 10_000, 300
 MARKERS = "o^sDvPX<>"
 """Of classes, as their colours are numbered; the first three are far apart in lightness."""
 
-DENSE = 1500
-"""More cases of one class would hide each other as points."""
-
-MOST_PARAMETERS, NARROW_PARAMETERS, MOST_QUANTITIES = 4, 2, 6
-"""The first of them are drawn; fewer on a narrow figure."""
-
 SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 """Colours by a number, without those that are hard to see on white."""
 
-ROW_HEIGHT, LEAST_HEIGHT, KEY_HEIGHT = 1.45, 3.0, 0.2
-"""Of a row of panels and of all of them, in inches, and of the key above as a part of a row's."""
-
 LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
 """Length of a line of the labels beside and below a panel, and of the failures in the key."""
-
-JITTER, GOLDEN = 0.3, (5**0.5 - 1) / 2
-"""How far the cases of a class stand from their line, at most; the golden ratio spreads them."""
 
 TURNS = 6
 """Classes are drawn by turns, so that none hides the others."""
 
 RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 """Ticks at the axis for cases that failed."""
-
-FULL, FAINTEST = 60, 0.25
-"""So many ticks are drawn in full colour; more are fainter, so that it is seen where most are."""
 
 CELLS = 46, 18
 """Cells across and down a panel in which cases are counted."""
@@ -112,7 +97,7 @@ class Cloud(NamedTuple):
     @property
     def is_dense(self) -> bool:
         """Whether the cases would hide each other as points."""
-        return len(self.layers) == 1 and len(self.rows) > DENSE
+        return len(self.layers) == 1 and len(self.rows) > 1500  # points would hide each other
 
     @property
     def area(self) -> float:
@@ -182,16 +167,16 @@ def object_to_scatter(table: Table) -> str:
 def draw_scatter(table: Table) -> Figure:
     """Points of a sweep over several parameters that is not a grid of two."""
     places, quantities = varying(table), telling(table)
-    shown = places[: by_width(MOST_PARAMETERS, NARROW_PARAMETERS)]
-    told = quantities[:MOST_QUANTITIES]
+    shown = places[: by_width(4, 2)]
+    told = quantities[:6]
     has_plane = len(places) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
     counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
     title = "Cases over " + ", ".join(name_of(table.axes()[place]) for place in shown)
     title += tell_left_out((*counts, (quantities, len(told), "quantities"))) + tell_noise(table)
-    figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
-    key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])
+    figure = new_figure(table, title, 1.9 + max(1.45 * len(told), 3.0))
+    key, field = figure.add_gridspec(2, 1, height_ratios=[0.2, len(told)])
     panels = field.subgridspec(len(told), across).subplots(squeeze=False)
     tint = None if len(cloud.layers) > 1 else tint_by_parameter(table, places[0], cloud)
     densities = []
@@ -234,7 +219,8 @@ def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
     values = quantity.values(rows)
     if is_words(values):
         codes = {name: code for code, name in enumerate(order_classes(values))}
-        return values.map(codes) + JITTER * (2 * (GOLDEN * rows["case"] % 1) - 1)
+        # the golden ratio spreads them
+        return values.map(codes) + 0.3 * (2 * ((5**0.5 - 1) / 2 * rows["case"] % 1) - 1)
     numbers = values.to_numpy(float)
     numbers = quantity.shown(np.where(quantity.is_none(numbers), 0.0, numbers))
     if quantity.has_log_scale(numbers):
@@ -275,7 +261,8 @@ def mark_failed(axes: Axes, x: np.ndarray) -> None:
     """Ticks on the axis where cases failed, below the points."""
     if x.size:
         axes.margins(y=0.12)
-        alpha = float(np.clip(FULL / x.size, FAINTEST, 1.0))
+        # many are fainter: it is seen where most are
+        alpha = float(np.clip(60 / x.size, 0.25, 1.0))
         style = {"transform": axes.get_xaxis_transform(), "linestyle": "", "alpha": alpha}
         axes.plot(x, np.full_like(x, 0.035), **style, **RUG)
 

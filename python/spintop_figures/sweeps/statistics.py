@@ -31,16 +31,6 @@ from spintop_figures.tables.table import Table, TableError, read_table
 ENDING = ".statistics.csv"
 EQUAL = 1e-6
 """Relative difference below which steps or ratios are equal."""
-MOST_QUANTILES = 7
-"""Quantiles that a distribution shows at most."""
-SLIT = 0.05
-"""A gap between two intervals that is narrower than this part of them is not drawn."""
-DARK = -0.5
-"""Bins below this part of the largest size have dark colours."""
-EVEN = 1.5
-"""Variance over mean of the cases in bins, which is 1 of random ones, up to which they are even."""
-NAME_LETTERS = 2.2
-"""Distance of the names of two lines, in letters."""
 
 
 class Bins(NamedTuple):
@@ -170,7 +160,7 @@ def draw_means(table: Table) -> Figure:
 
 def is_even(cases: np.ndarray) -> bool:
     """Whether the numbers of cases in bins differ no more than those of random cases do."""
-    return bool(cases.size > 1 and cases.var() <= EVEN * cases.mean())
+    return bool(cases.size > 1 and cases.var() <= 1.5 * cases.mean())  # it is 1 of random ones
 
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
@@ -200,7 +190,7 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
 def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray) -> None:
     """A minus in each bin below zero, as signs are not seen in print without colours."""
     style = {"marker": "_", "linestyle": "", "markersize": 3, "markeredgewidth": 0.8}
-    dark = values < DARK * np.nanmax(np.abs(values))
+    dark = values < -0.5 * np.nanmax(np.abs(values))  # where colours are
     for chosen, colour in (((values < 0) & ~dark, "black"), (dark, "white")):
         axes.plot(x[chosen], y[chosen], color=colour, rasterized=True, **style)
 
@@ -271,7 +261,7 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
             set_degree_ticks(axes.xaxis, np.append(low, low[-1] + width[-1]), most=7)
         quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
         marks = {f"{write(100 * float(key.rpartition('_q')[2]))} %": row[key] for key in quantiles}
-        shown = marks if len(marks) <= MOST_QUANTILES else {}
+        shown = marks if len(marks) <= 7 else {}
         mark_values(axes, {"mean": row[f"{name}_mean"], **shown}, factor)
         name_axis(axes.yaxis, "density", {"": "", "degrees": "per degree"}.get(unit, f"per {unit}"))
     name_axis(axes.xaxis, words, unit)
@@ -283,7 +273,7 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
 def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:
     """The widths of bars as they are drawn: they reach to the next one if that is near."""
     to_next = np.append(np.diff(low), width[-1])
-    return np.where(to_next < (1 + SLIT) * width, to_next, width)
+    return np.where(to_next < 1.05 * width, to_next, width)
 
 
 def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
@@ -295,7 +285,7 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
     for words, value in sorted(marks.items(), key=lambda mark: mark[1]):
         if np.isfinite(value):
             place = (factor * value - left) / (right - left)
-            last = max(place, last + NAME_LETTERS / letters_of(axes, "x"))
+            last = max(place, last + 2.2 / letters_of(axes, "x"))  # letters apart
             look = LINES[1] if words == "mean" else {"color": GREY, "linestyle": ":"}
             axes.axvline(factor * value, **look | {"linewidth": 1.0})
             axes.annotate(words, (last, 1.02), va="bottom", color=look["color"], **style)
@@ -304,8 +294,6 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
 LEAST_RANGE, FURTHEST = 0.5, 0.5
 """The axis reaches to this share at least, and this far beyond 0 and 1 at most, where intervals are
 wide."""
-FACTOR_HEIGHT, FRAME_HEIGHT = 0.34, 0.75
-"""Of a factor, and of what is above and below the factors of a panel, in inches."""
 INDICES = ("first_order", "total")
 
 APART = 0.13
@@ -352,7 +340,7 @@ def draw_indices(table: Table) -> Figure:
     groups = list(found.groupby("column", sort=False))
     title = by_width("Sobol' indices with 95 % intervals", "Sobol' indices")
     most = max(len(rows) for _, rows in groups)
-    height = 1.2 + (FRAME_HEIGHT + FACTOR_HEIGHT * most) * panel_rows(len(groups))
+    height = 1.2 + (0.75 + 0.34 * most) * panel_rows(len(groups))
     figure = new_figure(table, f"{title}: {tell_cases(table)}", height)
     panels = add_panels(figure, len(groups), sharey=True)
     for axes, (name, rows) in zip(panels, groups, strict=True):

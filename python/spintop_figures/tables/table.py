@@ -24,20 +24,13 @@ FORMAT = "1"
 
 BIN, COLUMN_NAME = "bin", "column"
 """First columns of the statistics of a sweep, and of their histograms."""
-FACTOR = "factor"
-"""A column of their Sobol' indices."""
-
 EVENT = "event"
 """First column of a table of events, which may have no rows."""
-
-MANY_CASES, KEPT_CASES = 20_000, 5_000
-"""Rows of a sweep over one parameter beyond which only some are kept, and about how many."""
 
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
-LARGEST_INTEGER = 2.0**53
 LONGEST = 40
 """Characters of a cell that a message quotes at most."""
 
@@ -78,7 +71,7 @@ class Table:
     def kind(self) -> str:
         """The kind of the study, or of the table beside that of the study."""
         beside = {EVENT: "events", BIN: "statistics", COLUMN_NAME: "histogram"}
-        if FACTOR in self.rows:
+        if "factor" in self.rows:
             return "indices"
         return beside.get(self.rows.columns[0], self.setting("study.kind"))
 
@@ -229,8 +222,8 @@ def check_program(header: Mapping[str, str]) -> None:
 
 def stride_of(kind: str, names: list[str], count: int) -> int:
     """How many rows there are for one that a figure can show."""
-    is_long = kind == "sweep" and count > MANY_CASES and len(swept(names)) == 1
-    return count // KEPT_CASES if is_long else 1
+    is_long = kind == "sweep" and count > 20_000 and len(swept(names)) == 1
+    return count // 5_000 if is_long else 1  # about so many are kept
 
 
 def names_of(number: int, line: str) -> list[str]:
@@ -297,7 +290,7 @@ def rows_of(columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
     rows = pd.DataFrame(columns)
     for name, values in columns.items():
         is_number = values.dtype.kind == "f" and values.size
-        if is_number and (values % 1 == 0).all() and np.abs(values).max() < LARGEST_INTEGER:
+        if is_number and (values % 1 == 0).all() and np.abs(values).max() < 2.0**53:
             rows[name] = values.astype(np.int64)
     return rows
 

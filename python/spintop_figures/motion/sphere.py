@@ -134,15 +134,32 @@ def draw_seen(
     """
     x, y, towards = project(*points, view)
     inside = np.hypot(x, y) <= view.window * (1 + 1e-9)
-    rasterized = len(x) > MANY_POINTS
-    for style, shown, order in ((back, towards <= 0, 1), (front, towards >= 0, 3)):
-        if style is None or not (shown & inside).any():
+    draw_halves(axes, (x, y), ((back, (towards <= 0) & inside), (front, (towards >= 0) & inside)))
+
+
+def draw_halves(
+    axes: Axes, path: Sequence[np.ndarray], halves: Sequence[tuple[dict | None, np.ndarray]]
+) -> None:
+    """The far and the near half of a path: the style of each, if it is drawn, and where it is."""
+    for (style, there), order in zip(halves, (1, 3), strict=True):
+        if style is None or not there.any():
             continue
-        shown = shown & inside
         if "marker" not in style:
-            shown = shown | np.roll(shown, 1)  # no gaps where it passes the edge
-        line = np.where(shown, x, np.nan), np.where(shown, y, np.nan)
-        axes.plot(*line, **{"zorder": order, "rasterized": rasterized} | style)
+            there = there | np.roll(there, 1)  # no gaps where it passes the edge
+        line = (np.where(there, part, np.nan) for part in path)
+        axes.plot(*line, **{"zorder": order, "rasterized": there.size > MANY_POINTS} | style)
+
+
+def halves_of(joined: bool) -> tuple[dict, dict]:
+    """How a path is drawn before the sphere and behind it: as dots if its rows are not joined."""
+    return (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
+
+
+def mark_ends(axes: Axes, x: np.ndarray, y: np.ndarray, towards: Sequence[float] = (1.0,)) -> None:
+    """Marks where a path ends and begins, if it has rows."""
+    for name, place in (("end", -1), ("start", 0)) if len(x) else ():
+        face = {"mec": GROUND} if towards[place] >= 0 else {"mfc": GROUND}
+        axes.plot(x[place], y[place], **ENDS[name] | face, zorder=5)
 
 
 def draw_globe(axes: Axes, view: View = WHOLE) -> None:
@@ -210,15 +227,11 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
     points = tuple(part[there] for part in points)
     view = view_of(points)
     draw_globe(axes, view)
-    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
-    shown = points if joined else thinned(points)
-    draw_seen(axes, shown, front, back, view)
+    draw_seen(axes, points if joined else thinned(points), *halves_of(joined), view)
+    seen = project(*points, view)
     if joined:
-        draw_arrow(axes, points, view)
-    for name, place in (("end", -1), ("start", 0)):
-        (x,), (y,), (towards,) = project(*(part[place:][:1] for part in points), view)
-        face = ENDS[name]["color"] if towards >= 0 else GROUND
-        axes.plot(x, y, **ENDS[name], mfc=face, mec=GROUND if towards >= 0 else None, zorder=5)
+        draw_arrow(axes, *seen, view.window)
+    mark_ends(axes, *seen)
     if view.window < 1:
         draw_inset(axes, view)
     return view
@@ -230,20 +243,20 @@ def thinned(points: Points) -> Points:
     return tuple(part[::every] for part in points)
 
 
-def draw_arrow(axes: Axes, points: Points, view: View) -> None:
+def draw_arrow(
+    axes: Axes, x: np.ndarray, y: np.ndarray, towards: np.ndarray, window: float
+) -> None:
     """The direction of a path, near its start and before the sphere."""
-    x, y, towards = project(*points, view)
-    far = np.hypot(x - x[0], y - y[0]) > 0.3 * view.window
-    steps = np.hypot(np.diff(x), np.diff(y)) > 0
-    places = np.flatnonzero(far[:-1] & (towards[:-1] > 0) & steps)
-    if not places.size:
-        return
-    begin = places[0]
-    unit = np.array([x[begin + 1] - x[begin], y[begin + 1] - y[begin]])
-    tip = np.array([x[begin], y[begin]])
-    tail = tip - 0.02 * view.window * unit / np.linalg.norm(unit)
-    arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
-    axes.annotate("", tip, tail, arrowprops=arrow | {"shrinkA": 0, "shrinkB": 0}, zorder=4)
+    far = np.hypot(x - x[0], y - y[0]) > 0.3 * window
+    steps = np.hypot(np.diff(x), np.diff(y))
+    for place in np.flatnonzero(far[:-1] & (towards[:-1] > 0) & (steps > 0))[:1]:
+        tip = np.array([x[place], y[place]])
+        ahead = np.array([x[place + 1], y[place + 1]]) - tip
+        arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
+        arrow |= {"shrinkA": 0, "shrinkB": 0}
+        axes.annotate(
+            "", tip, tip - 0.02 * window * ahead / steps[place], arrowprops=arrow, zorder=4
+        )
 
 
 def draw_inset(axes: Axes, view: View) -> None:
@@ -263,32 +276,12 @@ def draw_inset(axes: Axes, view: View) -> None:
 
 def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
     """What the lines of paths are, for a legend of all of them."""
-    front, back = (FRONT, BACK) if any(joined) else (DOTS, DOTS | {"color": HIDDEN})
-    handles = [Line2D([], [], **front, label="path")]
+    front, back = halves_of(any(joined))
+    looks = {"path": front}
     if any(view.window >= 1 for view in views):
-        handles.append(Line2D([], [], **back, label="on the far side"))
-    return handles + [Line2D([], [], **look, label=name) for name, look in ENDS.items()]
+        looks["on the far side"] = back
+    return [Line2D([], [], **look, label=name) for name, look in (looks | ENDS).items()]
 
-
-BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
-UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
-"""Where the legend of a single sphere is, beside it and below it."""
-
-BELOW = 3.0
-"""Inches below a sphere on a narrow figure."""
-
-MOST_ACROSS = 3
-"""Spheres in a row."""
-
-ALONE = 4.6
-"""Side of a single sphere in inches; the words are beside it."""
-
-SHAPE, TITLE, LEGEND = 1.1, 0.65, 0.25
-"""Height of a sphere with its vertical over its width, and of the words above it and of the legend
-in inches."""
-
-LETTERS = 13
-"""Letters of a title per inch."""
 
 EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
 """The circles of the extreme inclinations."""
@@ -340,48 +333,50 @@ def tell_turn(degrees: float) -> str:
 def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
     """Panels of spheres of this side, and room for words beside a single one or below them."""
     if count > 1:
-        across = min(count, by_width(MOST_ACROSS, 2))
+        across = min(count, by_width(3, 2))
         down = -(-count // across)
-        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
+        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
         places = [*(grid[place] for place in np.ndindex(down, across)), grid[down, :]]
     elif by_width(True, False):
-        places = figure.add_gridspec(1, 2, width_ratios=[ALONE, drawn_width() - ALONE])
+        places = figure.add_gridspec(1, 2, width_ratios=[side, drawn_width() - side])
     else:
-        places = figure.add_gridspec(2, 1, height_ratios=[side, BELOW - 1])
+        places = figure.add_gridspec(2, 1, height_ratios=[side, 2.0])
     *panels, key = (no_axis(figure.add_subplot(place)) for place in places)
     return panels, key
 
 
-@figure(
-    "trajectory",
-    "theta phi",
-    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
-    together=True,
-)
+MOTIONS = {
+    "kind": "trajectory",
+    "needs": "theta phi",
+    "objection": unless(lambda table: path_of(table).size, "has no row with both angles"),
+}
+
+
+@figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
     alone, width = len(tables) == 1, drawn_width()
-    across = min(len(tables), by_width(MOST_ACROSS, 2))
-    down = -(-len(tables) // across)
-    side = min(ALONE, width) if alone else width / across
-    height = 0.8 + side * down if alone else 0.8 + (SHAPE * side + TITLE) * down
-    if alone:
-        height = by_width(height, side + BELOW)
+    across = min(len(tables), by_width(3, 2))
+    side = min(4.6, width) if alone else width / across
+    rows = -(-len(tables) // across) * (1.1 * side + 0.65)  # with the vertical, and words above
+    height = side + by_width(0.8, 3.0) if alone else 0.8 + rows
     figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
     panels, key = spheres(figure, len(tables), side)
     drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
-    handles = path_handles([view for view, _, _ in drawn], [joined for _, joined, _ in drawn])
-    if any(nutates for _, _, nutates in drawn):
+    views, joined, nutates = map(list, zip(*drawn, strict=True))
+    handles = path_handles(views, joined)
+    if any(nutates):
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
     if alone:
         words = "\n".join(textwrap.fill(line, 44) for line in tell_path(tables[0]))
         key.text(0, by_width(0.8, 1.0), words, va="top", linespacing=1.5)
         for handle in handles:
             handle.set_label(textwrap.fill(handle.get_label(), 20))
-        key.legend(handles=handles, **by_width(BESIDE, UNDER))
+        place = {"loc": "lower left", "bbox_to_anchor": (-0.05, by_width(0.1, -0.1))}
+        key.legend(handles=handles, **place, ncols=by_width(1, 2))
         return figure
     for axes, table in zip(panels, tables, strict=False):
-        title = textwrap.fill(table.title, int(side * LETTERS)).replace("$", r"\$")
+        title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
         words = "\n".join([title, *tell_path(table)])
         axes.set_title(words, loc="center", fontsize="small", pad=2)
     place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
@@ -389,11 +384,7 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
     return figure
 
 
-@figure(
-    "trajectory",
-    "theta phi",
-    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
-)
+@figure(**MOTIONS)
 def draw_trace(table: Table) -> Figure:
     """Path of the axis tip on the unit sphere."""
     return draw_traces([table])
@@ -404,9 +395,6 @@ HEIGHT = 3.5
 
 PATH_ROOM = 1.1
 """What is seen, over the extent of the path."""
-
-FLAT = 0.25
-"""The height that a path from the side takes at least, over its width, has its own scale."""
 
 
 @figure("trajectory", "com_x com_y com_z")
@@ -443,16 +431,13 @@ def draw_path_plane(
     joined: bool,
 ) -> None:
     """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
-    axes.plot(radius * np.cos(CIRCLE), radius * np.sin(CIRCLE), color=FAINT, linewidth=0.8)
-    axes.plot(0, 0, "+", color=GREY)
-    x, y, near = (*path, near) if joined else thinned((*path, near))
-    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
-    for there, style, order in ((~near, back, 2), (near, front, 3)):
-        there = there | np.roll(there, 1) if joined else there
-        line = (np.where(there, part, np.nan) for part in (x, y))
-        axes.plot(*line, **style, zorder=order, rasterized=len(x) > MANY_POINTS)
-    for name, index in (("end", -1), ("start", 0)):
-        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec=GROUND, zorder=5)
+    circle = radius * np.cos(CIRCLE), radius * np.sin(CIRCLE)
+    axes.plot(*circle, color=FAINT, linewidth=0.8, zorder=0)
+    axes.plot(0, 0, "+", color=GREY, zorder=0)
+    front, back = halves_of(joined)
+    *line, near = (*path, near) if joined else thinned((*path, near))
+    draw_halves(axes, line, ((back, ~near), (front, near)))
+    mark_ends(axes, *path)
     set_limits(axes, path, radius)
 
 
@@ -464,7 +449,7 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     middle = (low + high) / 2 if half < radius else np.zeros(2)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     width, height = high - low
-    if half < radius and 0 < height < FLAT * width:
+    if half < radius and 0 < height < 0.25 * width:  # upward a scale of its own
         axes.set_ylim(middle[1] - PATH_ROOM * height / 2, middle[1] + PATH_ROOM * height / 2)
         axes.set_box_aspect(1)
     else:
@@ -567,8 +552,7 @@ def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, head
     x, y = omega[:2]
     axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
     axes.plot(0, 0, "+", color=GREY)
-    for name, place in (("end", -1), ("start", 0)):
-        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec=GROUND, zorder=5)
+    mark_ends(axes, x, y)
     side = 1.08 * float(np.nanmax(np.abs(omega[:2]))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.xaxis.set_major_locator(MaxNLocator(4))

@@ -13,7 +13,7 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
 from spintop_figures.style.look import scale as scale_of_letters
-from spintop_figures.style.numbers import TIMES, localised, with_power, write
+from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
 from spintop_figures.style.page import TIME, head, new_figure, no_axis
 from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of
 from spintop_figures.tables.own_units import converted
@@ -143,7 +143,7 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
         power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
         factor = f"{TIMES}{with_power('1', power)}" if power else ""
         half = (row.upper - row.lower) / 2 / 10.0**power
-        decimals = max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 6
+        decimals = decimals_for(half, 0) if 0 < half < math.inf else 6
         numbers = (row.estimate, row.lower, row.upper)
         told = [localised(f"{number / 10.0**power:.{decimals}f}") for number in numbers]
         lines.append((f"{told[0]}{factor} {unit}".strip(), False))

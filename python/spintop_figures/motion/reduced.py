@@ -13,24 +13,16 @@ from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.moving.body import GRAVITY, read_body
 from spintop_figures.style.axes import name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
-from spintop_figures.style.numbers import write_fixed
+from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import legend_above, new_figure
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
 COLUMNS = "theta theta_rate phi_rate psi_rate kinetic potential"
 """What the reduced motion is found from."""
-
-SAME = 1e-6
-"""Deviations from the motion of a symmetric top, over the size, that an integrator may make."""
-
-STEADY = 1e-10
-"""A smaller relative change of the kinetic energy does not determine the moments of inertia."""
-
-HUGE, LEAST_ROWS = 1e100, 4
-"""Numbers of this size are of a run that is lost; what is fitted to fewer rows is not checked."""
 
 ROUNDING = 1e-12
 """Momenta that differ by less, over their size, are equal."""
@@ -99,39 +91,21 @@ class Reduced(NamedTuple):
 
 
 def find_reduced(table: Table) -> Reduced | str:
-    """The reduced motion of a trajectory, or why it is not that of an undamped symmetric top.
-
-    The table's own columns tell the body, whatever shape it was made of: the kinetic energy is
-    linear in I1, the potential one in m g l, and omega3 is constant.
-    """
-    rows = table.rows[COLUMNS.split()].astype(float)
-    rows = rows[(rows.abs() < HUGE).all(axis=1)]
-    if len(rows) < LEAST_ROWS:
-        return f"has fewer than {LEAST_ROWS} rows to find the moments of inertia from"
-    cosine = np.cos(rows["theta"].to_numpy())
-    omega3 = (rows["phi_rate"] * cosine + rows["psi_rate"]).to_numpy()
-    turning = rows["phi_rate"] * np.sin(rows["theta"])
-    transverse = ((rows["theta_rate"] ** 2 + turning**2) / 2).to_numpy()
-    kinetic, potential = rows["kinetic"].to_numpy(), rows["potential"].to_numpy()
-    largest = kinetic.max(initial=0.0)
-    if not np.ptp(kinetic) > STEADY * largest:
-        return "is too steady to determine the moments of inertia"
-    inertia, spin_energy = np.polyfit(transverse, kinetic, 1)
-    weight = float(potential @ cosine / (cosine @ cosine))
-    deviations = [
-        np.abs(kinetic - inertia * transverse - spin_energy).max() / largest,
-        np.abs(potential - weight * cosine).max() / max(np.abs(potential).max(), 1e-300),
-        np.ptp(omega3) ** 2 / max(np.max(omega3**2), transverse.max()),
-    ]
-    if not np.max(deviations) <= SAME:
-        return "is no motion of an undamped symmetric top about its axis, body z"
-    spin = float(omega3.mean())
-    l3 = 2 * spin_energy / spin if spin**2 > ROUNDING * transverse.max() else 0.0
-    lz = inertia * turning.iloc[0] * np.sin(rows["theta"].iloc[0]) + l3 * cosine[0]
+    """The reduced motion of a symmetric top, of its body and its start, or why it is not known."""
+    body, kinetic = read_body(table), table.column("kinetic")
+    if body is None:
+        return "does not tell its body"
+    if not np.nanmax(kinetic) - np.nanmin(kinetic) > 1e-10 * np.nanmax(kinetic):
+        return "is too steady for a picture of its nutation"
+    start, (inertia, _, axial) = table.rows.iloc[0], body.inertia
+    cosine, turning = np.cos(start["theta"]), start["phi_rate"] * np.sin(start["theta"])
+    l3 = axial * (start["phi_rate"] * cosine + start["psi_rate"])
+    lz = inertia * turning * np.sin(start["theta"]) + l3 * cosine
     if abs(abs(lz) - abs(l3)) <= ROUNDING * abs(l3):
-        lz = float(np.copysign(l3, lz))
-    energy = kinetic[0] - spin_energy + potential[0]
-    return Reduced(float(inertia), weight, float(lz), float(l3), float(energy))
+        lz = np.copysign(l3, lz)
+    weight = body.mass * table.number("top.gravity", GRAVITY) * body.centre[2]
+    energy = inertia * (start["theta_rate"] ** 2 + turning**2) / 2 + weight * cosine
+    return Reduced(*map(float, (inertia, weight, lz, l3, energy)))
 
 
 def object_to_reduced(table: Table) -> str:
@@ -194,8 +168,7 @@ def draw_potential(table: Table) -> Figure:
     floor = min(bottom, np.min(pulled))
     axes.set_ylim(min(bottom - 0.15 * depth, max(floor, bottom - depth)), bottom + 1.5 * depth)
     axes.set_xlim(*np.degrees((low, high)))
-    span = turns[1] - turns[0]
-    decimals = max(2, 1 - int(np.floor(np.log10(span)))) if span > 0 else 2
+    decimals = decimals_for(turns[1] - turns[0], 2)
     sides = (("left", 8), ("right", -8))
     for (_, turning), turn, (side, shift) in zip(ends, turns, sides, strict=True):
         place = turn, reduced.energy

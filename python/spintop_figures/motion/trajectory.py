@@ -1,6 +1,5 @@
 """What a motion reaches between the rows of its table, and whether the rows show its path."""
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,7 +13,7 @@ from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
-from spintop_figures.style.numbers import write_fixed
+from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import TIME, Page, legend_above, new_figure, time_panels
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
@@ -54,8 +53,10 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
         return least, largest
     reduced = find_reduced(table)
-    if isinstance(reduced, str) or not keeps_energy(table):
-        return least, largest
+    kinetic, potential = (table.column(name) for name in ("kinetic", "potential"))
+    size = 1e-7 * (np.abs(kinetic).max() + np.abs(potential).max())
+    if isinstance(reduced, str) or np.ptp(kinetic + potential) > size:
+        return least, largest  # the turning points of the start are not those of the run
     low, high = reduced.turning_points()
     signs = np.sign(table.rows["theta_rate"].to_numpy(float))
     before, after = signs[:-1], signs[1:]
@@ -64,13 +65,6 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     if ((before >= 0) & (after < 0)).any() or ((before > 0) & (after <= 0)).any():
         largest = Extreme(max(high, largest.value), False)
     return least, largest
-
-
-def keeps_energy(table: Table) -> bool:
-    """Whether a run keeps its energy, so that the turning points of the start are its own."""
-    energy = (table.rows["kinetic"] + table.rows["potential"]).to_numpy(float)
-    size = np.abs(table.rows["kinetic"]).max() + np.abs(table.rows["potential"]).max()
-    return bool(np.ptp(energy) <= 1e-7 * size)
 
 
 def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
@@ -167,11 +161,6 @@ def draw_angles(table: Table) -> Figure:
     mark_extremes(height, height_extremes(table), " m", 5)
     figure.align_ylabels()
     return figure
-
-
-def decimals_for(span: float, least: int) -> int:
-    """How many decimals tell numbers over a span apart, with two digits of it."""
-    return max(least, 1 - math.floor(math.log10(span))) if span > 0 else least
 
 
 def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int) -> None:

@@ -11,6 +11,9 @@ BODY = re.compile(
     r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m"
     r"(?:; elements 23, 31, 12 of the inertia tensor (.+?) kg m\^2)?"
 )
+GRAVITY = 9.81
+"""Where an input does not say it, m/s^2."""
+
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
 

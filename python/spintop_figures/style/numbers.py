@@ -55,6 +55,11 @@ def write_fixed(value: float, decimals: int) -> str:
     return localised(text) if float(text.replace(",", "")) else write(value, 2)
 
 
+def decimals_for(span: float, least: int) -> int:
+    """How many decimals tell numbers over a span apart, with two digits of it."""
+    return max(least, 1 - math.floor(math.log10(span))) if 0 < span < math.inf else least
+
+
 def localised(text: str) -> str:
     """A number as text with a minus for its hyphen, and a decimal comma where that is asked for."""
     text = true_minus(text)

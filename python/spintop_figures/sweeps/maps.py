@@ -22,6 +22,7 @@ from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import acting
+from spintop_figures.moving.body import GRAVITY
 from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
@@ -67,9 +68,6 @@ RATE, AMPLITUDE = "effects.vibration_rate", "effects.vibration_amplitude(3)"
 
 KAPITZA = r"Kapitza: $A\,\Omega=\sqrt{2gI/(ml)}$"
 """What the limit is, as a legend has it."""
-
-GRAVITY = 9.81
-"""Where an input does not say it, m/s^2."""
 
 
 def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:

@@ -45,7 +45,6 @@ def draw_error(table: Table) -> Figure:
     if has_energy:
         draw_sizes(axes[1], t, table.column("R4"))
         name_axis(axes[1].yaxis, "change of energy\n$|R_4|$", table.units.get("R4", "J"))
-    figure.align_ylabels()
     return figure
 
 
@@ -87,7 +86,6 @@ def draw_residuals(table: Table) -> Figure:
         style = {"textcoords": "offset points", "ha": "right", "fontsize": "small", "color": GREY}
         axes.annotate(words, (1, 1), (0, 4), "axes fraction", **style)
     share_limits(*(by_name[name] for name in TOGETHER if np.any(table.column(name))))
-    figure.align_ylabels()
     return figure
 
 

@@ -14,7 +14,7 @@ from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
-from spintop_figures.style.page import TIME, Page, legend_above, new_figure, time_panels
+from spintop_figures.style.page import Page, legend_above, time_panels
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import columns_of, units_of_columns
@@ -108,9 +108,14 @@ NEAR_POLE, LEAST_JUMP, SAME_TURN = np.radians(15), np.radians(45), 0.5
 """Of jumps at a pole: how near to it, how large, and what part of them the body turns at most."""
 
 
-def panels(table: Table, title: str) -> tuple[Page, list[Axes]]:
-    """A figure with four panels over the same time."""
-    return time_panels(table, title, 4, by_width(5.4, 8.6))
+def panels(table: Table, title: str, **columns: str) -> tuple[Page, list[Axes]]:
+    """A figure with four panels over the same time, and columns in the first, as axes name them."""
+    figure, axes = time_panels(table, title, 4, by_width(5.4, 8.6))
+    near_pole = {"phi", "psi"} & columns.keys()
+    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi"))) if near_pole else ()
+    for (name, words), each in zip(columns.items(), axes, strict=False):
+        draw_column(each, table, name, words, gaps=jumps if name in near_pole else ())
+    return figure, axes
 
 
 def draw_column(
@@ -148,18 +153,12 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
 @figure("trajectory", "t phi theta psi com_z")
 def draw_angles(table: Table) -> Figure:
     """Angles and height of the centre of mass against time (Figure 8)."""
-    figure, (phi, theta, psi, height) = panels(
-        table, "Euler angles and height of the centre of mass"
-    )
-    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi")))
-    draw_column(phi, table, "phi", gaps=jumps)
-    draw_column(theta, table, "theta")
-    draw_column(psi, table, "psi", gaps=jumps)
-    draw_column(height, table, "com_z", "height above the pivot")
+    columns = {"phi": "", "theta": "", "psi": "", "com_z": "height above the pivot"}
+    title = "Euler angles and height of the centre of mass"
+    figure, (_, theta, _, height) = panels(table, title, **columns)
     ends = [end._replace(value=np.degrees(end.value)) for end in inclination_extremes(table)]
     mark_extremes(theta, ends, "°", 2)
     mark_extremes(height, height_extremes(table), " m", 5)
-    figure.align_ylabels()
     return figure
 
 
@@ -183,9 +182,9 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
 @figure("trajectory", "t force_x force_y force_z energy kinetic potential")
 def draw_forces(table: Table) -> Figure:
     """Support force and energies against time (Figure 9)."""
-    figure, (x, y, z, energy) = panels(table, "Support force on the top, and energy of the top")
-    for axes, name, words in ((x, "x", ""), (y, "y", ""), (z, "z", "upward force ")):
-        draw_column(axes, table, f"force_{name}", f"{words}$F_{name}$")
+    columns = {"force_x": "$F_x$", "force_y": "$F_y$", "force_z": "upward force $F_z$"}
+    title = "Support force on the top, and energy of the top"
+    figure, (x, y, z, energy) = panels(table, title, **columns)
     share_limits(x, y)  # both are horizontal
     if "theta" in table.rows and not broken(LAGRANGE, table):
         mark_sign_changes(z, *map(table.column, ("t", "force_z", "theta")))
@@ -195,7 +194,6 @@ def draw_forces(table: Table) -> Figure:
     name_axis(energy.yaxis, "energy", "J")
     place = {"bbox_to_anchor": (1.03, 1.0), "ncols": 3, "borderpad": 0}
     legend_above(energy, 3, **place, handlelength=1.6, columnspacing=1.0)
-    figure.align_ylabels()
     return figure
 
 
@@ -233,15 +231,16 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
 @figure("trajectory", "t force_r force_n force_z")
 def draw_support(table: Table) -> Figure:
     """Support force in the plane of the axis and normal to it, against time."""
-    figure, axes = panels(table, "Support force: outward, along the nodes and upward")
-    draw_column(axes[0], table, "force_r", "outward force $F_r$")
-    draw_column(axes[1], table, "force_n", "force along the nodes $F_n$")
-    draw_column(axes[2], table, "force_z", "upward force $F_z$")
-    parts = [table.column(f"force_{name}") for name in "rnz"]
-    draw_line(axes[3], table.column("t"), np.sqrt(sum(part**2 for part in parts)))
-    axes[3].set_ylim(bottom=0)
-    name_axis(axes[3].yaxis, "magnitude of the force", "N")
-    figure.align_ylabels()
+    columns = {
+        "force_r": "outward force $F_r$",
+        "force_n": "force along the nodes $F_n$",
+        "force_z": "upward force $F_z$",
+    }
+    title = "Support force: outward, along the nodes and upward"
+    figure, (*_, size) = panels(table, title, **columns)
+    draw_line(size, table.column("t"), np.sqrt(sum(table.column(name) ** 2 for name in columns)))
+    size.set_ylim(bottom=0)
+    name_axis(size.yaxis, "magnitude of the force", "N")
     return figure
 
 
@@ -258,18 +257,16 @@ AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}ar
 )
 def draw_account(table: Table) -> Figure:
     """Inclination, spin, and account of energy under effects, against time."""
-    figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
-    ratios = {"height_ratios": (1, 1, 1.4, 1)}
-    theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
+    title, ratios = "Inclination, spin and energy budget", (1, 1, 1.4, 1)
+    figure, (theta, spin, energy, error) = time_panels(
+        table, title, 4, 7.4, 1, height_ratios=ratios
+    )
     t, works = table.column("t"), works_of(table)
     draw_column(theta, table, "theta", axis_of("theta", between="\n"))
     draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
     (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
     draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
     name_axis(error.yaxis, "error of the\nbalance (relative)")
-    name_axis(error.xaxis, *TIME)
-    error.margins(x=0.01)
-    figure.align_ylabels()
     return figure
 
 

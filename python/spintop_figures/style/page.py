@@ -114,16 +114,17 @@ def add_panels(
 
 
 def time_panels(
-    table: Table | Sequence[Table], title: str, count: int, height: float, across: int | None = None
+    table: Table, title: str, count: int, height: float, across: int | None = None, **grid: object
 ) -> tuple[Page, list[Axes]]:
     """A figure of panels over the same time, which the lowest ones name."""
     across = across or columns_of(count)
     figure = new_figure(table, title, height)
-    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False)
+    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False, **grid)
     for axes in panels[-1]:
         name_axis(axes.xaxis, *TIME)
     for axes in panels.flat:
         axes.margins(x=0.01)
+    figure.align_ylabels()
     return figure, list(panels.flat)
 
 

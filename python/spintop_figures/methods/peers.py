@@ -12,7 +12,7 @@ from spintop_figures.methods.known import style_of
 from spintop_figures.methods.precision import few_ticks
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
-from spintop_figures.style.page import add_panels, is_left, is_lowest, new_figure, panel_rows
+from spintop_figures.style.page import is_left, is_lowest, panel_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
@@ -52,10 +52,9 @@ def draw_peers(table: Table) -> Figure:
     problems = list(table.rows["problem"].unique())
     alone = len(problems) == 1
     title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")
-    height = 4.2 if alone else 2.9 * panel_rows(len(problems))
-    figure = new_figure(table, title, 1.9 + height)
+    figure, panels = panel_figure(table, title, len(problems), 4.2 if alone else 2.9, 0, 1.9)
     handles: dict[str, object] = {}
-    for name, axes in zip(problems, add_panels(figure, len(problems)), strict=True):
+    for name, axes in zip(problems, panels, strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
         axes.set_title("" if alone else name_of(name))

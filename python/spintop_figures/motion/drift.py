@@ -11,7 +11,7 @@ from spintop_figures.methods.known import rank_of, style_of
 from spintop_figures.moving.assumptions import CONSERVED, broken, symmetric
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import GREY, by_width
-from spintop_figures.style.page import TIME, add_panels, columns_of, head, new_figure, no_axis
+from spintop_figures.style.page import TIME, head, is_lowest, no_axis, panel_figure
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -72,13 +72,10 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     The running maximum of each constant's error against time, with guide lines.
     """
     there = [name for name in CONSTANTS if all(is_drawn(table, name) for table in tables)]
-    across = columns_of(len(there))
-    down = -(-len(there) // across)
-    figure = new_figure(tables, "Drift of the first integrals", 1.9 + 2.6 * down)
-    cells = figure.add_gridspec(down + 1, across, height_ratios=[1] * down + [0.01])
-    panels = add_panels(figure, len(there), sharey=False, grid=cells)
+    title = "Drift of the first integrals"
+    figure, panels = panel_figure(tables, title, len(there), 2.6, 0, 1.9, "x", has_foot=True)
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
-    for place, (column, axes) in enumerate(zip(there, panels, strict=True)):
+    for column, axes in zip(there, panels, strict=True):
         axes.set(xscale="log", yscale="log")
         for table in ordered:
             t, off = running_maximum(table, column)
@@ -88,12 +85,12 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
         draw_guides(axes)
         words, unit = CONSTANTS[column]
         head(axes, words, axes.yaxis, unit)
-        axes.tick_params(labelbottom=place >= len(there) - across)
-        if place >= len(there) - across:
+        axes.tick_params(labelbottom=is_lowest(axes))
+        if is_lowest(axes):
             name_axis(axes.xaxis, *TIME)
     handles, labels = panels[0].get_legend_handles_labels()
     columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
-    below = no_axis(figure.add_subplot(cells[down, :]))
+    below = no_axis(figure.add_subplot(panels[0].get_gridspec()[-1, :]))
     below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
     return figure
 

@@ -10,14 +10,7 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
-from spintop_figures.style.page import (
-    TIME,
-    add_panels,
-    is_left,
-    is_lowest,
-    new_figure,
-    panel_rows,
-)
+from spintop_figures.style.page import TIME, is_left, is_lowest, new_figure, panel_figure
 from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
@@ -102,9 +95,9 @@ def sections(table: Table) -> list[str]:
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at frequent events (Poincare sections)."""
     names = sections(table)
-    height = 1.3 + max(2.5 * panel_rows(len(names)), 4.0)
-    figure = new_figure(table, "Inclination and nutation rate at events", height)
-    for name, axes in zip(names, add_panels(figure, len(names)), strict=True):
+    title = "Inclination and nutation rate at events"
+    figure, panels = panel_figure(table, title, len(names), 2.5, 4.0, 1.3)
+    for name, axes in zip(names, panels, strict=True):
         draw_section(axes, table, name)
     return figure
 

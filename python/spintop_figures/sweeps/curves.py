@@ -11,7 +11,7 @@ from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GROUND, LINES, by_width
-from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
+from spintop_figures.style.page import head, new_figure, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
@@ -138,9 +138,6 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
     axes.legend(handles=handles, ncols=2)
 
 
-PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
-"""Of a row of panels, and of all of them, in inches."""
-
 FAR = 0.08
 """Neighbours among many cases that differ by more of the range are not joined: between them a curve
 is not known."""
@@ -161,10 +158,9 @@ def draw_curves(table: Table) -> Figure:
     quantities, name = quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
     x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()
-    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
-    figure = new_figure(table, f"The motion over the {name_of(name)}{tell_rest(table)}", height)
+    title = f"The motion over the {name_of(name)}{tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(quantities), 2.0, 3.0, 1.3, share="x")
     threshold = sleeping_threshold(name, rows)
-    panels = add_panels(figure, len(quantities), sharey=False)
     crosses = {"color": FAULT, "markersize": 4, "clip_on": False}
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)

@@ -1,13 +1,14 @@
 """The maps of a sweep over a grid of two parameters, and the colours of numbers."""
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import (
     BoundaryNorm,
     Colormap,
@@ -25,7 +26,7 @@ from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import GRAVITY
 from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
+from spintop_figures.style.page import head, panel_figure
 from spintop_figures.sweeps.fields import jumps, spots
 from spintop_figures.sweeps.quantities import (
     Quantity,
@@ -55,7 +56,7 @@ they would take more than this of the range of the others."""
 LETTER, LINE = 0.085, 0.16
 """Width of a letter and height of a line of a name in a map, in inches."""
 
-PANEL_HEIGHT, LEAST_HEIGHT = 2.6, 4.0
+HEIGHTS = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
 
 BLANK = {"facecolor": "white", "edgecolor": "0.7", "hatch": "////"}
@@ -166,10 +167,9 @@ def draw_maps(table: Table) -> Figure:
     """Maps of the quantities of a sweep over a grid of two parameters."""
     grid, quantities = make_grid(table), quantities_of(table)
     names = " and ".join(map(name_of, table.axes()))
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
-    figure = new_figure(table, f"The motion over {names}{tell_rest(table)}", height)
+    title = f"The motion over {names}{tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(quantities), *HEIGHTS)
     failed = ~ended_well(table.rows).to_numpy()
-    panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
         axes.patch.set(**BLANK)
         values = quantity.values(table.rows)
@@ -264,9 +264,7 @@ def draw_numbers(
     norm, extend = scale_of(quantity, numbers)
     whole = np.ma.masked_invalid(grid.fill(numbers))
     cells = np.ma.masked_invalid(grid.fill(np.clip(numbers, norm.vmin, norm.vmax)))
-    look = {"cmap": colours_of(norm), "norm": norm, "rasterized": True}
-    image = axes.pcolormesh(*grid.edges(), cells, **look)
-    bar = axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+    bar = draw_cells(axes, grid.edges(), cells, norm, extend, colours_of(norm))
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
@@ -275,6 +273,19 @@ def draw_numbers(
     head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)
     if quantity.most and whole.count():
         name_regions(axes, np.ma.filled(whole == whole.max(), False), quantity.most)
+
+
+def draw_cells(
+    axes: Axes,
+    edges: Sequence[np.ndarray],
+    cells: np.ma.MaskedArray,
+    norm: Normalize | None,
+    extend: str,
+    colours: Colormap,
+) -> Colorbar:
+    """Cells in the colours of a scale, with its bar."""
+    image = axes.pcolormesh(*edges, cells, cmap=colours, norm=norm, rasterized=True)
+    return axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
 
 
 def name_regions(axes: Axes, there: np.ndarray, name: str) -> None:

@@ -1,6 +1,6 @@
 """What the figures of a sweep show: quantities made of its columns, and its parameters."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -238,15 +238,32 @@ def name_parameter(table: Table, place: int) -> tuple[str, str]:
 
 def set_parameter_axis(table: Table, place: int, *panels: Axes, which: str = "x") -> None:
     """The scale of parameter number `place` from 0, and its name where panels are at the edge."""
-    is_log = has_log_axis(table, place)
+    name = table.axes()[place]
+    scale_panels(panels, which, table, name, table.column(name), has_log_axis(table, place))
+
+
+def scale_panels(
+    panels: Sequence[Axes],
+    which: str,
+    table: Table,
+    name: str,
+    values: np.ndarray,
+    is_log: bool,
+    ends: tuple[float, float] | None = None,
+    letters: int = 0,
+) -> None:
+    """The scale of a column along x or y of panels, and its name where they are at the edge."""
+    unit = table.units.get(name, "")
     for axes in panels:
         axes.set(**{f"{which}scale": "log" if is_log else "linear"})
+        if ends:
+            axes.set(**{f"{which}lim": ends})
     for axes in panels:
         axis = axes.xaxis if which == "x" else axes.yaxis
-        if which == "y" and table.units.get(table.axes()[place]) == "deg":
-            set_degree_ticks(axis, table.column(table.axes()[place]))
+        if which == "y" and unit == "deg":
+            set_degree_ticks(axis, values)
         if is_lowest(axes) if which == "x" else is_left(axes):
-            name_axis(axis, *name_parameter(table, place), plain=True)
+            name_axis(axis, axis_of(name), unit, plain=True, letters=letters)
 
 
 def tell_failed(table: Table) -> str:

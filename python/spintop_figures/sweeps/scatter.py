@@ -1,7 +1,6 @@
 """The quantities of a sweep whose cases fill no grid, as points against each swept parameter."""
 
 import itertools
-import re
 import textwrap
 from collections.abc import Iterable, Sized
 from typing import NamedTuple
@@ -11,13 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import (
-    Colormap,
-    LinearSegmentedColormap,
-    ListedColormap,
-    LogNorm,
-    Normalize,
-)
+from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -332,12 +325,8 @@ def set_parameter_axis(axes: Axes, which: str, table: Table, place: int, is_name
     axis = axes.xaxis if which == "x" else axes.yaxis
     if not is_log:
         axis.set_major_locator(MaxNLocator(4))
-    words, unit = name_parameter(table, place)
-    if len(words) > NARROW_LETTERS:  # broken before a formula
-        words, *rest = re.split(r" (?=[$(])", words, maxsplit=1)
-        words = "\n".join([*textwrap.wrap(words, NARROW_LETTERS), *rest])
     if is_named:
-        name_axis(axis, words, unit, plain=True)
+        name_axis(axis, *name_parameter(table, place), plain=True, letters=NARROW_LETTERS)
     if is_log:
         axis.set_minor_formatter("")
 

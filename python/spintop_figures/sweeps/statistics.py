@@ -13,18 +13,18 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
 from spintop_figures.style.numbers import MINUS, write, write_count
-from spintop_figures.style.page import add_panels, head, is_left, is_lowest, new_figure, panel_rows
+from spintop_figures.style.page import head, is_left, is_lowest, panel_figure
 from spintop_figures.sweeps.maps import (
     BLANK,
     COLOURS,
-    LEAST_HEIGHT,
-    PANEL_HEIGHT,
+    HEIGHTS,
     colours_of,
+    draw_cells,
     is_signed,
     scale_of,
 )
-from spintop_figures.sweeps.quantities import of_column
-from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
+from spintop_figures.sweeps.quantities import of_column, scale_panels
+from spintop_figures.tables.names import column_name, name_of, unit_shown
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -145,16 +145,16 @@ def draw_means(table: Table) -> Figure:
         title += f", about {write(rows['cases'].mean(), 3)} in each bin"
     else:
         names.append("")
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
-    figure = new_figure(table, title, height)
-    panels = add_panels(figure, len(names), sharey=len(bins) == 2)
+    share = "xy" if len(bins) == 2 else "x"
+    figure, panels = panel_figure(table, title, len(names), *HEIGHTS, share=share)
     for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
         else:
             draw_curve(axes, table, bins[0], rows, name)
     for bin_, which in zip(bins, "xy", strict=False):
-        set_bin_axis(table, bin_, which, panels)
+        ends = bin_.edges[0], bin_.edges[-1]
+        scale_panels(panels, which, table, bin_.column, bin_.edges, bin_.is_log, ends)
     return figure
 
 
@@ -181,9 +181,7 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
         is_wide = np.isfinite(values).any() and np.nanmax(values) > 100 * np.nanmin(values)
         norm, colours = LogNorm() if is_wide else None, COLOURS
     cells = np.ma.masked_invalid(values.reshape(bins[1].edges.size - 1, bins[0].edges.size - 1))
-    look = {"cmap": colours, "norm": norm, "rasterized": True}
-    image = axes.pcolormesh(bins[0].edges, bins[1].edges, cells, **look)
-    bar = axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+    bar = draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
     head(axes, words, bar.ax.yaxis, unit, after)
 
 
@@ -214,20 +212,6 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         axes.legend(loc="best")
 
 
-def set_bin_axis(table: Table, bins: Bins, which: str, panels: list[Axes]) -> None:
-    """Scale and name of a binned quantity, at the left or the lowest panels only."""
-    for axes in panels:
-        axes.set(**{f"{which}scale": "log" if bins.is_log else "linear"})
-        axes.set(**{f"{which}lim": (bins.edges[0], bins.edges[-1])})
-    unit = table.units.get(bins.column, "")
-    for axes in panels:
-        axis = axes.xaxis if which == "x" else axes.yaxis
-        if which == "y" and unit == "deg":
-            set_degree_ticks(axis, bins.edges)
-        if is_lowest(axes) if which == "x" else is_left(axes):
-            name_axis(axis, axis_of(bins.column), unit, plain=True)
-
-
 @figure("statistics", "cases", objection=object_to_distributions)
 def draw_distributions(table: Table) -> Figure:
     """Histograms of a sweep over all cases, with quantiles."""
@@ -235,9 +219,8 @@ def draw_distributions(table: Table) -> Figure:
     if not found:
         raise TableError("has no value in any column")
     names = [name for name in gathered(table) if name in found]
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), 3.0)
-    figure = new_figure(table, f"Distributions over {tell_cases(table)}", height)
-    panels = add_panels(figure, len(names), sharex=False, sharey=False)
+    title = f"Distributions over {tell_cases(table)}"
+    figure, panels = panel_figure(table, title, len(names), HEIGHTS[0], 3.0, share="")
     for name, axes in zip(names, panels, strict=True):
         draw_distribution(axes, table, name, found[name])
     return figure
@@ -340,9 +323,8 @@ def draw_indices(table: Table) -> Figure:
     groups = list(found.groupby("column", sort=False))
     title = by_width("Sobol' indices with 95 % intervals", "Sobol' indices")
     most = max(len(rows) for _, rows in groups)
-    height = 1.2 + (0.75 + 0.34 * most) * panel_rows(len(groups))
-    figure = new_figure(table, f"{title}: {tell_cases(table)}", height)
-    panels = add_panels(figure, len(groups), sharey=True)
+    title += f": {tell_cases(table)}"
+    figure, panels = panel_figure(table, title, len(groups), 0.75 + 0.34 * most)
     for axes, (name, rows) in zip(panels, groups, strict=True):
         head(axes, describe(table, str(name))[0])
         draw_dots(axes, rows)

@@ -34,8 +34,7 @@ from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.style.axes import draw_sizes
 from spintop_figures.style.saving import lay_out, save, save_as, save_small
 from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
-from spintop_figures.sweeps.fields import jumps, spots
-from spintop_figures.sweeps.maps import SIGNED, draw_maps
+from spintop_figures.sweeps.maps import SIGNED, draw_maps, jumps, spots
 from spintop_figures.sweeps.scatter import draw_scatter
 from spintop_figures.tables.table import Table, TableError, read_table
 

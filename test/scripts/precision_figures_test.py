@@ -176,17 +176,17 @@ class CurveTest(TableCase):
     def test_best(self) -> None:
         """Of each family the method that is the cheapest at the target has its name and colour."""
         curves = [curve for curve in self.curves().values() if curve.method != "exact"]
-        best = best_of_families(curves, "time_s")
+        table = read_table(self.put("a.csv", a_precision()))
+        best = best_of_families(table.rows, "time_s")
         assert len({family_of(curve.method) for curve in best}) == len(best)
         for curve in curves:
             mate = next(c for c in best if family_of(c.method) == family_of(curve.method))
             if np.isfinite(time_to(curve)):
                 assert time_to(mate) <= time_to(curve)
-        table = read_table(self.put("a.csv", a_precision()))
         for draw, cost in ((draw_precision_time, "time_s"), (draw_precision_work, "evaluations")):
             figure = draw(table)
             axes = figure.axes[0]
-            named = {curve.label for curve in best_of_families(curves, cost)}
+            named = {curve.label for curve in best_of_families(table.rows, cost)}
             texts = {text.get_text() for text in axes.texts}
             assert named <= texts
             labels = {curve.label for curve in curves}
@@ -209,7 +209,7 @@ class CurveTest(TableCase):
             with self.subTest(chosen, figure=draw.__name__):
                 axes = draw(dataclasses.replace(table, rows=rows)).axes[0]
                 cost = "time_s" if draw is draw_precision_time else "evaluations"
-                best = best_of_families(curves_of(rows, (cost, "error_max")), cost)
+                best = best_of_families(rows, cost)
                 texts = {text.get_text() for text in axes.texts}
                 assert {curve.label for curve in best} <= texts
 

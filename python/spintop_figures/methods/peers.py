@@ -33,8 +33,6 @@ PEER_MARKERS = {
 PEER = {"color": GREY, "linewidth": 0.9, "markersize": 4.5, "markerfacecolor": GROUND, "zorder": 2}
 LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
 """Errors are drawn between these, rad: the one stands for zero too, no turn is beyond pi."""
-TICKS = 9
-"""At most, on the width of a figure."""
 
 
 @figure(
@@ -86,7 +84,7 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
         look = {"linestyle": "", "markersize": 9} if method == "exact" else look
         style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
         draw_front(axes, own[own["method"] == method], method, style, handles)
-    few_ticks(axes, TICKS // across, TICKS)
+    few_ticks(axes, 9 // across, 9)
     return handles
 
 

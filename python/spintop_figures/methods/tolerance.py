@@ -165,9 +165,6 @@ def tell(value: float) -> str:
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 """The errors for which methods are compared, rad, as in the summary of the program."""
 
-LEAST_PROBLEMS = 5
-"""Fewer problems do not tell whether a choice is right."""
-
 NEAR = 2.0
 """A choice that takes no more than so many times as long is near the cheapest."""
 
@@ -184,8 +181,8 @@ def object_to_choice(table: Table) -> str:
     """The rows of the choice are marked, and there are enough problems."""
     if not (table.rows["auto"] == "yes").any():
         return "has no row of the automatic choice"
-    if len(problems_of(table)) < LEAST_PROBLEMS:
-        return f"has fewer than {LEAST_PROBLEMS} problems to judge a choice by"
+    if len(problems_of(table)) < 5:
+        return "has fewer than 5 problems to judge a choice by"
     return "" if choices_of(table) else "has no method that is accurate enough"
 
 

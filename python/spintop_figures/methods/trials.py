@@ -113,9 +113,6 @@ the matrix and the bars, and of the lines of the legend."""
 SMALL = "x-small"
 """Of what stands in cells, and of labels."""
 
-MOST_DIGITS = 16
-"""What double precision holds."""
-
 
 class Layout(NamedTuple):
     """Where the cases stand from left to right, and the methods from top to bottom."""
@@ -191,7 +188,8 @@ def letters_of(rows: pd.DataFrame) -> dict[str, str]:
 
 def digits_of(error: float) -> int:
     """Digits that an error in radians leaves."""
-    return min(MOST_DIGITS, max(0, math.floor(-math.log10(error)))) if error > 0 else MOST_DIGITS
+    # double precision holds no more
+    return min(16, max(0, math.floor(-math.log10(error)))) if error > 0 else 16
 
 
 def draw_cell(axes: Axes, x: float, y: float, verdict: Verdict, mark: str) -> None:

@@ -18,9 +18,6 @@ from spintop_figures.tables.table import Table
 LEAST_EVENTS = 20
 """Fewer events of a kind show no section."""
 
-ROW = 0.8
-"""Height of the highest bar, over that of a row."""
-
 COLOUR = LINES[0]["color"]
 
 
@@ -42,9 +39,9 @@ def draw_events(table: Table) -> Figure:
         label = f"{describe_event(name)} ({write_count(len(t))})"
         if len(t) > 80:  # more are counted in intervals
             counts, edges = np.histogram(t, 60, (times.min(), end))
-            heights, width = -ROW * counts / counts.max(), edges[1] - edges[0]
+            heights, width = -0.8 * counts / counts.max(), edges[1] - edges[0]
             style = {"align": "edge", "color": COLOUR, "linewidth": 0}
-            axes.bar(edges[:-1], heights, np.diff(edges), place + ROW / 2, **style)
+            axes.bar(edges[:-1], heights, np.diff(edges), place + 0.8 / 2, **style)
             label += f"\nper {write(width, 3)} s: up to {counts.max()}"
         else:
             axes.plot(t, np.full_like(t, place), "|", color=COLOUR, markersize=12, zorder=3)

@@ -21,9 +21,6 @@ from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
 
-SIDE = 2.2
-"""Width of the fitted values in inches."""
-
 PAIR, LEAST_HEIGHT, BELOW = 1.9, 3.4, 1.2
 """Height of the panels of a column, of all of them at least, and of what is below, in inches."""
 
@@ -75,7 +72,7 @@ def draw_fit(table: Table) -> Figure:
     figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
     if by_width(True, False):
-        widths = [(drawn_width() - SIDE) / across] * across + [SIDE]
+        widths = [(drawn_width() - 2.2) / across] * across + [2.2]  # inches for the fitted values
         grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
         side = grid[:, across]
     else:

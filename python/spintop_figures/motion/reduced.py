@@ -114,9 +114,6 @@ def object_to_reduced(table: Table) -> str:
     return reduced if isinstance(reduced, str) else ""
 
 
-LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
-"""Amplitudes of the level curves over that of the motion."""
-
 INCLINATION = axis_of("theta"), "degrees"
 SEPARATRIX = {"color": PALE, "linewidth": 4, "linestyle": "-", "zorder": 1.5}
 """A wide line that a motion may be on."""
@@ -223,7 +220,11 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
     rate = np.linspace(-fastest, fastest, 401)
     well, bottom = reduced.potential(theta), reduced.bottom()
     energy = np.minimum(well, 1e300) + reduced.inertia * rate[:, np.newaxis] ** 2 / 2
-    curves = [bottom + amplitude**2 * (reduced.energy - bottom) for amplitude in LEVELS]
+    # amplitudes over that of the motion
+    curves = [
+        bottom + amplitude**2 * (reduced.energy - bottom)
+        for amplitude in (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
+    ]
     style = {"colors": GREY, "linewidths": 0.6, "linestyles": "-", "alpha": 0.7}
     axes.contour(np.degrees(theta), rate, energy, levels=curves, **style)
     axes.plot([], [], color=GREY, linewidth=0.6, alpha=0.7, label="equal energy")

@@ -47,9 +47,6 @@ STEPS = 500
 
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
 
-MOST_DOTS = 1000
-"""Points that are not joined: more are thinned, or they would be a cloud."""
-
 FRONT = {"color": LINES[0]["color"], "linewidth": 1.5}
 BACK = {"color": HIDDEN, "linewidth": 1.1}
 """The path before the sphere, and behind it a paler tint of the same colour."""
@@ -239,7 +236,7 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
 
 def thinned(points: Points) -> Points:
     """Points that are not joined, MOST_DOTS at most."""
-    every = -(-len(points[0]) // MOST_DOTS)
+    every = -(-len(points[0]) // 1000)  # more would be a cloud
     return tuple(part[::every] for part in points)
 
 
@@ -459,9 +456,6 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
-LEAST = 1e-9
-"""What is slower, over the fastest, has no direction."""
-
 BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
 TOUCH = {"color": INK, "linewidth": 1.3}
 
@@ -522,7 +516,7 @@ def draw_cones(table: Table) -> Figure:
 def directions(omega: np.ndarray) -> np.ndarray:
     """Unit vectors along angular velocities, without those that are about zero."""
     size = np.linalg.norm(omega, axis=0)
-    there = size > LEAST * np.nanmax(size)
+    there = size > 1e-9 * np.nanmax(size)  # slower ones have no direction
     return omega[:, there] / size[there]
 
 

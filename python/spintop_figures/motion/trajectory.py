@@ -21,9 +21,6 @@ from spintop_figures.tables.words import columns_of, units_of_columns
 
 NEEDS = COLUMNS.split()
 
-STEADY = 1e-9
-"""A smaller range of the inclination in radians is that of a steady precession."""
-
 
 class Extreme(NamedTuple):
     """The minimum or the maximum of a quantity, of the motion or only of the rows."""
@@ -48,7 +45,7 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     others, and those of any body that is not a symmetric top, are extremes of the rows.
     """
     least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
-    if largest.value - least.value < STEADY:
+    if largest.value - least.value < 1e-9:  # a steady precession
         return least._replace(of_rows=False), largest._replace(of_rows=False)
     if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
         return least, largest
@@ -104,9 +101,6 @@ def sparseness(*path: np.ndarray) -> str:
 SAME, MOST_INCLINATIONS = 1.0, 3
 """Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
 
-NEAR_POLE, LEAST_JUMP, SAME_TURN = np.radians(15), np.radians(45), 0.5
-"""Of jumps at a pole: how near to it, how large, and what part of them the body turns at most."""
-
 
 def panels(table: Table, title: str, **columns: str) -> tuple[Page, list[Axes]]:
     """A figure with four panels over the same time, and columns in the first, as axes name them."""
@@ -146,8 +140,9 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
     steps = (np.diff(phi + psi), np.diff(phi - psi))
     on = np.minimum(*(np.abs(np.remainder(step + np.pi, 2 * np.pi) - np.pi) for step in steps))
     off_pole = np.minimum(theta, np.pi - theta)
-    near = np.minimum(off_pole[1:], off_pole[:-1]) < NEAR_POLE
-    return np.flatnonzero(near & (turned > LEAST_JUMP) & (on < SAME_TURN * turned)) + 1
+    near = np.minimum(off_pole[1:], off_pole[:-1]) < np.radians(15)  # near a pole
+    # the body turns by no more than a part of it
+    return np.flatnonzero(near & (turned > np.radians(45)) & (on < 0.5 * turned)) + 1
 
 
 @figure("trajectory", "t phi theta psi com_z")

@@ -40,7 +40,6 @@ DEGREES, TURN = ("degrees", "deg"), 360.0
 NOISE, FLAT = 1e-12, 0.05
 """A range that is a smaller part of the numbers is of rounding, and what is shown around it."""
 
-MOST_DECIMALS = 12
 FEW_DECADES, SHORT = 100, (1e-3, 1e4)
 """A log axis has no powers of ten where its ends are nearer, and are between these numbers."""
 
@@ -123,7 +122,7 @@ class Numbers(Formatter):
         if largest >= 10 ** PLAIN[1] or largest < 10 ** PLAIN[0]:
             text = write(float(f"{value:.10e}"), 6)
         else:
-            for decimals in range(MOST_DECIMALS):
+            for decimals in range(12):
                 if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
                     break
             text = localised(f"{value:,.{decimals}f}")

@@ -48,9 +48,6 @@ SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
 """Length of a line of the labels beside and below a panel, and of the failures in the key."""
 
-TURNS = 6
-"""Classes are drawn by turns, so that none hides the others."""
-
 RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 """Ticks at the axis for cases that failed."""
 
@@ -241,8 +238,9 @@ def draw_density(
 
 def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: Tint | None) -> None:
     """The cases that succeeded against a parameter, in colours of their class or by a number."""
-    for turn, layer in itertools.product(reversed(range(TURNS)), cloud.layers):
-        rows = layer.rows[turn::TURNS]
+    # by turns, so that no class hides the others
+    for turn, layer in itertools.product(reversed(range(6)), cloud.layers):
+        rows = layer.rows[turn::6]
         look = {"color": layer.colour}
         if tint:
             look = {"c": tint.values[rows.index], "cmap": tint.shades, "norm": tint.norm}

@@ -279,10 +279,9 @@ LEAST_RANGE, FURTHEST = 0.5, 0.5
 wide."""
 INDICES = ("first_order", "total")
 
-APART = 0.13
 LOOKS = (
-    (-APART, LINES[0]["color"], {"marker": "o", "label": "first order"}),
-    (APART, LINES[1]["color"], {"marker": "D", "label": "total", "markerfacecolor": GROUND}),
+    (-0.13, LINES[0]["color"], {"marker": "o", "label": "first order"}),
+    (0.13, LINES[1]["color"], {"marker": "D", "label": "total", "markerfacecolor": GROUND}),
 )
 """How far the two indices of a factor stand from its line, their colours and marks; the factors are
 1 apart."""

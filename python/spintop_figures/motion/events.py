@@ -3,7 +3,6 @@
 import re
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure, unless
@@ -95,19 +94,14 @@ def draw_sections(table: Table) -> Figure:
     title = "Inclination and nutation rate at events"
     figure, panels = panel_figure(table, title, len(names), 2.5, 4.0, 1.3)
     for name, axes in zip(names, panels, strict=True):
-        draw_section(axes, table, name)
+        rows = table.rows[table.rows["event"] == name]
+        size = 2 if len(rows) > 200 else 4
+        style = {"color": COLOUR, "markersize": size, "rasterized": len(rows) > MANY_POINTS}
+        axes.plot(np.degrees(rows["theta"]), rows["theta_rate"], ".", **style)
+        axes.set_title(f"{describe_event(name)} ({write_count(len(rows))})", parse_math=False)
+        axes.tick_params(labelleft=is_left(axes), labelbottom=is_lowest(axes))
+        if is_left(axes):
+            name_axis(axes.yaxis, axis_of("theta_rate"), "rad/s")
+        if is_lowest(axes):
+            name_axis(axes.xaxis, axis_of("theta"), "degrees")
     return figure
-
-
-def draw_section(axes: Axes, table: Table, name: str) -> None:
-    """The events of a kind as points."""
-    rows = table.rows[table.rows["event"] == name]
-    size = 2 if len(rows) > 200 else 4
-    style = {"color": COLOUR, "markersize": size, "rasterized": len(rows) > MANY_POINTS}
-    axes.plot(np.degrees(rows["theta"]), rows["theta_rate"], ".", **style)
-    axes.set_title(f"{describe_event(name)} ({write_count(len(rows))})", parse_math=False)
-    axes.tick_params(labelleft=is_left(axes), labelbottom=is_lowest(axes))
-    if is_left(axes):
-        name_axis(axes.yaxis, axis_of("theta_rate"), "rad/s")
-    if is_lowest(axes):
-        name_axis(axes.xaxis, axis_of("theta"), "degrees")

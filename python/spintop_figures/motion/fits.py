@@ -104,7 +104,9 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     above.plot(t, fitted, **MOTION)
     above.plot(t, measured, **MEASURED, label="measured")
     head(above, sign_of(found.column if found else name), above.yaxis, unit, pad=3)
-    outside = find_outliers(left)
+    # residuals so much larger than most that nothing else would be seen beside them
+    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
+    outside = np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
     deviation = float(np.sqrt(np.nanmean(left[~outside] ** 2)))
     below.axhspan(-2 * deviation, 2 * deviation, **BAND)
     below.axhline(0, color=GREY, linewidth=0.8)
@@ -122,12 +124,6 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     below.set_title(words, **style)
     below.margins(x=0.01)
     name_axis(below.yaxis, "residual")
-
-
-def find_outliers(left: np.ndarray) -> np.ndarray:
-    """Which residuals are so much larger than most that nothing else would be seen beside them."""
-    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
-    return np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
 
 
 def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:

@@ -185,7 +185,9 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     """Circles of equal inclination in a window, with their numbers, and meridians."""
     radius = np.arcsin(min(view.window, 1.0))
     middle = np.arctan2(np.hypot(*view.towards[:2]), view.towards[2])
-    step = np.radians(round_step(np.degrees(radius) / 2.5))
+    least = np.degrees(radius) / 2.5
+    power = 10.0 ** np.floor(np.log10(least))
+    step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
@@ -198,12 +200,6 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
     for phi in np.arange(0, 2 * np.pi - apart / 2, apart):
         draw_seen(axes, on_sphere(down, np.full_like(down, phi)), style, view=view)
-
-
-def round_step(least: float) -> float:
-    """The next number above that is 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** np.floor(np.log10(least))
-    return float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least))
 
 
 def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:

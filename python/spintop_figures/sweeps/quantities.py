@@ -87,22 +87,23 @@ def of_column(name: str, label: str = "", unit: str = "", **settings: object) ->
     return Quantity((name,), label or column_name(name), unit, values, **settings)
 
 
-def nutation_range(rows: pd.DataFrame) -> pd.Series:
-    """The range of the nutation angle, in degrees."""
-    return np.degrees(rows["theta_max"] - rows["theta_min"])
-
-
-def growth(rows: pd.DataFrame) -> pd.Series:
-    """The logarithm of the growth in a period."""
-    return np.log(rows["upright_multiplier"])
-
-
 QUANTITIES = (
     of_column("motion_class"),
-    Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
+    Quantity(
+        ("theta_min", "theta_max"),
+        "range of the inclination",
+        "degrees",
+        lambda rows: np.degrees(rows["theta_max"] - rows["theta_min"]),
+    ),
     of_column("precession_per_nutation", unit="rad"),
     of_column("growth_rate", unit="1/s", none="stable"),
-    Quantity(("upright_multiplier",), "growth per period, upright", "", growth, none="stable"),
+    Quantity(
+        ("upright_multiplier",),
+        "growth per period, upright",
+        "",
+        lambda rows: np.log(rows["upright_multiplier"]),
+        none="stable",
+    ),
     of_column("lyapunov_exponent", unit="1/s"),
     of_column("orientation_error", "orientation error", "rad", log_over=WIDE_ERRORS, floor=FLOOR),
     of_column("energy_error_max", log_over=WIDE_ERRORS, floor=FLOOR),

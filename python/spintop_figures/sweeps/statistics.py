@@ -237,7 +237,9 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
     else:
         share = found.cases / found.cases.sum()
         density = np.divide(share, width, out=np.zeros_like(share), where=width > 0)
-        axes.bar(low, density, without_slits(low, width), align="edge", color=HIDDEN, linewidth=0)
+        to_next = np.append(np.diff(low), width[-1])  # a slit between bars is not drawn
+        widths = np.where(to_next < 1.05 * width, to_next, width)
+        axes.bar(low, density, widths, align="edge", color=HIDDEN, linewidth=0)
         if density.max() > 300 * density[density > 0].min():
             axes.set_yscale("log")
         if unit == "degrees":
@@ -251,12 +253,6 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
     none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
     if none:
         axes.set_title(f"{write_count(none)} cases have no value", fontsize="small")
-
-
-def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """The widths of bars as they are drawn: they reach to the next one if that is near."""
-    to_next = np.append(np.diff(low), width[-1])
-    return np.where(to_next < 1.05 * width, to_next, width)
 
 
 def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:

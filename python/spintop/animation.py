@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from spintop_figures.tables.table import Table
 
-HEIGHT = 780
-"""Height in a notebook, pixels."""
 LARGEST = 3_000_000
 """Bytes of the data in a page; longer motions have fewer rows there."""
 PLACE = re.compile("@(TITLE|FACTS|ANCHOR|DATA|NAME|ROWS)@")
@@ -35,7 +33,7 @@ class Animation:
         """The page as a frame of a notebook."""
         return (
             f'<iframe srcdoc="{html.escape(self.page)}" sandbox="allow-scripts allow-downloads" '
-            f'style="width: 100%; height: {HEIGHT}px; border: 0" title="The top moving"></iframe>'
+            f'style="width: 100%; height: 780px; border: 0" title="The top moving"></iframe>'
         )
 
     def __repr__(self) -> str:

@@ -103,8 +103,9 @@ def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     turns = 2 * math.pi * np.arange(corners + 1) / corners
     rim = np.stack([np.cos(turns) / 2, np.sin(turns) / 2, np.ones(corners + 1)], axis=1)
     tip, top = np.zeros((corners, 3)), np.tile([0.0, 0.0, 1.0], (corners, 1))
-    side = np.stack([tip, rim[1:], rim[:-1]], axis=1)
-    lid = np.stack([top, rim[:-1], rim[1:]], axis=1)
+    side, lid = (
+        np.stack(each, axis=1) for each in ((tip, rim[1:], rim[:-1]), (top, rim[:-1], rim[1:]))
+    )
     triangles = np.concatenate([side, lid])
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -113,50 +114,43 @@ def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return triangles.reshape(-1, 3), np.repeat(normals, 3, 0), np.repeat(colours, 3, 0)
 
 
-def refuse_far_rows(
-    times: np.ndarray, turns: np.ndarray, columns: Mapping[str, np.ndarray]
-) -> None:
-    """Refuse rows between which the body may turn another way than the shortest."""
+def attitudes(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Quaternions of glTF, scalar last, between whose rows viewers turn the way that the body does.
+
+    Rows between which the body may turn another way than the shortest are refused.
+    """
+    turns = np.stack([columns[name] for name in (*QUATERNION[1:], QUATERNION[0])], axis=1)
+    turns = turns / np.linalg.norm(turns, axis=1, keepdims=True)
+    along = np.sum(turns[1:] * turns[:-1], axis=1)
+    turns[1:] *= np.cumprod(np.where(along < 0, -1, 1))[:, None]
     if all(name in columns for name in OMEGA):
-        rate = np.sqrt(sum(columns[name] ** 2 for name in OMEGA))
-        angle, limit = np.diff(times) * np.maximum(rate[1:], rate[:-1]), math.pi
+        rate, known = np.sqrt(sum(columns[name] ** 2 for name in OMEGA)), ""
+        far = np.diff(times) * np.maximum(rate[1:], rate[:-1]) >= math.pi
     else:
-        half = np.clip(np.sum(turns[1:] * turns[:-1], axis=1), -1, 1)
-        angle, limit = 2 * np.arccos(half), math.pi / 2
-    known = "" if limit == math.pi else ", or the columns omega1 to omega3"
-    words = f"too far from the row before for the turn of the body: give more rows{known}"
-    refuse(angle >= limit, words)
+        far, known = np.abs(along) <= math.sqrt(0.5), ", or the columns omega1 to omega3"
+    refuse(far, f"too far from the row before for the turn of the body: give more rows{known}")
+    return turns
 
 
 def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     """A scene of glTF 2.0 in one binary file."""
-    w, x, y, z = (columns[name] for name in QUATERNION)
-    turns = np.stack([x, y, z, w], axis=1)
-    turns = turns / np.linalg.norm(turns, axis=1, keepdims=True)
-    flips = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=1) < 0, -1, 1))
-    turns[1:] *= flips[:, None]  # viewers interpolate between neighbours
-    refuse_far_rows(times, turns, columns)
-    times = (times - times[0]).astype("<f4")
+    turns, times = attitudes(times, columns), (times - times[0]).astype("<f4")
     refuse(np.diff(times) <= 0, "its time is that of the row before in single precision")
-    arrays = [*cone(), times, turns]
-    kinds = ["VEC3", "VEC3", "VEC4", "SCALAR", "VEC4"]
+    kinds = ("VEC3", "VEC3", "VEC4", "SCALAR", "VEC4")
     blob, views, accessors = b"", [], []
-    for array, kind in zip(arrays, kinds, strict=True):
-        data = np.ascontiguousarray(array, dtype="<f4")
-        table = data.reshape(len(data), -1)
+    for number, (array, kind) in enumerate(zip((*cone(), times, turns), kinds, strict=True)):
+        data = np.ascontiguousarray(array, dtype="<f4").reshape(len(array), -1)
         views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": data.nbytes})
-        accessors.append(
-            {
-                "bufferView": len(views) - 1,
-                "componentType": 5126,  # single precision
-                "count": len(data),
-                "type": kind,
-                "min": table.min(axis=0).tolist(),
-                "max": table.max(axis=0).tolist(),
-            }
-        )
+        known = {"bufferView": number, "componentType": 5126, "count": len(data), "type": kind}
+        ends = {"min": data.min(axis=0).tolist(), "max": data.max(axis=0).tolist()}
+        accessors.append(known | ends)
         blob += data.tobytes()
     half = math.sqrt(0.5)
+    motion = {
+        "name": "motion",
+        "samplers": [{"input": 3, "output": 4, "interpolation": "LINEAR"}],
+        "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
+    }
     scene = {
         "asset": {"version": "2.0", "generator": "spintop"},
         "scene": 0,
@@ -166,13 +160,7 @@ def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
             {"name": "top", "mesh": 0, "rotation": turns[0].tolist()},
         ],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}}]}],
-        "animations": [
-            {
-                "name": "motion",
-                "samplers": [{"input": 3, "output": 4, "interpolation": "LINEAR"}],
-                "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
-            }
-        ],
+        "animations": [motion],
         "buffers": [{"byteLength": len(blob)}],
         "bufferViews": views,
         "accessors": accessors,

@@ -3,7 +3,7 @@
 import ctypes
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from ctypes import (
     CFUNCTYPE,
     POINTER,
@@ -17,6 +17,7 @@ from ctypes import (
 )
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from spintop.levels import chosen_folder
 
@@ -196,6 +197,13 @@ def raise_error(place: "ctypes._Pointer[CError]") -> None:
 def new_place() -> "ctypes._Pointer[CError]":
     """A place for the error of a call."""
     return POINTER(CError)()
+
+
+def columns_of(arrays: Mapping[str, Any]) -> tuple[int, Any, Any]:
+    """Arrays of numpy for C: how many there are, their names, and where they are."""
+    names, places = map(bytes_of, arrays), (array.ctypes.data for array in arrays.values())
+    count = len(arrays)
+    return count, (c_char_p * count)(*names), (c_void_p * count)(*places)
 
 
 def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_double]":

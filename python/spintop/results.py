@@ -46,6 +46,19 @@ class Columns(Mapping[str, np.ndarray]):
     """The unit of each column; empty where there is none."""
     meanings: Mapping[str, str]
     """The meaning of each column."""
+    _columns: Mapping[str, Any]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column by its name."""
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the columns."""
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of columns."""
+        return len(self._columns)
 
     def _dimensions(self) -> dict[str, np.ndarray]:
         """The dimensions of the columns and the values along them."""
@@ -67,15 +80,10 @@ class Columns(Mapping[str, np.ndarray]):
 
         dimensions = self._dimensions()
         names = tuple(dimensions)
-        variables = {
-            name: (names, self[name], self._attributes(name))
-            for name in self
-            if name not in dimensions
-        }
-        coordinates = {
-            name: (name, values, self._attributes(name)) for name, values in dimensions.items()
-        }
-        return xr.Dataset(variables, coordinates)
+        told = {name: self._attributes(name) for name in (*self, *names)}
+        columns = {name: (names, self[name], told[name]) for name in self if name not in names}
+        along = {name: (name, values, told[name]) for name, values in dimensions.items()}
+        return xr.Dataset(columns, along)
 
     def _attributes(self, name: str) -> dict[str, str]:
         """The unit and meaning of a column for xarray."""
@@ -125,14 +133,6 @@ class Table(Columns):
         if name not in self._arrays:
             self._arrays[name] = self._array(self._columns[name]).reshape(self.shape)
         return self._arrays[name]
-
-    def __iter__(self) -> Iterator[str]:
-        """The names of the columns."""
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        """Number of columns."""
-        return len(self._columns)
 
     def __repr__(self) -> str:
         """Name, rows and columns."""

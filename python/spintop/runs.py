@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from spintop.calls import Progress, call
 from spintop.inputs import Input, names_in, numbers, plain, read_input, thread_count, without_places
-from spintop.library import CResult, InputError, bytes_of, library, new_place, raise_error
+from spintop.library import (
+    CResult,
+    InputError,
+    bytes_of,
+    columns_of,
+    library,
+    new_place,
+    raise_error,
+)
 from spintop.results import Figures, Result
 
 if TYPE_CHECKING:
@@ -90,16 +98,10 @@ def sweep(
     except ValueError as error:
         raise InputError(f"the arrays have different shapes: {error}", code=2) from error
     grid = grid_of(named, arrays[0].shape) if arrays and arrays[0].ndim > 1 else None
-    count = len(arrays)
-    place = new_place()
-    result = call(
-        library().spintop_sweep,
-        *(bytes_of(text), count),
-        (ctypes.c_char_p * count)(*(bytes_of(name) for name in parameters)),
-        (ctypes.c_void_p * count)(*(array.ctypes.data for array in arrays)),
-        *(arrays[0].size if arrays else 0, thread_count(threads), place),
-        progress=progress,
-    )
+    columns = columns_of(dict(zip(parameters, arrays, strict=True)))
+    count, place = arrays[0].size if arrays else 0, new_place()
+    asked = (bytes_of(text), *columns, count, thread_count(threads), place)
+    result = call(library().spintop_sweep, *asked, progress=progress)
     with without_places(given):
         raise_error(place)
     return Result(result, name, grid)

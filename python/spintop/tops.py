@@ -3,7 +3,7 @@
 import ctypes
 import threading
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -27,6 +27,7 @@ from spintop.library import (
     InputWarning,
     MotionError,
     bytes_of,
+    columns_of,
     library,
     new_place,
     raise_error,
@@ -71,23 +72,11 @@ class Motion(Columns):
         """Take columns at the times `t`, s."""
         self._t, self._columns, self.units, self.meanings = t, columns, units, meanings
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """A column by its name."""
-        return self._columns[name]
-
     def __getattr__(self, name: str) -> np.ndarray:
         """A column by its name."""
         if name.startswith("_") or name not in self._columns:
             raise AttributeError(f"there is no column {name}")
         return self._columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        """The names of the columns."""
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        """Number of columns."""
-        return len(self._columns)
 
     def _dimensions(self) -> dict[str, np.ndarray]:
         """The dimensions of the columns and the values along them."""
@@ -356,20 +345,9 @@ def tops(
     place = new_place()
     count = int(np.prod(shape, dtype=np.int64))
     library().spintop_tops(
-        *(count, len(ready), names_of(arrays), addresses_of(ready)),
+        *(count, *columns_of(dict(zip(arrays, ready, strict=True)))),
         (ctypes.c_longlong * len(strides))(*strides),
-        *(len(found), names_of(found), addresses_of(found.values()), None),
-        *(thread_count(threads), place),
+        *(*columns_of(found), None, thread_count(threads), place),
     )
     raise_error(place)
     return found
-
-
-def names_of(names: Any) -> "ctypes.Array[ctypes.c_char_p]":
-    """Names for C."""
-    return (ctypes.c_char_p * len(names))(*(bytes_of(name) for name in names))
-
-
-def addresses_of(arrays: Any) -> "ctypes.Array[ctypes.c_void_p]":
-    """Where arrays are, for C."""
-    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))

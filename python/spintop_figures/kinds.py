@@ -75,23 +75,21 @@ def unless(holds: Callable[[Table], object], reason: str) -> Callable[[Table], s
 
 
 def figure(
-    name: str,
-    what: str,
-    kind: str,
-    needs: str = "",
-    words: str = "",
-    together: bool = False,
-    **asks,
+    kind: str, needs: str = "", words: str = "", together: bool = False, **asks: object
 ) -> Callable[[Callable], Callable]:
-    """Register the function below as a figure, of the columns that it needs.
+    """Register `draw_NAME` below as the figure NAME, which is what its docstring says.
 
-    `words` are categorical columns; `asks` are the other fields of FigureKind. A figure `together`
-    is drawn of several tables.
+    It belongs to tables of a kind of study with the columns of numbers that it `needs` and the
+    columns of `words`; `asks` are the other fields of FigureKind. A figure `together` is drawn of
+    several tables.
     """
 
     def register(make: Callable) -> Callable:
-        names = tuple(needs.split()), tuple(words.split())
-        known = FigureKind(name, what, kind, names[0], make, words=names[1], **asks)
+        what = make.__doc__.partition("\n")[0].removesuffix(".")
+        named = make.__name__.removeprefix("draw_"), what[0].lower() + what[1:]
+        known = FigureKind(
+            *named, kind, tuple(needs.split()), make, words=tuple(words.split()), **asks
+        )
         (COMPARISONS if together else FIGURES).append(known)
         return make
 

@@ -2,20 +2,16 @@
 
 import os
 import subprocess
-import sys
-import unittest
 from pathlib import Path
 
 import numpy as np
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+from plot_case import TableCase, a_trajectory
+from spintop_figures.motion.trajectory import draw_account
+from spintop_figures.registry import FIGURES, choose_figures
+from spintop_figures.tables.table import Table, read_table
 
-from plot_case import TableCase, a_trajectory  # noqa: E402
-from spintop_figures.motion.trajectory import draw_account  # noqa: E402
-from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
+TESTS = Path(__file__).resolve().parent.parent
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -35,13 +31,13 @@ class AccountTest(TableCase):
         """It sleeps, wakes, sinks below the pivot and comes to rest, with a balanced account."""
         table = self.compute()
         rows = table.rows
-        self.assertIn("account", [kind.name for kind in choose_figures(table)[0]])
-        self.assertLess(rows["energy_error"].abs().max(), 1e-9)
+        assert "account" in [kind.name for kind in choose_figures(table)[0]]
+        assert rows["energy_error"].abs().max() < 1e-9
         early, late = rows[rows["t"] < 10], rows[rows["t"] > 120]
-        self.assertLess(early["theta"].max(), np.radians(5))
-        self.assertGreater(rows["theta"].max(), np.radians(150))
-        self.assertEqual(late["kinetic"].abs().max(), 0)
-        self.assertEqual(late["omega3"].abs().max(), 0)
+        assert early["theta"].max() < np.radians(5)
+        assert rows["theta"].max() > np.radians(150)
+        assert late["kinetic"].abs().max() == 0
+        assert late["omega3"].abs().max() == 0
         spent = rows["energy"].iloc[0] - rows["energy"].iloc[-1]
         self.assertAlmostEqual(-rows["work"].iloc[-1] / spent, 1, 10)
 
@@ -52,25 +48,21 @@ class AccountTest(TableCase):
         theta, spin, energy, error = figure.axes
         words = [text.get_text() for text in energy.get_legend().get_texts()]
         for name in ("taken by friction", "taken by drag"):
-            self.assertIn(name, words)
-        self.assertNotIn("taken by vibration", words)
+            assert name in words
+        assert "taken by vibration" not in words
         top = max(area.get_paths()[0].vertices[:, 1].max() for area in energy.collections)
         self.assertAlmostEqual(top, table.rows["energy"].iloc[0], 9)
         lowest = energy.collections[-1].get_paths()[0].vertices[:, 1].min()
-        self.assertGreater(lowest, table.rows["energy"].iloc[-1])
+        assert lowest > table.rows["energy"].iloc[-1]
         np.testing.assert_allclose(theta.lines[0].get_ydata(), np.degrees(table.rows["theta"]))
         np.testing.assert_array_equal(spin.lines[-1].get_ydata(), table.rows["omega3"])
         shown = {line.get_label(): line.get_ydata() for line in energy.lines}
         np.testing.assert_array_equal(shown["energy"], table.rows["energy"])
         np.testing.assert_array_equal(shown["potential energy"], table.rows["potential"])
         largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
-        self.assertEqual(largest, table.rows["energy_error"].abs().max())
+        assert largest == table.rows["energy_error"].abs().max()
 
     def test_other_tables(self) -> None:
         """A table without works has no such figure."""
         kind = next(kind for kind in FIGURES if kind.name == "account")
-        self.assertIn("has no column", kind.refusal(read_table(self.put("a.csv", a_trajectory()))))
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert "has no column" in kind.refusal(read_table(self.put("a.csv", a_trajectory())))

@@ -4,35 +4,23 @@ import json
 import math
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.dont_write_bytecode = True
+from plot_case import a_trajectory
+from reporting.live_link import live_link
+from reporting.paper import runs_of
+from spintop_figures.motion.reduced import find_reduced
+from spintop_figures.motion.trajectory import draw_forces, inclination_extremes
+from spintop_figures.moving.assumptions import AUXILIARY, broken, no_effects, symmetric, undamped
+from spintop_figures.moving.body import read_body
+from spintop_figures.moving.motion import find_omega, scene_of
+from spintop_figures.registry import COMPARISONS, FIGURES
+from spintop_figures.tables.table import Table, read_table
+
 TESTS = Path(__file__).resolve().parent.parent
 ROOT = TESTS.parent
-sys.path[:0] = [str(TESTS), str(ROOT / "scripts"), str(ROOT / "python")]
-
-from plot_case import a_trajectory  # noqa: E402
-from reporting.live_link import live_link  # noqa: E402
-from reporting.paper import runs_of  # noqa: E402
-from spintop_figures.motion.reduced import find_reduced  # noqa: E402
-from spintop_figures.motion.trajectory import (  # noqa: E402
-    draw_forces,
-    inclination_extremes,
-)
-from spintop_figures.moving.assumptions import (  # noqa: E402
-    AUXILIARY,
-    broken,
-    no_effects,
-    symmetric,
-    undamped,
-)
-from spintop_figures.moving.body import read_body  # noqa: E402
-from spintop_figures.moving.motion import find_omega, scene_of  # noqa: E402
-from spintop_figures.registry import COMPARISONS, FIGURES  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
 BESIDE = {

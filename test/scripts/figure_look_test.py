@@ -8,7 +8,6 @@ import itertools
 import json
 import os
 import subprocess
-import sys
 import unittest
 import warnings
 from collections.abc import Iterator
@@ -23,12 +22,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
-
-from figure_checks import problems_of  # noqa: E402
-from plot_case import (  # noqa: E402
+from figure_checks import problems_of
+from plot_case import (
     TRAJECTORY,
     TRIALS,
     TableCase,
@@ -40,18 +35,15 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
-from spintop_figures import draw, read_table, save_as  # noqa: E402
-from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.style.axes import Powers, scale_for  # noqa: E402
-from spintop_figures.style.look import (  # noqa: E402
-    CENTIMETRE,
-    ROLES,
-    WIDTHS,
-    lightness,
-)
-from spintop_figures.style.numbers import with_comma, write, write_fixed  # noqa: E402
-from spintop_figures.tables.names import axis_of, name_of, sign_of  # noqa: E402
-from spintop_figures.tables.table import Table, TableError  # noqa: E402
+from spintop_figures import draw, read_table, save_as
+from spintop_figures.registry import FIGURES, choose_figures
+from spintop_figures.style.axes import Powers, scale_for
+from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
+from spintop_figures.style.numbers import with_comma, write, write_fixed
+from spintop_figures.tables.names import axis_of, name_of, sign_of
+from spintop_figures.tables.table import Table, TableError
+
+TESTS = Path(__file__).resolve().parent.parent
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -135,9 +127,9 @@ class LookTest(TableCase):
                 for width in (None, "column") if kind.name not in WIDE else (None,):
                     with self.subTest(table=table.path.stem, kind=kind.name, width=width):
                         figure = draw(table, kind.name, width=width)
-                        self.assertEqual(problems_of(figure), [])
+                        assert problems_of(figure) == []
         missing = {kind.name for kind in FIGURES} - seen
-        self.assertLessEqual(missing, {"peers", "choice", "benchmarks"})
+        assert missing <= {"peers", "choice", "benchmarks"}
 
     def test_faults_are_found(self) -> None:
         """The checks find each fault that they are for."""
@@ -149,19 +141,19 @@ class LookTest(TableCase):
             change(figure, figure.axes[0])
             return " ".join(problems_of(figure))
 
-        self.assertIn("leaves the page", fault(lambda f, axes: axes.text(-9, 0, "far away")))
-        self.assertIn("lies over", fault(lambda f, axes: [f.text(0.5, 0.5, "one") for _ in "12"]))
-        self.assertIn("'at_rest'", fault(lambda f, axes: f.text(0.5, 0.5, "is at_rest")))
-        self.assertIn("'top.mass'", fault(lambda f, axes: axes.set_title("of top.mass")))
-        self.assertIn("'1e-0", fault(lambda f, axes: f.text(0.5, 0.5, "1e-09")) + "'1e-0")
-        self.assertIn("points of", fault(lambda f, axes: f.text(0.5, 0.5, "tiny", size=5)))
-        self.assertIn("no numbers", fault(lambda f, axes: axes.yaxis.set_major_formatter("")))
-        self.assertIn("equal", fault(lambda f, axes: axes.yaxis.set_major_formatter("0")))
+        assert "leaves the page" in fault(lambda f, axes: axes.text(-9, 0, "far away"))
+        assert "lies over" in fault(lambda f, axes: [f.text(0.5, 0.5, "one") for _ in "12"])
+        assert "'at_rest'" in fault(lambda f, axes: f.text(0.5, 0.5, "is at_rest"))
+        assert "'top.mass'" in fault(lambda f, axes: axes.set_title("of top.mass"))
+        assert "'1e-0" in fault(lambda f, axes: f.text(0.5, 0.5, "1e-09")) + "'1e-0"
+        assert "points of" in fault(lambda f, axes: f.text(0.5, 0.5, "tiny", size=5))
+        assert "no numbers" in fault(lambda f, axes: axes.yaxis.set_major_formatter(""))
+        assert "equal" in fault(lambda f, axes: axes.yaxis.set_major_formatter("0"))
 
         def shift(_: Figure, axes: mpl.axes.Axes) -> None:
             axes.yaxis.set_major_formatter(mpl.ticker.ScalarFormatter(useOffset=1e3))
 
-        self.assertIn("beside", fault(shift))
+        assert "beside" in fault(shift)
 
 
 class OptionsTest(TableCase):
@@ -181,7 +173,7 @@ class OptionsTest(TableCase):
             self.assertAlmostEqual(figure.get_size_inches()[0], inches)
             sizes[width] = figure.axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(sizes["column"], 8)
-        self.assertGreater(sizes["slide"], 13)
+        assert sizes["slide"] > 13
         letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(letters, 12)
         page = read_table(self.put("b.csv", a_sweep()))
@@ -210,32 +202,32 @@ class OptionsTest(TableCase):
     def test_titles(self) -> None:
         """Another title, and none at all."""
         table = self.motion()
-        self.assertEqual(draw(table, "angles", title="Mine").get_suptitle(), "Mine")
+        assert draw(table, "angles", title="Mine").get_suptitle() == "Mine"
         bare = draw(table, "angles", title="")
-        self.assertEqual((bare.get_suptitle(), bare.get_supxlabel()), ("", ""))
+        assert (bare.get_suptitle(), bare.get_supxlabel()) == ("", "")
 
     def test_decimal_comma(self) -> None:
         """At ticks, and in texts."""
         figure = draw(self.motion(), "angles", decimal_comma=True)
-        self.assertEqual(problems_of(figure), [])
+        assert problems_of(figure) == []
         height = figure.axes[3]
         shown = [label.get_text() for label in height.yaxis.get_ticklabels()]
-        self.assertTrue(any("," in text for text in shown))
-        self.assertFalse(any("." in text for text in shown))
-        self.assertEqual(with_comma("12,345.5"), "12\N{NARROW NO-BREAK SPACE}345,5")
+        assert any("," in text for text in shown)
+        assert not any("." in text for text in shown)
+        assert with_comma("12,345.5") == "12\N{NARROW NO-BREAK SPACE}345,5"
 
     def test_dark(self) -> None:
         """All letters and lines can be seen on the dark ground."""
         for options in ({"dark": True}, {"style": "dark_background"}):
             figure = draw(self.motion(), "forces", **options)
-            self.assertLess(lightness(figure.get_facecolor()), 0.2)
+            assert lightness(figure.get_facecolor()) < 0.2
             for text in figure.findobj(Text):
-                self.assertGreater(lightness(text.get_color()), 0.45)
+                assert lightness(text.get_color()) > 0.45
             lines = [
                 line for axes in figure.axes for line in axes.lines if len(line.get_xdata()) > 9
             ]
             for line in lines:
-                self.assertGreater(lightness(line.get_color()), 0.45)
+                assert lightness(line.get_color()) > 0.45
 
     def test_dark_maps(self) -> None:
         """A legend of a map has the colours of the map, which are those on white."""
@@ -255,27 +247,27 @@ class OptionsTest(TableCase):
                         for handle in handles
                     ]
                 )
-            self.assertGreater(len(looks[0]), 0)
+            assert len(looks[0]) > 0
             self.assertEqual(*looks)
 
     def test_style(self) -> None:
         """The colours of a style sheet are those of the lines."""
         cycle = self.put("my.mplstyle", "axes.prop_cycle: cycler('color', ['ff0000', '00ff00'])\n")
         lines = draw(self.motion(), "forces", style=cycle).axes[3].lines
-        self.assertEqual(to_hex(lines[0].get_color()), "#ff0000")
+        assert to_hex(lines[0].get_color()) == "#ff0000"
 
     def test_columns(self) -> None:
         """Columns of choice of two tables, each with a line and a name, in ranges, on log axes."""
         tables = [self.motion(), read_table(self.put("b.csv", a_trajectory(theta=0.7)))]
         figure = draw(tables, y=["theta", "phi"], range={"y": (0.1, None)})
-        self.assertEqual(problems_of(figure), [])
+        assert problems_of(figure) == []
         upper, lower = figure.axes
-        self.assertEqual([len(axes.lines) for axes in figure.axes], [2, 2])
-        self.assertEqual(upper.get_ylim()[0], 0.1)
+        assert [len(axes.lines) for axes in figure.axes] == [2, 2]
+        assert upper.get_ylim()[0] == 0.1
         self.assertAlmostEqual(upper.lines[1].get_ydata()[0], 0.7)
-        self.assertEqual([t.get_text() for t in upper.get_legend().get_texts()], ["a", "b"])
-        self.assertIn("precession", lower.get_ylabel())
-        self.assertEqual(draw(tables[0], x="phi", y="R4", log="y").axes[0].get_yscale(), "log")
+        assert [t.get_text() for t in upper.get_legend().get_texts()] == ["a", "b"]
+        assert "precession" in lower.get_ylabel()
+        assert draw(tables[0], x="phi", y="R4", log="y").axes[0].get_yscale() == "log"
         with self.assertRaisesRegex(TableError, "nothing above zero in column R3"):
             draw(tables[0], y="R3", log="y")
 
@@ -286,9 +278,9 @@ class OptionsTest(TableCase):
         paths = save_as(figure, self.folder / "a", endings)
         heads = (b"%PDF", b"\x89PNG", b"\xff\xd8")
         for path, head in zip(paths, heads, strict=True):
-            self.assertTrue(path.read_bytes().startswith(head))
+            assert path.read_bytes().startswith(head)
         with Image.open(self.folder / "a.png") as picture:
-            self.assertGreater(picture.width, 1000)
+            assert picture.width > 1000
         with self.assertRaisesRegex(ValueError, "not in 'doc'"):
             save_as(figure, self.folder / "a", ("doc",))
 
@@ -296,19 +288,19 @@ class OptionsTest(TableCase):
         """The same on the command line, with errors in one line."""
         one, other = (self.put(f"{name}.csv", a_trajectory()) for name in "ab")
         looks = ("--width", "12", "--format", "pdf,png", "--no-title", "--font-size", "9")
-        self.assertEqual(self.call("--figure", "angles", *looks, one), (0, ""))
-        self.assertTrue((self.folder / "a_angles.pdf").exists())
+        assert self.call("--figure", "angles", *looks, one) == (0, "")
+        assert (self.folder / "a_angles.pdf").exists()
         chosen = ("--y", "theta,phi", "--range", "x=0:3", "--log", "y", "--dark")
-        self.assertEqual(self.call(*chosen, "--decimal-comma", one, other), (0, ""))
-        self.assertTrue((self.folder / "columns.svg").exists())
+        assert self.call(*chosen, "--decimal-comma", one, other) == (0, "")
+        assert (self.folder / "columns.svg").exists()
         for wrong, reason in (
             (("--format", "doc"), "there is no 'doc'; there are"),
             (("--width", "x"), "a width is column"),
             (("--range", "x"), "'x' is not like x=0:5"),
         ):
             code, told = self.call(*wrong, one)
-            self.assertEqual(code, 2)
-            self.assertIn(reason, told)
+            assert code == 2
+            assert reason in told
 
 
 class WordsTest(unittest.TestCase):
@@ -328,20 +320,20 @@ class WordsTest(unittest.TestCase):
             9.9999e-4: "0.001",
         }
         for value, text in expected.items():
-            self.assertEqual(write(value), text)
-        self.assertEqual(write_fixed(1e-9, 2), "10⁻⁹")
-        self.assertEqual(write_fixed(-12345.678, 1), f"{minus}12,345.7")
+            assert write(value) == text
+        assert write_fixed(1e-9, 2) == "10⁻⁹"
+        assert write_fixed(-12345.678, 1) == f"{minus}12,345.7"
 
     def test_scales(self) -> None:
         """Tiny and huge numbers have a prefix, degrees turns, what differs little an origin."""
-        self.assertEqual(scale_for(0, 3e-6, "m")[:2], (1e6, "µm"))
-        self.assertEqual(scale_for(0, 5e4, "N")[:2], (1e-3, "kN"))
-        self.assertEqual(scale_for(0, 5e4, "s").unit, "s")
-        self.assertEqual(scale_for(0, 72000, "degrees").unit, "turns")
-        self.assertEqual(scale_for(0, 1e-3, "degrees").unit, "µrad")
-        self.assertEqual(scale_for(0, 90, "degrees"), (1.0, "degrees", 0.0))
+        assert scale_for(0, 3e-6, "m")[:2] == (1e6, "µm")
+        assert scale_for(0, 5e4, "N")[:2] == (1e-3, "kN")
+        assert scale_for(0, 5e4, "s").unit == "s"
+        assert scale_for(0, 72000, "degrees").unit == "turns"
+        assert scale_for(0, 1e-3, "degrees").unit == "µrad"
+        assert scale_for(0, 90, "degrees") == (1.0, "degrees", 0.0)
         near = scale_for(-0.01 + 1e-10, -0.01 + 3e-10, "m")
-        self.assertEqual((near.unit, near.origin), ("pm", -0.0099999998))
+        assert (near.unit, near.origin) == ("pm", -0.0099999998)
 
     def test_powers(self) -> None:
         """On log axes powers of ten are plain text; over less than two decades there are numbers,
@@ -359,8 +351,8 @@ class WordsTest(unittest.TestCase):
             for which in ("major", "minor"):
                 getattr(axes.yaxis, f"set_{which}_formatter")(Powers())
             shown = {label.get_text() for label in axes.get_yticklabels(which="both")}
-            self.assertLessEqual(expected, shown)
-            self.assertFalse([text for text in shown if "$" in text])
+            assert expected <= shown
+            assert not [text for text in shown if "$" in text]
 
     def test_names(self) -> None:
         """Methods, keys of the input, columns and statuses have names without underscores."""
@@ -379,9 +371,9 @@ class WordsTest(unittest.TestCase):
             "work_precision": "work-precision study",
         }
         for key, name in expected.items():
-            self.assertEqual(name_of(key), name)
-        self.assertEqual(sign_of("theta"), "θ")
-        self.assertEqual(axis_of("top.mass", "kg m^2"), "mass $m$ (kg m²)")
+            assert name_of(key) == name
+        assert sign_of("theta") == "θ"
+        assert axis_of("top.mass", "kg m^2") == "mass $m$ (kg m²)"
 
     def test_all_names(self) -> None:
         """Nothing that the program lists has a raw name."""
@@ -446,15 +438,11 @@ class ColourTest(unittest.TestCase):
             for colours in (*light, [pair[1] for pair in self.LINES]):
                 for one, other in itertools.combinations(colours, 2):
                     apart = np.linalg.norm(lab_of(one, eye) - lab_of(other, eye))
-                    self.assertGreater(apart, 8, (one, other))
+                    assert apart > 8, (one, other)
 
     def test_contrast(self) -> None:
         """They are seen on their ground at a contrast of 3 to 1, as is what is written in grey."""
         for pair in (*self.FAMILIES, *self.LINES, ROLES["grey"], ROLES["fault"], ROLES["ink"]):
             for colour, ground in zip(pair, ROLES["ground"], strict=True):
                 one, other = (TO_XYZ[1] @ to_linear(each) + 0.05 for each in (colour, ground))
-                self.assertGreater(max(one / other, other / one), 3, colour)
-
-
-if __name__ == "__main__":
-    unittest.main()
+                assert max(one / other, other / one) > 3, colour

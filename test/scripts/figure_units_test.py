@@ -3,7 +3,6 @@
 import itertools
 import os
 import subprocess
-import sys
 import unittest
 import unittest.mock
 import warnings
@@ -15,18 +14,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
+from plot_case import TableCase, a_sweep, some_events
+from spintop_figures import draw, read_table
+from spintop_figures.files import Files, draw_to
+from spintop_figures.registry import FIGURES, FigureKind, choose_figures
+from spintop_figures.sweeps.quantities import column_shown, known_quantities
+from spintop_figures.tables.names import axis_of, with_unit
+from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
-from plot_case import TableCase, a_sweep, some_events  # noqa: E402
-from spintop_figures import draw, read_table  # noqa: E402
-from spintop_figures.files import Files, draw_to  # noqa: E402
-from spintop_figures.registry import FIGURES, FigureKind, choose_figures  # noqa: E402
-from spintop_figures.sweeps.quantities import column_shown, known_quantities  # noqa: E402
-from spintop_figures.tables.names import axis_of, with_unit  # noqa: E402
-from spintop_figures.tables.table import Table  # noqa: E402
-from spintop_figures.tables.words import column_units, columns_of, units_of_columns  # noqa: E402
+TESTS = Path(__file__).resolve().parent.parent
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -125,9 +122,9 @@ class SweepTest(unittest.TestCase):
                     figure = draw(binned(study) if kind == "means" else study, kind)
                     if of_axis == 1:
                         name = "xy"[len(study.axes()) - 1]
-                        self.assertIn(axis_of(last, AXES[last]), labels(figure, name))
+                        assert axis_of(last, AXES[last]) in labels(figure, name)
                     if of_quantity == 1:
-                        self.assertLessEqual(named(study, kind), {*headings(figure)})
+                        assert named(study, kind) <= {*headings(figure)}
 
     def test_units(self) -> None:
         """Neither its unit nor its prefix is that of the other one."""
@@ -182,11 +179,11 @@ class OtherUnitsTest(TableCase):
                 ]
                 others = [self.in_other_units(table, names, number) for number in range(most)]
                 with self.subTest(kind=kind.name):
-                    self.assertEqual({kind.refusal(other) for other in others}, {""})
+                    assert {kind.refusal(other) for other in others} == {""}
                     self.compare(kind, table, others[len(drawn) % most])
                 drawn.add(kind.name)
         wanted = {each.name for each in FIGURES if set(each.columns) & {"t", "theta", "com_z"}}
-        self.assertLessEqual(wanted, drawn)
+        assert wanted <= drawn
 
     def compare(self, kind: FigureKind, own: Table, other: Table) -> None:
         """Draw two tables that say the same."""
@@ -195,8 +192,4 @@ class OtherUnitsTest(TableCase):
             for table in (other, own):
                 draw_to(kind, table, self.folder / "a", files)
         one, two = (texts(call.args[0]) for call in save.call_args_list)
-        self.assertEqual(one, two)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert one == two

@@ -4,7 +4,6 @@ import itertools
 import math
 import os
 import subprocess
-import sys
 import unittest
 from dataclasses import replace
 from pathlib import Path
@@ -17,50 +16,29 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-import spintop_figures  # noqa: E402
-from plot_case import (  # noqa: E402
-    TRAJECTORY,
-    TableCase,
-    a_stability,
-    a_sweep,
-    a_table,
-    a_trajectory,
-)
-from spintop_figures.methods.trials import (  # noqa: E402
-    cases_by_reference,
-    draw_costs,
-    trials,
-)
-from spintop_figures.methods.trials import lay_out as lay_out_verdicts  # noqa: E402
-from spintop_figures.motion.events import describe_event, draw_events  # noqa: E402
-from spintop_figures.motion.residuals import draw_error, draw_residuals  # noqa: E402
-from spintop_figures.motion.sphere import (  # noqa: E402
-    draw_path,
-    draw_trace,
-    draw_traces,
-)
-from spintop_figures.motion.trajectory import (  # noqa: E402  # noqa: E402
+import spintop_figures
+from plot_case import TRAJECTORY, TableCase, a_stability, a_sweep, a_table, a_trajectory
+from spintop_figures.methods.trials import cases_by_reference, draw_costs, trials
+from spintop_figures.methods.trials import lay_out as lay_out_verdicts
+from spintop_figures.motion.events import describe_event, draw_events
+from spintop_figures.motion.residuals import draw_error, draw_residuals
+from spintop_figures.motion.sphere import draw_path, draw_trace, draw_traces
+from spintop_figures.motion.trajectory import (
     draw_angles,
     draw_forces,
     height_extremes,
     inclination_extremes,
     sparseness,
 )
-from spintop_figures.registry import FIGURES, choose_figures  # noqa: E402
-from spintop_figures.style.axes import draw_sizes  # noqa: E402
-from spintop_figures.style.saving import lay_out, save, save_as, save_small  # noqa: E402
-from spintop_figures.sweeps.curves import (  # noqa: E402
-    draw_sweep,
-    sleeping_threshold,
-)
-from spintop_figures.sweeps.fields import jumps, spots  # noqa: E402
-from spintop_figures.sweeps.maps import SIGNED, draw_maps  # noqa: E402
-from spintop_figures.sweeps.scatter import draw_scatter  # noqa: E402
-from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
+from spintop_figures.registry import FIGURES, choose_figures
+from spintop_figures.style.axes import draw_sizes
+from spintop_figures.style.saving import lay_out, save, save_as, save_small
+from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
+from spintop_figures.sweeps.maps import SIGNED, draw_maps, jumps, spots
+from spintop_figures.sweeps.scatter import draw_scatter
+from spintop_figures.tables.table import Table, TableError, read_table
+
+TESTS = Path(__file__).resolve().parent.parent
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -95,21 +73,21 @@ class PackageTest(FigureCase):
         table = spintop_figures.read_table(self.put("a.csv", a_trajectory()))
         figure = spintop_figures.draw(table, "angles")
         spintop_figures.save_as(figure, self.folder / "b")
-        self.assertTrue((self.folder / "b.svg").exists())
+        assert (self.folder / "b.svg").exists()
         with self.assertRaisesRegex(TableError, "there is no figure pie"):
             spintop_figures.draw(table, "pie")
         with self.assertRaisesRegex(TableError, "is no table of the kind sweep: no maps figure"):
             spintop_figures.draw(table, "maps")
         for name in spintop_figures.__all__:
-            self.assertTrue(hasattr(spintop_figures, name))
+            assert hasattr(spintop_figures, name)
 
     def test_settings(self) -> None:
         """The package does not change the settings of matplotlib."""
         before = dict(mpl.rcParams)
         figure = spintop_figures.draw(self.read(a_trajectory()), "angles")
         spintop_figures.save_as(figure, self.folder / "b")
-        self.assertEqual(before, dict(mpl.rcParams))
-        self.assertFalse(figure.axes[0].spines["top"].get_visible())
+        assert before == dict(mpl.rcParams)
+        assert not figure.axes[0].spines["top"].get_visible()
 
     def test_few_colours(self) -> None:
         """A picture of few colours has those of small marks, too."""
@@ -118,7 +96,7 @@ class PackageTest(FigureCase):
         (png,) = save_as(figure, self.folder / "b", ("png",))
         with Image.open(png) as one, Image.open(small) as other:
             pixels = [np.asarray(picture.convert("RGB")).astype(int) for picture in (one, other)]
-        self.assertLess(np.abs(pixels[0] - pixels[1]).max(), 20)
+        assert np.abs(pixels[0] - pixels[1]).max() < 20
 
     def test_at_once(self) -> None:
         """Another process draws the same figure while it is being written: both succeed."""
@@ -131,40 +109,40 @@ class PackageTest(FigureCase):
                 FigureCanvasAgg.print_png = write_png
                 save(figure, target)
                 os._exit(0)
-            self.assertEqual(os.waitpid(child, 0)[1], 0)
+            assert os.waitpid(child, 0)[1] == 0
 
         write_png = FigureCanvasAgg.print_png
         with mock.patch.object(FigureCanvasAgg, "print_png", draw_elsewhere):
             save(figure, target)
-        self.assertEqual(list(self.folder.glob("*.part")), [])
-        self.assertGreater(target.stat().st_size, 5000)
+        assert list(self.folder.glob("*.part")) == []
+        assert target.stat().st_size > 5000
 
     def test_provenance(self) -> None:
         """One line below a picture; the run and the program are in the metadata of the files."""
         table = replace(self.read(a_trajectory()), status="pole at t = 1.25000000001")
         figure = spintop_figures.draw(table, "angles")
         caption = figure.get_supxlabel()
-        self.assertEqual(caption, "A top, trajectory: $5; ended early: at a pole at t = 1.25 s")
+        assert caption == "A top, trajectory: $5; ended early: at a pole at t = 1.25 s"
         png, svg = save_as(figure, self.folder / "b")
         save_small(figure, small := self.folder / "c.png")
         for path in (png, small):
             with Image.open(path) as picture:
                 known = picture.text
-            self.assertEqual(known["Software"], "spintop 0.1.0, revision 0123456789ab-dirty")
-            self.assertIn("Lagrange, RK4, 992 steps", known["Description"])
-            self.assertEqual(known["Source"], "a.csv")
-        self.assertIn("RK4, 992 steps", svg.read_text(encoding="utf-8"))
+            assert known["Software"] == "spintop 0.1.0, revision 0123456789ab-dirty"
+            assert "Lagrange, RK4, 992 steps" in known["Description"]
+            assert known["Source"] == "a.csv"
+        assert "RK4, 992 steps" in svg.read_text(encoding="utf-8")
         long = replace(table, header=table.header | {"title": "word " * 99})
         caption = spintop_figures.draw(long, "angles").get_supxlabel()
-        self.assertLess(len(caption), 109)
-        self.assertTrue(caption.endswith("s") and "\N{HORIZONTAL ELLIPSIS}; ended" in caption)
+        assert len(caption) < 109
+        assert caption.endswith("s") and "\N{HORIZONTAL ELLIPSIS}; ended" in caption
 
     def test_nothing_is_hidden(self) -> None:
         """A panel in space has no ground that covers the labels of the one beside it."""
         table = self.compute("regular_precession", "output.columns=all")
         for name in ("cones", "path"):
             for axes in spintop_figures.draw(table, name).axes:
-                self.assertNotEqual(axes.name == "3d", axes.patch.get_visible())
+                assert (axes.name == "3d") != axes.patch.get_visible()
 
     def test_nothing_is_cut_off(self) -> None:
         """All texts lie in the picture: of long titles, in space, beside panels."""
@@ -186,7 +164,7 @@ class PackageTest(FigureCase):
             for label in filter(lambda label: label.get_text() and label.get_visible(), labels):
                 box = label.get_window_extent(renderer)
                 inside = box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
-                self.assertTrue(inside, label.get_text())
+                assert inside, label.get_text()
 
 
 class MapTest(FigureCase):
@@ -196,9 +174,9 @@ class MapTest(FigureCase):
         """A change of sign by a branch cut is a jump, one of a slope is none."""
         x = np.linspace(-2, 3, 40)
         slope = np.ma.masked_invalid(np.tile(x, (5, 1)))
-        self.assertFalse(jumps(slope)[0].any())
+        assert not jumps(slope)[0].any()
         cut, size = jumps(np.ma.masked_invalid(np.where(slope > 0.3, slope - 360, slope + 5)))
-        self.assertEqual(cut.sum(), 10)
+        assert cut.sum() == 10
         self.assertAlmostEqual(size, 365, delta=1)
 
     def test_zero(self) -> None:
@@ -212,26 +190,26 @@ class MapTest(FigureCase):
         precession = by_title[name]
         contours = [c for c in precession.collections if isinstance(c, mpl.contour.ContourSet)]
         lines = [path for contour in contours for path in contour.get_paths() if len(path)]
-        self.assertEqual(lines, [])
+        assert lines == []
         force = by_title["minimum vertical support force (N)"]
         contours = [c for c in force.collections if isinstance(c, mpl.contour.ContourSet)]
-        self.assertTrue(any(len(path) for c in contours for path in c.get_paths()))
+        assert any(len(path) for c in contours for path in c.get_paths())
         for axes in (precession, force):
             image = axes.collections[0]
-            self.assertEqual(image.cmap.name, SIGNED.name)
-            self.assertEqual(image.norm.vmin, -image.norm.vmax)
-            self.assertEqual({text.get_text() for text in axes.texts}, {"< 0", "> 0"})
+            assert image.cmap.name == SIGNED.name
+            assert image.norm.vmin == -image.norm.vmax
+            assert {text.get_text() for text in axes.texts} == {"< 0", "> 0"}
         shade = np.array(SIGNED(0.5)[:3])
-        self.assertGreater(shade.min(), 0.9)
-        self.assertLess(np.ptp(shade), 0.05)
+        assert shade.min() > 0.9
+        assert np.ptp(shade) < 0.05
 
     def test_classes_in_place(self) -> None:
         """Classes have their names in their regions, the other ones in a legend."""
         table = self.compute("map_spin_tilt", "sweep.count=40,30")
         axes = draw_maps(table).axes[0]
         rows = table.rows
-        self.assertEqual({text.get_text() for text in axes.texts}, {"loop", "wave"})
-        self.assertIsNone(axes.get_legend())
+        assert {text.get_text() for text in axes.texts} == {"loop", "wave"}
+        assert axes.get_legend() is None
         spin, tilt = (np.unique(rows[name]) for name in table.axes())
         for text in axes.texts:
             x, y = text.get_position()
@@ -239,7 +217,7 @@ class MapTest(FigureCase):
                 (rows[table.axes()[0]] == spin[int(x * spin.size)])
                 & (rows[table.axes()[1]] == tilt[int(y * tilt.size)])
             ]
-            self.assertEqual(list(near["motion_class"]), [text.get_text()])
+            assert list(near["motion_class"]) == [text.get_text()]
 
     def test_spots(self) -> None:
         """A region has its name inside, also if it is bent; small regions have none."""
@@ -247,9 +225,9 @@ class MapTest(FigureCase):
         codes[10:, :25] = 1
         codes[0, 0] = 2
         found = {spot.code: spot for spot in spots(codes)}
-        self.assertEqual(set(found), {0, 1})
+        assert set(found) == {0, 1}
         for code, spot in found.items():
-            self.assertEqual(codes[int(spot.y * 30), int(spot.x * 40)], code)
+            assert codes[int(spot.y * 30), int(spot.x * 40)] == code
 
 
 class ResidualTest(FigureCase):
@@ -259,20 +237,20 @@ class ResidualTest(FigureCase):
         """It has no figure of residuals; other runs have it as the last one."""
         exact = self.compute("slow_top", "output.columns=all")
         names = [kind.name for kind in choose_figures(exact)[0]]
-        self.assertNotIn("residuals", names)
+        assert "residuals" not in names
         refusal = next(kind for kind in FIGURES if kind.name == "residuals").refusal(exact)
-        self.assertIn("of the exact solution, which has no residuals", refusal)
+        assert "of the exact solution, which has no residuals" in refusal
         kinds, _ = choose_figures(self.compute("slow_top_lagrange_rk4"))
-        self.assertEqual(kinds[-1].name, "residuals")
+        assert kinds[-1].name == "residuals"
 
     def test_scales(self) -> None:
         """Residuals are named; R1 and R2 have one scale, the others say that they have not."""
         panels = draw_residuals(self.compute("slow_top_lagrange_rk4")).axes
         for number, axes in enumerate(panels, 1):
-            self.assertTrue(axes.get_title(loc="left").startswith(f"R{number}: "))
+            assert axes.get_title(loc="left").startswith(f"R{number}: ")
             scale = "scale of R1 and R2" if number < 3 else f"scale of R{number} alone"
-            self.assertTrue(any(scale in text and "largest" in text for text in texts_of(axes)))
-        self.assertEqual(panels[0].get_ylim(), panels[1].get_ylim())
+            assert any(scale in text and "largest" in text for text in texts_of(axes))
+        assert panels[0].get_ylim() == panels[1].get_ylim()
 
     def test_zeros(self) -> None:
         """Zeros are gaps with ticks on a log axis, and no line passes them by."""
@@ -282,9 +260,9 @@ class ResidualTest(FigureCase):
         draw_sizes(axes, np.arange(7.0), y)
         line, alone, zeros = axes.lines
         np.testing.assert_array_equal(np.isnan(line.get_ydata()), y == 0)
-        self.assertEqual(list(alone.get_xdata()), [0, 6])
-        self.assertEqual(list(zeros.get_xdata()), [1, 4, 5])
-        self.assertIn("exactly zero (3 rows)", axes.get_legend().get_texts()[0].get_text())
+        assert list(alone.get_xdata()) == [0, 6]
+        assert list(zeros.get_xdata()) == [1, 4, 5]
+        assert "exactly zero (3 rows)" in axes.get_legend().get_texts()[0].get_text()
 
     def test_largest_error(self) -> None:
         """It is marked where it is, in radians and in degrees."""
@@ -292,23 +270,22 @@ class ResidualTest(FigureCase):
         error = table.rows["orientation_error"]
         axes = draw_error(table).axes[0]
         marked = [line for line in axes.lines if len(line.get_xdata()) == 1 and line.get_marker()]
-        self.assertIn(
-            (table.rows["t"][error.idxmax()], error.max()),
-            [(line.get_xdata()[0], line.get_ydata()[0]) for line in marked],
-        )
+        assert (table.rows["t"][error.idxmax()], error.max()) in [
+            (line.get_xdata()[0], line.get_ydata()[0]) for line in marked
+        ]
         words = " ".join(texts_of(axes))
-        self.assertIn(f"{error.max():.2g} rad", words)
-        self.assertIn(f"{math.degrees(error.max()):.2g}°", words)
+        assert f"{error.max():.2g} rad" in words
+        assert f"{math.degrees(error.max()):.2g}°" in words
 
     def test_vertical_force(self) -> None:
         """The sign changes of Figure 9 are drawn; horizontal forces share a scale."""
         table = self.compute("slow_top_lagrange_ode45")
         panels = draw_forces(table).axes
-        self.assertIn(r"zero at $\theta$ = 56.6° and 83.9°", texts_of(panels[2]))
+        assert r"zero at $\theta$ = 56.6° and 83.9°" in texts_of(panels[2])
         dots = next(line for line in panels[2].lines if line.get_marker() == "o").get_xdata()
         force = np.interp(dots, table.rows["t"], table.rows["force_z"])
         np.testing.assert_allclose(force, 0, atol=1e-10)
-        self.assertEqual(panels[0].get_ylim(), panels[1].get_ylim())
+        assert panels[0].get_ylim() == panels[1].get_ylim()
 
 
 class ExtremesTest(FigureCase):
@@ -319,28 +296,26 @@ class ExtremesTest(FigureCase):
         many = self.compute("slow_top", "span.samples=4001")
         few = self.compute("slow_top", "span.samples=38")
         degrees = np.degrees(many.rows["theta"])
-        self.assertGreater(abs(np.degrees(few.rows["theta"].max()) - degrees.max()), 0.01)
+        assert abs(np.degrees(few.rows["theta"].max()) - degrees.max()) > 0.01
         for one, end in zip(inclination_extremes(few), (degrees.min(), degrees.max()), strict=True):
             self.assertAlmostEqual(math.degrees(one.value), end, 3)
-            self.assertFalse(one.of_rows)
+            assert not one.of_rows
         low, high = (end.value for end in height_extremes(few))
         self.assertAlmostEqual(low, many.rows["com_z"].min(), 5)
         self.assertAlmostEqual(high, many.rows["com_z"].max(), 5)
         panels = draw_angles(few).axes
-        self.assertIn(f"{degrees.max():.2f}°", texts_of(panels[1]))
+        assert f"{degrees.max():.2f}°" in texts_of(panels[1])
 
     def test_of_the_rows(self) -> None:
         """Extremes of a body without turning points, or that a run does not reach, say it."""
         body = self.compute("rigid_body_chaotic", "output.columns=all")
-        self.assertTrue(all(end.of_rows for end in inclination_extremes(body)))
-        self.assertTrue(
-            any("largest row: " in text for text in texts_of(draw_angles(body).axes[1]))
-        )
+        assert all(end.of_rows for end in inclination_extremes(body))
+        assert any("largest row: " in text for text in texts_of(draw_angles(body).axes[1]))
         rising = self.compute("separatrix")
         least, largest = inclination_extremes(rising)
-        self.assertEqual((least.of_rows, largest.of_rows), (True, False))
+        assert (least.of_rows, largest.of_rows) == (True, False)
         drifting = self.compute("slow_top_lagrange_ode45")  # with the tolerances of the paper
-        self.assertTrue(inclination_extremes(drifting)[0].of_rows)
+        assert inclination_extremes(drifting)[0].of_rows
 
     def test_paths(self) -> None:
         """Rows that are far apart are points: no chords, no arcs."""
@@ -349,15 +324,15 @@ class ExtremesTest(FigureCase):
         for table, is_sparse in ((few, True), (many, False)):
             com = (table.rows[f"com_{name}"].to_numpy() for name in "xyz")
             words = sparseness(*com)
-            self.assertEqual(words.startswith("points only: rows are up to"), is_sparse)
+            assert words.startswith("points only: rows are up to") == is_sparse
             trace, path = draw_trace(table), draw_path(table)
             lines = [*trace.axes[0].lines, *path.axes[0].lines, *path.axes[1].lines]
             whole = [line for line in lines if len(line.get_xdata()) == len(table.rows)]
-            self.assertGreaterEqual(len(whole), 4)
+            assert len(whole) >= 4
             for line in whole:
-                self.assertEqual(line.get_linestyle() == "None", is_sparse)
+                assert (line.get_linestyle() == "None") == is_sparse
             told = [path.get_suptitle(), *texts_of(trace.axes[1])]
-            self.assertEqual(sum(words in text for text in told if words), 2 * is_sparse)
+            assert sum(words in text for text in told if words) == 2 * is_sparse
 
 
 class SphereTest(FigureCase):
@@ -375,11 +350,11 @@ class SphereTest(FigureCase):
             )
         )
         toward = (back - front) / (1 - front)  # the same share of the way to white
-        self.assertLess(np.ptp(toward), 0.2)
-        self.assertGreater(toward.min(), 0.4)
+        assert np.ptp(toward) < 0.2
+        assert toward.min() > 0.4
         legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
         words = [text.get_text() for legend in legends for text in legend.get_texts()]
-        self.assertIn("on the far side", words)
+        assert "on the far side" in words
 
     def test_from_above(self) -> None:
         """Seen from above, the path below the pivot is paler than that above it."""
@@ -390,9 +365,9 @@ class SphereTest(FigureCase):
         for line, sign in ((below, -1), (above, 1)):
             shown = np.isfinite(line.get_xdata())
             z = sign * table.rows["com_z"].to_numpy()
-            self.assertTrue(shown[z > 0].all())
-            self.assertLess(shown[z < 0].sum(), 10)
-        self.assertGreater(sum(to_rgb(below.get_color())), sum(to_rgb(above.get_color())))
+            assert shown[z > 0].all()
+            assert shown[z < 0].sum() < 10
+        assert sum(to_rgb(below.get_color())) > sum(to_rgb(above.get_color()))
 
 
 class SweepTest(FigureCase):
@@ -406,17 +381,17 @@ class SweepTest(FigureCase):
         legend = axes.get_legend().get_window_extent(figure.canvas.get_renderer())
         for line in axes.lines:
             heights = axes.transData.transform(line.get_xydata())[:, 1]
-            self.assertLess(heights.max(), legend.y0)
+            assert heights.max() < legend.y0
 
     def test_without_formulas(self) -> None:
         """Bodies that the paper's formulas do not hold for have no such figure, and no error."""
         table = self.read(a_sweep("initial.omega3"))
-        self.assertIn("sweep", [kind.name for kind in choose_figures(table)[0]])
+        assert "sweep" in [kind.name for kind in choose_figures(table)[0]]
         formulas = {name: math.nan for name in table.rows if name.endswith("_fast_top")}
         table = replace(table, rows=table.rows.assign(**formulas))
         good, wrong = choose_figures(table)
-        self.assertNotIn("sweep", [kind.name for kind in good])
-        self.assertEqual(wrong, [])
+        assert "sweep" not in [kind.name for kind in good]
+        assert wrong == []
         refusal = "no formula for a fast top: no sweep figure"
         self.assertRegex(choose_figures(table, ["sweep"])[1][0], refusal)
 
@@ -424,16 +399,16 @@ class SweepTest(FigureCase):
         """Figures that may lack numbers are drawn whichever of their columns has none."""
         table = self.compute("spinning_wheel_sweep")
         kinds = [kind for kind in FIGURES if kind.sparse and not kind.refusal(table)]
-        self.assertEqual([kind.name for kind in kinds], ["sweep", "table1"])
+        assert [kind.name for kind in kinds] == ["sweep", "table1"]
         for kind in kinds:
             for column in kind.columns:
                 with self.subTest(f"{kind.name} without {column}"):
                     poorer = replace(table, rows=table.rows.assign(**{column: math.nan}))
-                    self.assertTrue(kind.refusal(poorer) or kind.draw(poorer).axes)
+                    assert kind.refusal(poorer) or kind.draw(poorer).axes
         azimuth = {"azimuth_after_period_deg": math.nan}
         axes = draw_sweep(replace(table, rows=table.rows.assign(**azimuth))).axes[4]
         labels = [text.get_text() for text in axes.get_legend().get_texts()]
-        self.assertEqual(labels, ["paper's Eq 32: a full turn", "not computed: no row at $T_p$"])
+        assert labels == ["paper's Eq 32: a full turn", "not computed: no row at $T_p$"]
 
     def test_signs(self) -> None:
         """Errors of a formula have no line through a change of their sign, like a dip."""
@@ -460,7 +435,7 @@ class EventsTest(FigureCase):
             "lower_turning_point": "lower turning point",
             "force_z=-1.5": "vertical force = \N{MINUS SIGN}1.5",
         }
-        self.assertEqual({name: describe_event(name) for name in names}, names)
+        assert {name: describe_event(name) for name in names} == names
 
     def test_density(self) -> None:
         """Hundreds of events are counted per interval, few are drawn one by one."""
@@ -469,11 +444,11 @@ class EventsTest(FigureCase):
         columns = ["event", "number", "t", "theta", "theta_rate"]
         text = a_table("trajectory", columns, rows) + "# status: ok\n"
         axes = draw_events(self.read(text)).axes[0]
-        self.assertEqual([len(line.get_xdata()) for line in axes.lines], [4])
+        assert [len(line.get_xdata()) for line in axes.lines] == [4]
         (bars,) = axes.containers
-        self.assertGreater(len(bars), 30)
+        assert len(bars) > 30
         label = axes.get_yticklabels()[0].get_text()
-        self.assertIn("(400)", label)
+        assert "(400)" in label
         self.assertRegex(label, r"per 0\.0\d+ s: up to [78]")
 
 
@@ -488,16 +463,16 @@ class CloudTest(FigureCase):
         cells = [
             c for axes in panels for c in axes.collections if type(c).__name__ == "PolyCollection"
         ]
-        self.assertTrue(cells)
+        assert cells
         for part in cells:
-            self.assertEqual(part.get_array().sum(), 4000)
+            assert part.get_array().sum() == 4000
 
     def test_noise(self) -> None:
         """Errors at rounding are not drawn as data, and the title says so."""
         figure = draw_scatter(self.compute("random_tops"))
         labels = " ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
-        self.assertNotIn("energy error", labels)
-        self.assertIn("largest energy error at rounding", figure.get_suptitle().replace("\n", " "))
+        assert "energy error" not in labels
+        assert "largest energy error at rounding" in figure.get_suptitle().replace("\n", " ")
 
 
 class StudyTest(FigureCase):
@@ -511,14 +486,14 @@ class StudyTest(FigureCase):
         table = self.read("\n".join(lines))
         rows = trials(table)
         order = [case for cases in cases_by_reference(rows).values() for case in cases]
-        self.assertEqual(list(lay_out_verdicts(rows).x), order)
+        assert list(lay_out_verdicts(rows).x) == order
 
     def test_costs(self) -> None:
         """A line a method; costs are over that of the cheapest accurate method of the case."""
         table = self.read(a_stability())
         cost, error = draw_costs(table).axes[:2]
         names = [label.get_text() for label in cost.get_yticklabels()]
-        self.assertEqual(names, ["RK4", "new"])
+        assert names == ["RK4", "new"]
         dots = [line for axes in (cost, error) for line in axes.lines if line.get_marker() in "sD"]
         found = sorted(x for line in dots[: len(dots) // 2] for x in line.get_xdata())
         np.testing.assert_allclose(found, [90 / 400, 1, 1, 8])
@@ -531,11 +506,11 @@ class ThresholdTest(unittest.TestCase):
         """It is where the ratio is one; a rotor, which adds to the spins, leaves none."""
         rows = pd.DataFrame({"initial.omega3": [0.0, 10, -40], "sleeping_ratio": [0, 0.5, 2]})
         self.assertAlmostEqual(sleeping_threshold("initial.omega3", rows), 20)
-        self.assertIsNone(sleeping_threshold("initial.theta", rows))
-        self.assertIsNone(
-            sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5]))
+        assert sleeping_threshold("initial.theta", rows) is None
+        assert (
+            sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5])) is None
         )
-        self.assertIsNone(sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")))
+        assert sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")) is None
 
 
 class MarksTest(FigureCase):
@@ -543,9 +518,5 @@ class MarksTest(FigureCase):
 
     def test_plain(self) -> None:
         """A sweep and a trajectory without meanings of their columns are drawn."""
-        self.assertEqual(len(draw_sweep(self.read(a_sweep())).axes), 6)
-        self.assertEqual(len(draw_residuals(self.read(a_trajectory(TRAJECTORY))).axes), 4)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert len(draw_sweep(self.read(a_sweep())).axes) == 6
+        assert len(draw_residuals(self.read(a_trajectory(TRAJECTORY))).axes) == 4

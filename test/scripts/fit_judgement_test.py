@@ -1,19 +1,11 @@
 """What fits say of themselves: what cannot be told, odd data, intervals, and the robust loss."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from drawn_fits import REDUNDANT, draw_redundant  # noqa: E402
+import python_library  # noqa: F401
+import spintop
+from drawn_fits import REDUNDANT, draw_redundant
 
 TOP = {"mass": 1.2, "inertia": (0.9, 0.9, 0.4), "length": 0.7}
 RELEASED = {"theta": 0.7, "psi_rate": 11.0}

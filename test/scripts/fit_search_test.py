@@ -1,19 +1,11 @@
 """Fits that reach the truth from afar, by sensors as they are; and those that say they do not."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from drawn_fits import draw, draw_tumbling  # noqa: E402
+import python_library  # noqa: F401
+import spintop
+from drawn_fits import draw, draw_tumbling
 
 TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
 START = {"theta": 1.0, "omega3": 80.0}

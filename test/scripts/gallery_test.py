@@ -6,22 +6,19 @@ import os
 import re
 import runpy
 import subprocess
-import sys
 import unittest
 import unittest.mock
 from pathlib import Path
 
 from PIL import Image
 
-sys.dont_write_bytecode = True
+from manual.pages import links_of, manual_pages
+from plot_case import TableCase
+from spintop_figures.methods.peers import DOCUMENTED as PEERS
+from spintop_figures.registry import COMPARISONS, FIGURES
+
 TESTS = Path(__file__).resolve().parent.parent
 ROOT = TESTS.parent
-sys.path[:0] = [str(TESTS), str(ROOT / "scripts"), str(ROOT / "python")]
-
-from manual.pages import links_of, manual_pages  # noqa: E402
-from plot_case import TableCase  # noqa: E402
-from spintop_figures.methods.peers import DOCUMENTED as PEERS  # noqa: E402
-from spintop_figures.registry import COMPARISONS, FIGURES  # noqa: E402
 
 EXE = os.environ["SPINTOP_EXE"]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "gallery"))
@@ -45,23 +42,23 @@ class TableTest(unittest.TestCase):
     def test_exhibits(self) -> None:
         """Names are different; inputs and kinds of figures exist; captions end."""
         names = [exhibit.name for exhibit in GALLERY]
-        self.assertEqual(len(names), len(set(names)))
+        assert len(names) == len(set(names))
         kinds = {kind.name for kind in (*FIGURES, *COMPARISONS)}
         joined = {kind.name for kind in COMPARISONS}
         for exhibit in GALLERY:
             with self.subTest(exhibit.name):
-                self.assertLessEqual(set(exhibit.figures), kinds)
-                self.assertLessEqual(set(exhibit.documented), set(exhibit.figures))
-                self.assertTrue(exhibit.caption.endswith("."))
-                self.assertTrue(len(exhibit.runs) == 1 or set(exhibit.figures) <= joined)
+                assert set(exhibit.figures) <= kinds
+                assert set(exhibit.documented) <= set(exhibit.figures)
+                assert exhibit.caption.endswith(".")
+                assert len(exhibit.runs) == 1 or set(exhibit.figures) <= joined
                 for run in exhibit.runs:
-                    self.assertTrue((ROOT / "input" / f"{run.input}.nml").is_file())
+                    assert (ROOT / "input" / f"{run.input}.nml").is_file()
 
     def test_paper(self) -> None:
         """Every figure of the paper that has numbers is there, and its table."""
         names = {exhibit.name for exhibit in GALLERY}
         paper = {f"figure{number}" for number in (2, 3, 4, 5, 6, 7, 8, 9, 11)} | {"table1"}
-        self.assertLessEqual(paper, names)
+        assert paper <= names
 
     def test_manual(self) -> None:
         """The pictures of the front page and of the manual are those that --doc draws."""
@@ -74,19 +71,17 @@ class TableTest(unittest.TestCase):
             for name in exhibit.documented
         } | set(PEERS)
         files = {path.stem for path in (ROOT / "doc" / "figures").glob("*.png")}
-        self.assertEqual((shown, files), (drawn, drawn))
+        assert (shown, files) == (drawn, drawn)
 
     def test_runs(self) -> None:
         """Runs of one input with other settings have tables of their own."""
-        self.assertEqual(Run("a").table, "a")
-        self.assertEqual(Run("a").command(), "scripts/run input/a.nml")
+        assert Run("a").table == "a"
+        assert Run("a").command() == "scripts/run input/a.nml"
         run = Run("a", ("integration.method=rk4",))
         expected = "--set integration.method=rk4 --set output.file=a_rk4"
-        self.assertEqual(
-            (run.table, run.command()), ("a_rk4", f"scripts/run {expected} input/a.nml")
-        )
+        assert (run.table, run.command()) == ("a_rk4", f"scripts/run {expected} input/a.nml")
         runs = {run for exhibit in GALLERY for run in exhibit.runs}
-        self.assertEqual(len({run.table for run in runs}), len(runs))
+        assert len({run.table for run in runs}) == len(runs)
 
 
 class CostTest(TableCase):
@@ -137,52 +132,48 @@ class DrawTest(TableCase):
         code, output, complaints = self.gallery(
             "-o", folder, "figure8", "figure9", "tips", "events"
         )
-        self.assertEqual((code, complaints), (0, ""))
+        assert (code, complaints) == (0, "")
         stems = [
             *("slow_top_lagrange_ode45_angles", "slow_top_lagrange_ode45_forces"),
             *("slow_top_events.events_events", "traces"),
         ]
         expected = [*(str(folder / f"{stem}.png") for stem in stems), str(folder / "gallery.md")]
-        self.assertEqual(output.split("\n")[:-1], expected)
+        assert output.split("\n")[:-1] == expected
         tables = {path.stem for path in (folder / "tables").iterdir()}
         expected = {"slow_top_lagrange_ode45", "tip_loop", "tip_cusp", "tip_wave"}
-        self.assertEqual(tables, {*expected, "slow_top_events", "slow_top_events.events"})
+        assert tables == {*expected, "slow_top_events", "slow_top_events.events"}
         index = (folder / "gallery.md").read_text("utf-8")
         for exhibit in GALLERY:
             shown = exhibit.name in ("figure8", "figure9", "tips", "events")
-            self.assertEqual(exhibit.caption in index, shown)
-        self.assertIn("slow_top_events.events.csv. spintop ", index)
-        self.assertIn("ODE45, default tolerances", index)
+            assert (exhibit.caption in index) == shown
+        assert "slow_top_events.events.csv. spintop " in index
+        assert "ODE45, default tolerances" in index
         for stem in stems:
-            self.assertIn(f"]({stem}.png)", index)
-            self.assertGreater((folder / f"{stem}.svg").stat().st_size, 10_000)
+            assert f"]({stem}.png)" in index
+            assert (folder / f"{stem}.svg").stat().st_size > 10_000
 
     def test_list(self) -> None:
         """All are listed, nothing is drawn."""
         code, output, _ = self.gallery("--list", "-o", self.folder / "none")
-        self.assertEqual((code, len(output.split("\n")) - 1), (0, len(GALLERY)))
-        self.assertIn("(long)", output)
-        self.assertFalse((self.folder / "none").exists())
+        assert (code, len(output.split("\n")) - 1) == (0, len(GALLERY))
+        assert "(long)" in output
+        assert not (self.folder / "none").exists()
 
     def test_complaints(self) -> None:
         """An unknown name is wrong usage; a figure that fails has a message."""
         code, _, complaints = self.gallery("figure1")
-        self.assertEqual((code, "nothing is named figure1" in complaints), (2, True))
+        assert (code, "nothing is named figure1" in complaints) == (2, True)
         file = self.put("file", "")
         code, _, complaints = self.gallery("-o", file, "figure8")
-        self.assertEqual((code, f"cannot write to {file}" in complaints), (4, True))
+        assert (code, f"cannot write to {file}" in complaints) == (4, True)
         with unittest.mock.patch(f"{__name__}.EXE", "false"):
             code, _, complaints = self.gallery("-o", self.folder, "figure8")
-        self.assertEqual(code, 2)
-        self.assertIn("slow_top_lagrange_ode45.nml ended with exit code 1", complaints)
+        assert code == 2
+        assert "slow_top_lagrange_ode45.nml ended with exit code 1" in complaints
 
     def test_small(self) -> None:
         """Pictures of the documentation are of few colours, and small."""
         for path in (ROOT / "doc" / "figures").glob("*.png"):
-            self.assertLess(path.stat().st_size, 200_000, path.name)
+            assert path.stat().st_size < 200_000, path.name
             with Image.open(path) as picture:
-                self.assertEqual(picture.mode, "P")
-
-
-if __name__ == "__main__":
-    unittest.main()
+                assert picture.mode == "P"

@@ -2,29 +2,23 @@
 
 import os
 import subprocess
-import sys
-import unittest
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory  # noqa: E402
-from spintop_figures.motion.drift import method_of, running_maximum  # noqa: E402
-from spintop_figures.motion.fits import draw_fit, tell_values  # noqa: E402
-from spintop_figures.motion.reduced import (  # noqa: E402  # noqa: E402
+from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
+from spintop_figures.motion.drift import method_of, running_maximum
+from spintop_figures.motion.fits import draw_fit, tell_values
+from spintop_figures.motion.reduced import (
     Constants,
     Reduced,
     draw_portrait,
     draw_potential,
     find_reduced,
 )
-from spintop_figures.motion.sphere import (  # noqa: E402  # noqa: E402  # noqa: E402
+from spintop_figures.motion.sphere import (
     WHOLE,
     body_at_start,
     directions,
@@ -38,12 +32,14 @@ from spintop_figures.motion.sphere import (  # noqa: E402  # noqa: E402  # noqa:
     tell_turn,
     view_of,
 )
-from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes  # noqa: E402
-from spintop_figures.moving.motion import refusal as motion_refusal  # noqa: E402
-from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw  # noqa: E402
-from spintop_figures.style.look import GROUND  # noqa: E402
-from spintop_figures.tables.own_units import in_own_units  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
+from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes
+from spintop_figures.moving.motion import refusal as motion_refusal
+from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
+from spintop_figures.style.look import GROUND
+from spintop_figures.tables.own_units import in_own_units
+from spintop_figures.tables.table import Table, read_table
+
+TESTS = Path(__file__).resolve().parent.parent
 
 EXE = os.environ["SPINTOP_EXE"]
 INPUTS = TESTS.parent / "input"
@@ -98,28 +94,27 @@ class ReducedTest(MotionCase):
         self.assertAlmostEqual(reduced.separatrix(), upright, 10)
         self.assertAlmostEqual(float(reduced.potential(0.0)), upright, 10)
         self.assertAlmostEqual(reduced.energy, upright, 10)
-        self.assertGreater(upright, reduced.potential(0.01))
+        assert upright > reduced.potential(0.01)
         sleeping = reduced._replace(lz=2.01 * reduced.lz, l3=2.01 * reduced.l3)
-        self.assertIsNone(sleeping.separatrix())
-        self.assertGreater(sleeping.potential(0.01), sleeping.potential(0.0))
-        self.assertIsNone(find_reduced(self.compute("slow_top")).separatrix())
+        assert sleeping.separatrix() is None
+        assert sleeping.potential(0.01) > sleeping.potential(0.0)
+        assert find_reduced(self.compute("slow_top")).separatrix() is None
         hanging = reduced._replace(weight=-reduced.weight, lz=-reduced.lz)
-        self.assertEqual(hanging.separatrix(), reduced.separatrix())
+        assert hanging.separatrix() == reduced.separatrix()
         self.assertAlmostEqual(float(hanging.potential(np.pi)), upright, 10)
-        self.assertIsNone(hanging._replace(lz=reduced.lz).separatrix())
+        assert hanging._replace(lz=reduced.lz).separatrix() is None
 
     def test_refusals(self) -> None:
         """Only an undamped symmetric top has an effective potential, and only if it nutates."""
         every = "output.columns=all"
         damped = self.compute("damped_top", every)
-        self.assertIn("is of a damped body", self.refusal("potential", damped))
+        assert "is of a damped body" in self.refusal("potential", damped)
         body = self.compute("rigid_body_chaotic", every)
-        self.assertIn("not symmetric about body z", self.refusal("portrait", body))
+        assert "not symmetric about body z" in self.refusal("portrait", body)
         steady = self.compute("regular_precession")
-        self.assertIn("too steady", self.refusal("potential", steady))
-        self.assertIn(
-            "has no column theta, theta_rate",
-            self.refusal("potential", self.compute("long_drift", "span.nutations=3")),
+        assert "too steady" in self.refusal("potential", steady)
+        assert "has no column theta, theta_rate" in self.refusal(
+            "potential", self.compute("long_drift", "span.nutations=3")
         )
 
 
@@ -130,11 +125,11 @@ class BifurcationTest(MotionCase):
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
         for name, sign in (("tip_loop", 1), ("tip_cusp", 0), ("tip_wave", -1)):
             constants = Constants(find_reduced(self.compute(name)))
-            self.assertEqual(np.sign(np.round(constants.excess, 12)), sign)
+            assert np.sign(np.round(constants.excess, 12)) == sign
             ratio, energy = constants.steady()
-            self.assertGreater(constants.excess, np.interp(constants.ratio, ratio, energy))
-            self.assertTrue(constants.sleeps())
-        self.assertFalse(Constants(find_reduced(self.compute("slow_top"))).sleeps())
+            assert constants.excess > np.interp(constants.ratio, ratio, energy)
+            assert constants.sleeps()
+        assert not Constants(find_reduced(self.compute("slow_top"))).sleeps()
 
     def test_least_energies(self) -> None:
         """The curve is the least effective potential for each ratio of the momenta."""
@@ -156,10 +151,10 @@ class BifurcationTest(MotionCase):
         (axes,) = draw(table, "bifurcation").axes
         (motion,) = [line for line in axes.lines if line.get_label() == "the motion"]
         constants = Constants(find_reduced(table))
-        self.assertEqual(motion.get_xydata().tolist(), [[constants.ratio, constants.excess]])
-        self.assertEqual({text.get_text() for text in axes.texts}, {"loops", "waves", "no motion"})
+        assert motion.get_xydata().tolist() == [[constants.ratio, constants.excess]]
+        assert {text.get_text() for text in axes.texts} == {"loops", "waves", "no motion"}
         spinless = self.compute("tip_wave", "initial.omega3=0")
-        self.assertIn("without a momentum about its axis", self.refusal("bifurcation", spinless))
+        assert "without a momentum about its axis" in self.refusal("bifurcation", spinless)
 
 
 class DrawnTest(MotionCase):
@@ -185,16 +180,16 @@ class DrawnTest(MotionCase):
             if line.get_marker() == "o" and len(line.get_xdata())
         }
         np.testing.assert_allclose(sorted(ends), (0, 120), atol=1e-4)
-        self.assertEqual(ends[0.0].get_markerfacecolor(), GROUND)  # it approaches this one
+        assert ends[0.0].get_markerfacecolor() == GROUND  # it approaches this one
         words = [text.get_text() for text in axes.texts]
-        self.assertEqual(sorted(words), ["0°, never reached", "120.00°"])
+        assert sorted(words) == ["0°, never reached", "120.00°"]
 
     def test_barrier(self) -> None:
         """The barrier at a pole that a motion cannot reach leaves the panel at the top."""
         axes = draw_potential(self.compute("slow_top")).axes[0]
         (curve,) = (line for line in axes.lines if line.get_label() == "effective potential")
         heights = curve.get_ydata()
-        self.assertGreater(heights[np.isfinite(heights)][:9].max(), axes.get_ylim()[1])
+        assert heights[np.isfinite(heights)][:9].max() > axes.get_ylim()[1]
 
     def test_windows(self) -> None:
         """A path that keeps to a cap is seen from above it, all of it, and large."""
@@ -206,8 +201,8 @@ class DrawnTest(MotionCase):
             basis = np.array([view.right, view.up, view.towards])
             np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
             seen = np.hypot(*project(*tip, view)[:2]).max() / view.window
-            self.assertTrue(0.85 < seen < 1, (name, seen))
-        self.assertIs(view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))), WHOLE)
+            assert 0.85 < seen < 1, (name, seen)
+        assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
 
     def test_cap(self) -> None:
         """The least cap about a circle off the pole is the circle's own."""
@@ -221,17 +216,17 @@ class DrawnTest(MotionCase):
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
         told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
-        self.assertEqual(told, ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"])
+        assert told == ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"]
 
     def test_poles(self) -> None:
         """Where the axis passes a pole, azimuth and spin jump: no line joins them."""
         panels = draw_angles(self.compute("kapitza")).axes
         for axes in (panels[0], panels[2]):
             degrees = axes.lines[0].get_ydata()
-            self.assertGreater(np.nanmax(degrees) - np.nanmin(degrees), 170)
-            self.assertLess(np.nanmax(np.abs(np.diff(degrees))), 45)
+            assert np.nanmax(degrees) - np.nanmin(degrees) > 170
+            assert np.nanmax(np.abs(np.diff(degrees))) < 45
         turning = draw_angles(self.compute("slow_top")).axes[0].lines[0].get_ydata()
-        self.assertTrue(np.isfinite(turning).all())
+        assert np.isfinite(turning).all()
 
     def test_sign_changes(self) -> None:
         """Zeros at all inclinations of a chain are no zeros at some of them."""
@@ -239,7 +234,7 @@ class DrawnTest(MotionCase):
         t = np.arange(400.0)
         chain = np.radians(5 * np.abs(np.sin(t / 60)))
         mark_sign_changes(axes, t, np.where(t % 8 < 4, 1.0, -1.0), chain)
-        self.assertEqual(len(axes.lines), 0)
+        assert len(axes.lines) == 0
 
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
@@ -247,7 +242,7 @@ class DrawnTest(MotionCase):
         seen = project(*points)
         np.testing.assert_allclose(sum(part**2 for part in seen), 1)
         front = project(*on_sphere(np.array([np.pi / 2]), np.array([0.0])))
-        self.assertGreater(front[2][0], 0)
+        assert front[2][0] > 0
         table = self.compute("tip_wave")
         theta, phi = (table.rows[name].to_numpy() for name in ("theta", "phi"))
         x, _, _ = project(*on_sphere(theta, phi))
@@ -255,7 +250,7 @@ class DrawnTest(MotionCase):
             line for line in draw_trace(table).axes[0].lines if len(line.get_xdata()) == len(x)
         ]
         drawn = np.array([line.get_xdata() for line in whole])
-        self.assertEqual(len(whole), 2)
+        assert len(whole) == 2
         np.testing.assert_array_equal(np.nanmax(drawn, axis=0), x)
 
     def test_cones(self) -> None:
@@ -278,7 +273,7 @@ class DrawnTest(MotionCase):
             for omega in (in_body(table), in_space(table))
         ]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
-        self.assertEqual(len(draw_cones(table).axes), 4)
+        assert len(draw_cones(table).axes) == 4
 
 
 class TogetherTest(MotionCase):
@@ -288,12 +283,12 @@ class TogetherTest(MotionCase):
         """The running maximum rises, and ends at the largest error."""
         settings = ["span.nutations=40", "span.samples=41"]
         table = self.compute("long_drift", *settings)
-        self.assertEqual(method_of(table), ("taylor", "space_frame"))
+        assert method_of(table) == ("taylor", "space_frame")
         t, off = running_maximum(table, "energy_error")
-        self.assertTrue((np.diff(off) >= 0).all())
-        self.assertEqual((len(t), off[-1]), (40, table.rows["energy_error"].abs().max()))
+        assert (np.diff(off) >= 0).all()
+        assert (len(t), off[-1]) == (40, table.rows["energy_error"].abs().max())
         _, off = running_maximum(table, "lz")
-        self.assertEqual(off[-1], (table.rows["lz"] - table.rows["lz"][0]).abs().max())
+        assert off[-1] == (table.rows["lz"] - table.rows["lz"][0]).abs().max()
 
     def test_script(self) -> None:
         """They are files of their own; each table has to have what they ask for."""
@@ -306,24 +301,24 @@ class TogetherTest(MotionCase):
         motion = self.put("motion.csv", a_trajectory())
         for name, tables in (("drift", paths), ("traces", [motion, motion])):
             folder = self.folder / name
-            self.assertEqual(self.call("--together", name, "-o", folder, *tables), (0, ""))
+            assert self.call("--together", name, "-o", folder, *tables) == (0, "")
             self.check_pictures(folder, {name})
         sweep = self.put("sweep.csv", a_sweep())
         code, complaint = self.call("--together", "traces", motion, sweep)
-        self.assertEqual(code, 2)
-        self.assertIn("sweep.csv: is no table of the kind trajectory: no traces", complaint)
+        assert code == 2
+        assert "sweep.csv: is no table of the kind trajectory: no traces" in complaint
         code, complaint = self.call("--together", "drift", motion)
-        self.assertEqual((code, "no column energy_error" in complaint), (2, True))
+        assert (code, "no column energy_error" in complaint) == (2, True)
         exact = self.put("exact.csv", a_trajectory([*TRAJECTORY, "energy_error"], energy_error=0.0))
         code, complaint = self.call("--together", "drift", exact)
-        self.assertEqual((code, "no error of the energy above zero" in complaint), (2, True))
+        assert (code, "no error of the energy above zero" in complaint) == (2, True)
         code, complaint = self.call("--together", "traces", self.folder / "none.csv")
-        self.assertEqual((code, "no such file" in complaint), (2, True))
+        assert (code, "no such file" in complaint) == (2, True)
 
     def test_names(self) -> None:
         """No comparison has the name of a figure."""
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
-        self.assertEqual(len(names), len(set(names)))
+        assert len(names) == len(set(names))
 
 
 class UnitsTest(MotionCase):
@@ -336,21 +331,21 @@ class UnitsTest(MotionCase):
         tables = [
             self.compute("slow_top", f"output.columns={','.join(names)}") for names in (own, other)
         ]
-        self.assertEqual(list(tables[1].rows), list(other))
-        self.assertEqual(tables[1].units["theta_turns"], "turns")
+        assert list(tables[1].rows) == list(other)
+        assert tables[1].units["theta_turns"] == "turns"
         drawn = []
         for table in tables:
             kinds, problems = choose_figures(table)
-            self.assertEqual(problems, [])
-            self.assertIn("angles", [kind.name for kind in kinds])
+            assert problems == []
+            assert "angles" in [kind.name for kind in kinds]
             lines = draw(table, "angles").axes[0].lines
             drawn.append(np.concatenate([line.get_xydata() for line in lines]))
         np.testing.assert_allclose(drawn[1], drawn[0], rtol=1e-12, atol=1e-12)
         shown = in_own_units(tables[1])
-        self.assertEqual(shown.units["theta"], "rad")
-        self.assertIs(in_own_units(tables[0]), tables[0])
-        self.assertIs(in_own_units(shown), shown)
-        self.assertEqual(motion_refusal(shown), "")
+        assert shown.units["theta"] == "rad"
+        assert in_own_units(tables[0]) is tables[0]
+        assert in_own_units(shown) is shown
+        assert motion_refusal(shown) == ""
 
 
 class FitTest(MotionCase):
@@ -364,8 +359,8 @@ class FitTest(MotionCase):
         for (above, below), name in zip(
             zip(panels[::2], panels[1::2], strict=True), ("phi", "theta", "psi"), strict=True
         ):
-            self.assertIn("(degrees)", above.get_title("left"))
-            self.assertEqual(below.get_ylabel(), "residual")
+            assert "(degrees)" in above.get_title("left")
+            assert below.get_ylabel() == "residual"
             fitted, measured = (line.get_ydata() for line in above.lines)
             np.testing.assert_array_equal(fitted, np.degrees(table.rows[f"{name}_fit"]))
             np.testing.assert_array_equal(measured, np.degrees(table.rows[name]))
@@ -374,34 +369,28 @@ class FitTest(MotionCase):
             size = np.sqrt(np.mean(residuals**2))
             band = below.patches[0].get_extents().transformed(below.transData.inverted())
             np.testing.assert_allclose(band.y1, 2 * size, rtol=1e-9)
-            self.assertIn(f"root mean square {size:.2g}", below.get_title("right"))
+            assert f"root mean square {size:.2g}" in below.get_title("right")
         words = [text.get_text() for text in side.texts]
         values = read_table(self.folder / "fit.csv").rows.set_index("parameter")
         row = values.loc["initial.psi_rate"]
-        self.assertIn(f"{row.estimate:.4f} rad/s", words)
-        self.assertIn(f"95 %: {row.lower:.4f} to {row.upper:.4f}", words)
+        assert f"{row.estimate:.4f} rad/s" in words
+        assert f"95 %: {row.lower:.4f} to {row.upper:.4f}" in words
 
     def test_alone(self) -> None:
         """Without the table of the parameters there are no values, and the rest is drawn."""
         self.compute("fit")
         table = read_table((self.folder / "fit.residuals.csv").rename(self.folder / "other.csv"))
-        self.assertEqual(list(draw_fit(table).axes[-1].texts), [])
+        assert list(draw_fit(table).axes[-1].texts) == []
 
     def test_outliers(self) -> None:
         """Few wrong readings are marked at the edge, and do not set the scale."""
         self.compute("inclinometer")
         below = draw_fit(read_table(self.folder / "inclinometer.residuals.csv")).axes[1]
-        self.assertIn("without 3 outliers", below.get_title("right"))
-        self.assertLess(below.get_ylim()[1], 3)
+        assert "without 3 outliers" in below.get_title("right")
+        assert below.get_ylim()[1] < 3
         values = pd.DataFrame(
             {"parameter": ["top.damping(3)"], "unit": ["N m s"], "estimate": [3.002e-6],
              "lower": [2.99e-6], "upper": [3.014e-6]}
         )  # fmt: skip
         words = [line for line, _ in tell_values(values)]
-        self.assertEqual(
-            words[1:3], ["3.002\N{MULTIPLICATION SIGN}10⁻⁶ N m s", "95 %: 2.990 to 3.014"]
-        )
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert words[1:3] == ["3.002\N{MULTIPLICATION SIGN}10⁻⁶ N m s", "95 %: 2.990 to 3.014"]

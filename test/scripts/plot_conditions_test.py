@@ -4,16 +4,10 @@ Whatever is wrong is told in a line that names the cause; nothing ends in a trac
 """
 
 import os
-import sys
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from plot_case import TableCase, a_sweep, a_trajectory  # noqa: E402
-from spintop_figures.moving.data import lines_of  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+from plot_case import TableCase, a_sweep, a_trajectory
+from spintop_figures.moving.data import lines_of
+from spintop_figures.tables.table import TableError, read_table
 
 NO_BREAK = ("\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}", "\N{FIGURE SPACE}")
 KINDS = {"trajectory": a_trajectory(), "sweep": a_sweep()}
@@ -26,9 +20,9 @@ class SettingsTest(TableCase):
         """A figure is drawn, and its files are named."""
         path = self.put(name, a_trajectory())
         done = self.plot("--figure", "angles", path, **environment)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        assert (done.returncode, done.stderr) == (0, "")
         names = [f"{path.with_suffix('')}_angles.{ending}" for ending in ("png", "svg")]
-        self.assertEqual(os.fsencode(done.stdout).splitlines(), list(map(os.fsencode, names)))
+        assert os.fsencode(done.stdout).splitlines() == list(map(os.fsencode, names))
 
     def test_backend(self) -> None:
         """The backend of a notebook, or one that does not exist."""
@@ -48,18 +42,18 @@ class SettingsTest(TableCase):
         path = self.put("b.csv", a_trajectory())
         cache = {"MPLCONFIGDIR": str(self.folder / "cache"), "PATH": f"{programs}:/usr/bin:/bin"}
         done = self.plot("--figure", "angles", path, **(settings | cache))
-        self.assertEqual(done.returncode, 2)
+        assert done.returncode == 2
         self.assertRegex(done.stderr, r"angles figure cannot be drawn: latex was not able")
-        self.assertNotIn("Traceback", done.stderr)
+        assert "Traceback" not in done.stderr
 
     def test_broken_settings(self) -> None:
         """Settings that cannot be read."""
         (self.folder / "matplotlibrc").write_bytes(b"font.size: \xff\xfe\n")
         path = self.put("a.csv", a_trajectory())
         done = self.plot(path, MATPLOTLIBRC=str(self.folder))
-        self.assertEqual((done.returncode, done.stdout), (1, ""))
-        self.assertIn("scripts/plot: matplotlib cannot be loaded", done.stderr)
-        self.assertNotIn("Traceback", done.stderr)
+        assert (done.returncode, done.stdout) == (1, "")
+        assert "scripts/plot: matplotlib cannot be loaded" in done.stderr
+        assert "Traceback" not in done.stderr
 
     def test_encoding(self) -> None:
         """Names that the encoding of the output does not have."""
@@ -75,8 +69,8 @@ class SavedTest(TableCase):
         path = self.folder / "a.csv"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         code, said = self.call("-o", self.folder, path)
-        self.assertEqual(code, 2)
-        self.assertEqual(said.count("\n"), 1, said)
+        assert code == 2
+        assert said.count("\n") == 1, said
         with self.assertRaises(TableError):
             read_table(path)
         return said
@@ -91,9 +85,9 @@ class SavedTest(TableCase):
                     path = self.folder / "again.csv"
                     path.write_bytes(changed.encode())
                     again = read_table(path)
-                    self.assertEqual(again.header, first.header)
-                    self.assertTrue(again.rows.equals(first.rows))
-                    self.assertEqual(lines_of(again), lines_of(first))
+                    assert again.header == first.header
+                    assert again.rows.equals(first.rows)
+                    assert lines_of(again) == lines_of(first)
 
     def test_encodings(self) -> None:
         """Other encodings are named."""
@@ -102,7 +96,7 @@ class SavedTest(TableCase):
                 with self.subTest(kind, encoding=encoding):
                     mark = "\ufeff" if encoding.endswith("be") else ""
                     said = self.complaint((mark + text).encode(encoding))
-                    self.assertIn("is no text in UTF-8", said)
+                    assert "is no text in UTF-8" in said
 
     def test_separators(self) -> None:
         """Semicolons, also with decimal commas, and tabs."""
@@ -114,7 +108,7 @@ class SavedTest(TableCase):
             )
             for changed in (text.replace(",", ";"), rows, text.replace(",", "\t")):
                 with self.subTest(kind):
-                    self.assertIn("has a space or a separator in its name", self.complaint(changed))
+                    assert "has a space or a separator in its name" in self.complaint(changed)
 
     def test_header(self) -> None:
         """Quotes around its lines, and lines before it."""
@@ -123,8 +117,8 @@ class SavedTest(TableCase):
                 quoted = "\n".join(
                     f'"{line}";;' if line.startswith("#") else line for line in text.split("\n")
                 )
-                self.assertIn("its header names no program", self.complaint(quoted))
-                self.assertTrue(read_table(self.put("b.csv", f"\n{text}")).rows.size)
+                assert "its header names no program" in self.complaint(quoted)
+                assert read_table(self.put("b.csv", f"\n{text}")).rows.size
 
     def test_spaces(self) -> None:
         """No-break spaces in the header, in a name and in a number; spaces around names."""
@@ -133,7 +127,7 @@ class SavedTest(TableCase):
             for space in NO_BREAK:
                 with self.subTest(kind, space=space):
                     said = self.complaint(text.replace("# ", f"#{space}"))
-                    self.assertIn("its header names no program", said)
+                    assert "its header names no program" in said
                     said = self.complaint(text.replace(name, f",{name[1:-1]}{space},"))
                     self.assertRegex(said, r"column \d+ has a space or a separator in its name")
                     said = self.complaint(text.replace(",0.5,", f",0{space}.5,"))

@@ -5,8 +5,6 @@ import itertools
 import math
 import os
 import subprocess
-import sys
-import unittest
 import warnings
 from pathlib import Path
 
@@ -14,29 +12,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import to_rgb
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+from plot_case import TableCase, a_map, a_stability, a_table, some_events
+from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letters_of, trials
+from spintop_figures.sweeps.curves import draw_curves
+from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid
+from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of
+from spintop_figures.sweeps.statistics import is_even
+from spintop_figures.tables.table import Table, TableError, read_table
 
-from plot_case import TableCase, a_map, a_stability, a_table, some_events  # noqa: E402
-from spintop_figures.methods.trials import (  # noqa: E402
-    NO_TRIAL,
-    VERDICTS,
-    digits_of,
-    letters_of,
-    trials,
-)
-from spintop_figures.sweeps.curves import draw_curves  # noqa: E402
-from spintop_figures.sweeps.maps import (  # noqa: E402
-    COLOURS,
-    KAPITZA,
-    draw_maps,
-    find_kapitza_limit,
-    make_grid,
-)
-from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of  # noqa: E402
-from spintop_figures.sweeps.statistics import is_even  # noqa: E402
-from spintop_figures.tables.table import Table, TableError, read_table  # noqa: E402
+TESTS = Path(__file__).resolve().parent.parent
 
 
 def lightness(colour: object) -> float:
@@ -49,22 +33,22 @@ class ChoiceTest(TableCase):
 
     def test_grid(self) -> None:
         """Two parameters bring maps if all their values are combined, else points; one, curves."""
-        self.assertEqual(self.figures_of(a_map()), "maps")
-        self.assertEqual(self.figures_of(a_map(axes=1)), "curves")
+        assert self.figures_of(a_map()) == "maps"
+        assert self.figures_of(a_map(axes=1)) == "curves"
         lines = a_map().splitlines()
-        self.assertEqual(self.figures_of("\n".join([*lines[:-1], ""])), "scatter")
-        self.assertEqual(self.figures_of("\n".join([*lines, lines[-1], ""])), "scatter")
-        self.assertEqual(self.figures_of(a_map(across=1)), "scatter")
-        self.assertEqual(self.figures_of(a_map().replace(",ok,", ",pole,")), "")
+        assert self.figures_of("\n".join([*lines[:-1], ""])) == "scatter"
+        assert self.figures_of("\n".join([*lines, lines[-1], ""])) == "scatter"
+        assert self.figures_of(a_map(across=1)) == "scatter"
+        assert self.figures_of(a_map().replace(",ok,", ",pole,")) == ""
 
     def test_stability_and_events(self) -> None:
         """Tables with verdicts or events are recognised by their columns."""
-        self.assertEqual(self.figures_of(a_stability()), "verdicts costs")
-        self.assertEqual(self.figures_of(a_stability().replace("wrong", "odd")), "")
-        self.assertEqual(self.figures_of(some_events()), "events sections")
-        self.assertEqual(self.figures_of(some_events(19)), "events")
-        self.assertEqual(self.figures_of(some_events(swing=1e-9)), "events")
-        self.assertEqual(self.figures_of(some_events(0)), "")
+        assert self.figures_of(a_stability()) == "verdicts costs"
+        assert self.figures_of(a_stability().replace("wrong", "odd")) == ""
+        assert self.figures_of(some_events()) == "events sections"
+        assert self.figures_of(some_events(19)) == "events"
+        assert self.figures_of(some_events(swing=1e-9)) == "events"
+        assert self.figures_of(some_events(0)) == ""
 
 
 class StabilityTest(TableCase):
@@ -75,45 +59,45 @@ class StabilityTest(TableCase):
         whole = [verdict for verdict in VERDICTS.values() if verdict.name not in NO_TRIAL[1:]]
         faces = [lightness(verdict.face) for verdict in whole]
         order = sorted(faces, reverse=True)
-        self.assertEqual(faces[:-1], [grey for grey in order if grey in faces[:-1]])
+        assert faces[:-1] == [grey for grey in order if grey in faces[:-1]]
         for lighter, darker in itertools.pairwise(order):
-            self.assertGreater(lighter - darker, 0.1)
+            assert lighter - darker > 0.1
         for verdict in VERDICTS.values():
-            self.assertGreater(abs(lightness(verdict.face) - lightness(verdict.ink)), 0.4)
+            assert abs(lightness(verdict.face) - lightness(verdict.ink)) > 0.4
         for name in NO_TRIAL:  # without a trial: white, distinguished by their marks
-            self.assertEqual(lightness(VERDICTS[name].face), order[0])
+            assert lightness(VERDICTS[name].face) == order[0]
         marks = {verdict.mark for verdict in VERDICTS.values()}
-        self.assertEqual(len(marks), len(VERDICTS))
+        assert len(marks) == len(VERDICTS)
 
     def test_classes(self) -> None:
         """The colours of maps lighten from end to end."""
         shades = [lightness(COLOURS(i / 9)) for i in range(10)]
-        self.assertEqual(shades, sorted(shades))
+        assert shades == sorted(shades)
 
     def test_entries(self) -> None:
         """A method has an entry; its other formulations have entries of their own."""
         rows = trials(read_table(self.put("a.csv", a_stability())))
         expected = ["RK4", "RK4, Lagrange", "new"]
-        self.assertEqual(list(rows["entry"]), 2 * expected)
+        assert list(rows["entry"]) == 2 * expected
         families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
-        self.assertEqual(list(rows["family"]), 2 * families)
+        assert list(rows["family"]) == 2 * families
         alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
         expected = ["RK4, space frame", "RK4, Lagrange", "new"]
-        self.assertEqual(list(trials(alone)["entry"]), expected)
+        assert list(trials(alone)["entry"]) == expected
 
     def test_digits(self) -> None:
         """Whole digits, none of a wrong attitude, sixteen at most."""
         expected = {3.1: 0, 0.02: 1, 1e-3: 3, 9e-8: 7, 1e-20: 16, 0.0: 16}
         for error, digits in expected.items():
-            self.assertEqual(digits_of(error), digits)
+            assert digits_of(error) == digits
 
     def test_letters(self) -> None:
         """Reasons to give up that begin alike have letters of their own."""
         status = ["pole", "pole", "parted", "step_limit"]
         rows = pd.DataFrame({"verdict": "failed", "status": status})
         letters = letters_of(rows)
-        self.assertEqual((letters["pole"], letters["step_limit"]), ("P", "S"))
-        self.assertEqual(letters["parted"], "A")
+        assert (letters["pole"], letters["step_limit"]) == ("P", "S")
+        assert letters["parted"] == "A"
 
 
 class MapTest(TableCase):
@@ -124,19 +108,19 @@ class MapTest(TableCase):
         listed = "values(1,:) = 0.5, 1.0,"
         spaced = a_map().replace(listed, "spacing = 'linear', 'linear',")
         grid = make_grid(read_table(self.put("a.csv", spaced)))
-        self.assertEqual(grid.logs, (False, False))
-        self.assertEqual(grid.fill(np.arange(20.0))[:, 1].tolist(), [4, 5, 6, 7])
-        self.assertEqual(grid.edges()[1].tolist(), [-5, 5, 15, 25, 35])
+        assert grid.logs == (False, False)
+        assert grid.fill(np.arange(20.0))[:, 1].tolist() == [4, 5, 6, 7]
+        assert grid.edges()[1].tolist() == [-5, 5, 15, 25, 35]
         for text in (a_map(), a_map().replace(listed, "spacing = 'log', 'linear',")):
             grid = make_grid(read_table(self.put("b.csv", text)))
-            self.assertEqual(grid.logs, (True, False))
+            assert grid.logs == (True, False)
         np.testing.assert_allclose(grid.edges()[0], 10.0 ** np.arange(-0.5, 5))
 
     def test_words(self) -> None:
         """The type of a column follows from its cells."""
         table = read_table(self.put("a.csv", a_map()))
         words = [name for name in table.rows if not table.numeric(name)]
-        self.assertEqual(words, ["status", "motion_class", "notes"])
+        assert words == ["status", "motion_class", "notes"]
         with self.assertRaisesRegex(TableError, "'wave' in theta_min is no number"):
             read_table(self.put("b.csv", a_map().replace("wave,0.1", "wave,wave", 1)))
 
@@ -144,11 +128,11 @@ class MapTest(TableCase):
         """Errors are compared by ratios; growth that is rounding is none."""
         known = {quantity.columns[0]: quantity for quantity in QUANTITIES}
         values = np.array([0.0, 1e-9, 2e-8])
-        self.assertTrue(known["orientation_error"].has_log_scale(values))
-        self.assertFalse(known["theta_min"].has_log_scale(values))
+        assert known["orientation_error"].has_log_scale(values)
+        assert not known["theta_min"].has_log_scale(values)
         growth = np.array([2.0, 1e-2, -1e-15, 1e-9, math.nan])
         none = known["growth_rate"].is_none(growth).tolist()
-        self.assertEqual(none, [False, False, True, True, False])
+        assert none == [False, False, True, True, False]
 
 
 class PanelsTest(TableCase):
@@ -170,36 +154,36 @@ class PanelsTest(TableCase):
         }
         table = self.sweep(columns)
         shown = [quantity.columns[0] for quantity in quantities_of(table)]
-        self.assertEqual(shown, ["growth_rate", "evaluations"])
+        assert shown == ["growth_rate", "evaluations"]
         title = draw_curves(table).get_suptitle().replace("\n", " ")
-        self.assertIn("in all cases Lyapunov exponent: 0.25 1/s", title)
+        assert "in all cases Lyapunov exponent: 0.25 1/s" in title
         free = self.sweep({"evaluations": lambda i: 0, "growth_rate": lambda i: 1.0 + i})
-        self.assertEqual(len(draw_curves(free).axes), 1)
-        self.assertNotIn("evaluations", draw_curves(free).get_suptitle())
+        assert len(draw_curves(free).axes) == 1
+        assert "evaluations" not in draw_curves(free).get_suptitle()
         alone = self.sweep({"growth_rate": lambda i: 2.0})
-        self.assertEqual(len(quantities_of(alone)), 1)
+        assert len(quantities_of(alone)) == 1
 
     def test_equal_panels(self) -> None:
         """Panels have one size; the lowest of each column, and no other, names the parameter."""
         names = ("growth_rate", "lyapunov_exponent", "evaluations")
         axes = draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
-        self.assertEqual([bool(panel.get_xlabel()) for panel in axes], [False, True, True])
-        self.assertEqual({len(panel.get_subplotspec().colspan) for panel in axes}, {1})
+        assert [bool(panel.get_xlabel()) for panel in axes] == [False, True, True]
+        assert {len(panel.get_subplotspec().colspan) for panel in axes} == {1}
 
     def test_chaos(self) -> None:
         """Of many cases those that are far apart are dots, not joined by lines."""
         table = self.sweep({"growth_rate": lambda i: 1.0 + (i if i < 40 else 60 * (i % 2))})
         line, dots = draw_curves(table).axes[0].lines[-2:]
-        self.assertEqual(dots.get_linestyle(), "None")
-        self.assertGreaterEqual(len(dots.get_xdata()), 38)
+        assert dots.get_linestyle() == "None"
+        assert len(dots.get_xdata()) >= 38
         joined = np.isfinite(line.get_ydata()[:40])
-        self.assertTrue(joined.all())
+        assert joined.all()
 
     def test_even(self) -> None:
         """Numbers of random cases in bins are noise; those of a trend are not."""
         random = np.random.default_rng(1)
-        self.assertTrue(is_even(random.poisson(20, 500)))
-        self.assertFalse(is_even(np.arange(40.0)))
+        assert is_even(random.poisson(20, 500))
+        assert not is_even(np.arange(40.0))
 
     def test_kapitza(self) -> None:
         """The limit is where the multipliers of the program begin to be 1, for fast vibrations."""
@@ -214,11 +198,11 @@ class PanelsTest(TableCase):
             amplitudes = part["effects.vibration_amplitude(3)"].to_numpy()
             stable = np.abs(part["upright_multiplier"].to_numpy() - 1) < 1e-6
             self.assertAlmostEqual(amplitudes[stable].min() / limit(rate), 1, delta=0.04)
-            self.assertFalse(stable[amplitudes < 0.99 * limit(rate)].any())
+            assert not stable[amplitudes < 0.99 * limit(rate)].any()
         labels = [line.get_label() for axes in draw_maps(table).axes for line in axes.lines]
-        self.assertIn(KAPITZA, labels)
+        assert KAPITZA in labels
         spun = dataclasses.replace(table, settings=table.settings | {"initial.omega3": ["2"]})
-        self.assertIsNone(find_kapitza_limit(spun))
+        assert find_kapitza_limit(spun) is None
 
 
 class DrawTest(TableCase):
@@ -236,10 +220,6 @@ class DrawTest(TableCase):
         paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
         with warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)
-            self.assertEqual(self.call(*paths), (0, ""))
+            assert self.call(*paths) == (0, "")
         expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
         self.check_pictures(self.folder, expected)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,20 +1,12 @@
 """Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
 
 import math
-import sys
-import unittest
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-
-from plot_case import (  # noqa: E402
+from plot_case import (
     HEAD,
     SCRIPTS,
     TRAJECTORY,
@@ -26,9 +18,9 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
-from spintop_figures.style.provenance import describe_run  # noqa: E402
-from spintop_figures.style.saving import lay_out  # noqa: E402
-from spintop_figures.sweeps.table1 import (  # noqa: E402
+from spintop_figures.style.provenance import describe_run
+from spintop_figures.style.saving import lay_out
+from spintop_figures.sweeps.table1 import (
     COLUMNS,
     RIGHT_EDGES,
     as_column,
@@ -36,7 +28,7 @@ from spintop_figures.sweeps.table1 import (  # noqa: E402
     draw_table1,
     notes_on,
 )
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+from spintop_figures.tables.table import TableError, read_table
 
 
 class ReaderTest(TableCase):
@@ -45,23 +37,23 @@ class ReaderTest(TableCase):
     def test_head(self) -> None:
         """Key lines, settings over several lines, quotes in quotes, units."""
         table = read_table(self.put("a.csv", a_trajectory()))
-        self.assertEqual(table.title, "A top, trajectory: $5")
-        self.assertEqual(table.header["revision"], "0123456789ab-dirty")
-        self.assertEqual(table.setting("study.title"), "It's a top, = trajectory")
-        self.assertEqual(table.settings["sweep.values(1,:)"], ["0.5", "1.0", "2.0"])
-        self.assertEqual(table.units, {"t": "s", "force_x": "kg m/s^2"})
-        self.assertEqual(table.meanings["force_x"], "support force: x")
-        self.assertEqual(table.status, "ok")
-        self.assertEqual(table.rows["phi"][3], 0.1 * 3)
-        self.assertEqual(describe_run(table), "Lagrange, RK4, 992 steps")
+        assert table.title == "A top, trajectory: $5"
+        assert table.header["revision"] == "0123456789ab-dirty"
+        assert table.setting("study.title") == "It's a top, = trajectory"
+        assert table.settings["sweep.values(1,:)"] == ["0.5", "1.0", "2.0"]
+        assert table.units == {"t": "s", "force_x": "kg m/s^2"}
+        assert table.meanings["force_x"] == "support force: x"
+        assert table.status == "ok"
+        assert table.rows["phi"][3] == 0.1 * 3
+        assert describe_run(table) == "Lagrange, RK4, 992 steps"
 
     def test_numbers_keep_their_bits(self) -> None:
         """Numbers of 17 digits, huge ones and what is none are read as they were written."""
         for value in (0.1 + 0.2, 1e100, 5e-324, -0.0, math.inf, math.pi):
             table = read_table(self.put("a.csv", a_trajectory(count=1, R1=value)))
-            self.assertEqual(table.rows["R1"][0].hex(), value.hex())
+            assert table.rows["R1"][0].hex() == value.hex()
         table = read_table(self.put("a.csv", a_trajectory(count=1, R1=math.nan)))
-        self.assertTrue(math.isnan(table.rows["R1"][0]))
+        assert math.isnan(table.rows["R1"][0])
 
     def test_bad_tables(self) -> None:
         """An error has a message, with the line if there is one."""
@@ -94,25 +86,21 @@ class ChoiceTest(TableCase):
 
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
-        self.assertEqual(
-            self.figures_of(a_trajectory()), "angles forces trace path error residuals"
-        )
-        self.assertEqual(self.figures_of(a_trajectory(TRAJECTORY[:7])), "angles trace path")
-        self.assertEqual(self.figures_of(a_trajectory(["t", "phi"])), "")
+        assert self.figures_of(a_trajectory()) == "angles forces trace path error residuals"
+        assert self.figures_of(a_trajectory(TRAJECTORY[:7])) == "angles trace path"
+        assert self.figures_of(a_trajectory(["t", "phi"])) == ""
         without = a_trajectory(orientation_error=math.nan, R1=math.nan)
-        self.assertEqual(self.figures_of(without), "angles forces trace path")
-        self.assertNotIn("error", self.figures_of(a_trajectory(orientation_error=0.0)))
+        assert self.figures_of(without) == "angles forces trace path"
+        assert "error" not in self.figures_of(a_trajectory(orientation_error=0.0))
 
     def test_sweep(self) -> None:
         """A page for the spin ratio, curves for any one parameter."""
-        self.assertEqual(self.figures_of(a_sweep()), "sweep table1")
-        self.assertEqual(self.figures_of(a_sweep("top.inertia(2)")), "sweep")
-        self.assertEqual(self.figures_of(a_sweep(cases=61)), "sweep")
-        self.assertEqual(
-            self.figures_of(a_sweep("top.mass,top.length").replace(",ok", ",1,ok")), ""
-        )
-        self.assertEqual(self.figures_of(a_sweep(cases=1, status="pole")), "table1")
-        self.assertEqual(self.figures_of(a_sweep().replace("1.5", "nan")), "sweep table1")
+        assert self.figures_of(a_sweep()) == "sweep table1"
+        assert self.figures_of(a_sweep("top.inertia(2)")) == "sweep"
+        assert self.figures_of(a_sweep(cases=61)) == "sweep"
+        assert self.figures_of(a_sweep("top.mass,top.length").replace(",ok", ",1,ok")) == ""
+        assert self.figures_of(a_sweep(cases=1, status="pole")) == "table1"
+        assert self.figures_of(a_sweep().replace("1.5", "nan")) == "sweep table1"
 
 
 class PageTest(TableCase):
@@ -122,14 +110,14 @@ class PageTest(TableCase):
         """Five digits in one notation; powers of ten at the ends; a dash for what is not there."""
         values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
         for value, text in values.items():
-            self.assertEqual(as_text(value), text)
-        self.assertEqual(as_text(math.nan), "\N{EN DASH}")
-        self.assertEqual(as_column(np.array([9.3984e-5, 340.11])), ["0.000093984", "340.11"])
+            assert as_text(value) == text
+        assert as_text(math.nan) == "\N{EN DASH}"
+        assert as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
         powers = [
             "1.0000\N{MULTIPLICATION SIGN}10⁻⁹",
             "\N{MINUS SIGN}2.0000\N{MULTIPLICATION SIGN}10⁰",
         ]
-        self.assertEqual(as_column(np.array([1e-9, -2.0])), powers)
+        assert as_column(np.array([1e-9, -2.0])) == powers
 
     def test_decimal_points(self) -> None:
         """The decimal points of a column stand below each other."""
@@ -146,8 +134,8 @@ class PageTest(TableCase):
                 behind = text.get_text().partition(".")[2]
                 width = figure.text(0, 0, f".{behind}").get_window_extent(renderer).width
                 points.append(text.get_window_extent(renderer).x1 - width)
-        self.assertEqual(len(points), 4)
-        self.assertLess(np.ptp(points), 2)  # pixels
+        assert len(points) == 4
+        assert np.ptp(points) < 2  # pixels
 
     def test_title(self) -> None:
         """The title names the source of the inertia."""
@@ -159,15 +147,15 @@ class PageTest(TableCase):
             draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
             for settings in (wheel, authors, authors | {"top.inertia": ["3"]})
         ]
-        self.assertIn("of the wheel about the pivot", titles[0])
-        self.assertIn("of the paper's author (without m l²)", titles[1])
-        self.assertIn("of the input", titles[2])
+        assert "of the wheel about the pivot" in titles[0]
+        assert "of the paper's author (without m l²)" in titles[1]
+        assert "of the input" in titles[2]
 
     def test_failures_are_marked(self) -> None:
         """A case that failed has a note with its status and the reason."""
         text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
         table = read_table(self.put("a.csv", text))
-        self.assertEqual(notes_on(table.rows), ["* \u03bb = 2: too many steps: no more steps"])
+        assert notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
 
 
 class DrawTest(TableCase):
@@ -181,11 +169,11 @@ class DrawTest(TableCase):
             "two words.csv", "\n".join([*wild[:-1], "# status: non_finite at t = 1", ""])
         )
         result = self.plot(table, LC_ALL="de_DE.UTF-8")
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        assert (result.returncode, result.stderr) == (0, "")
         names = ("residuals", "angles", "forces", "path", "error", "trace")
         self.check_pictures(self.folder, {f"two words_{name}" for name in names})
-        self.assertEqual(len(result.stdout.splitlines()), 12)
-        self.assertFalse(list(SCRIPTS.rglob("__pycache__")))
+        assert len(result.stdout.splitlines()) == 12
+        assert not list(SCRIPTS.rglob("__pycache__"))
 
     def test_sweep_in_folder_beside_bad_tables(self) -> None:
         """Figures that are possible are drawn; each other one has a line of text."""
@@ -193,14 +181,11 @@ class DrawTest(TableCase):
         empty = self.put("empty.csv", HEAD.format(kind="sweep") + "case\n")
         output = self.folder / "a new" / "folder"
         code, complaints = self.call("-o", output, self.folder / "missing.csv", empty, good)
-        self.assertEqual(code, 2)
-        self.assertEqual(
-            complaints.splitlines(),
-            [
-                f"scripts/plot: {self.folder / 'missing.csv'}: no such file or directory",
-                f"scripts/plot: {empty}: has no rows",
-            ],
-        )
+        assert code == 2
+        assert complaints.splitlines() == [
+            f"scripts/plot: {self.folder / 'missing.csv'}: no such file or directory",
+            f"scripts/plot: {empty}: has no rows",
+        ]
         self.check_pictures(output, {"good_sweep", "good_table1"})
 
     def test_refusals(self) -> None:
@@ -236,10 +221,6 @@ class DrawTest(TableCase):
         for arguments, (code, message) in expected.items():
             with self.subTest(arguments=arguments):
                 result, complaint = self.call(*arguments)
-                self.assertEqual(result, code)
-                self.assertIn(message, complaint)
+                assert result == code
+                assert message in complaint
         self.check_pictures(self.folder / "b", set())
-
-
-if __name__ == "__main__":
-    unittest.main()

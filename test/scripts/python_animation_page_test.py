@@ -4,21 +4,15 @@ import base64
 import gzip
 import json
 import re
-import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from browser_case import (  # noqa: E402
+import python_library  # noqa: F401
+import spintop
+from browser_case import (
     BROWSER,
     HOSTILE,
     READY,
@@ -27,7 +21,7 @@ from browser_case import (  # noqa: E402
     open_browser,
     wait_for,
 )
-from reporting.packages import esbuild_package  # noqa: E402
+from reporting.packages import esbuild_package
 
 pytestmark = pytest.mark.slow
 
@@ -59,12 +53,12 @@ class AnimationTest(unittest.TestCase):
         """It has the facts of the motion and all rows; a title does no harm."""
         groups = {"study": {"title": HOSTILE}, **TOP.input(span=SPAN)}
         page = spintop.run(groups).animate().page
-        self.assertNotIn("<img", page)
-        self.assertEqual(re.findall("@[A-Z]{4,6}@", page), [])
+        assert "<img" not in page
+        assert re.findall("@[A-Z]{4,6}@", page) == []
         facts = json.loads(re.search(r'<script type="application/json">(.*?)</script>', page)[1])
-        self.assertEqual((facts["title"], facts["total"], facts["exact"]), (HOSTILE, 31, True))
-        self.assertEqual(facts["body"]["inertia"], [0.875, 0.875, 0.25])
-        self.assertIn("(all 31 rows, all digits)", page)
+        assert (facts["title"], facts["total"], facts["exact"]) == (HOSTILE, 31, True)
+        assert facts["body"]["inertia"] == [0.875, 0.875, 0.25]
+        assert "(all 31 rows, all digits)" in page
 
     def test_a_table_in_a_file(self) -> None:
         """It is shown as the run that wrote it; the page is saved whole."""
@@ -72,9 +66,9 @@ class AnimationTest(unittest.TestCase):
             folder = Path(name)
             result = spintop.run(TOP.input(span=SPAN), folder=folder)
             animation = spintop.animate(folder / "input.csv")
-            self.assertEqual(lines_shown(animation.page), lines_shown(result.animate().page))
+            assert lines_shown(animation.page) == lines_shown(result.animate().page)
             saved = animation.save(folder / "page.html")
-            self.assertEqual(saved.read_text(encoding="utf-8"), animation.page)
+            assert saved.read_text(encoding="utf-8") == animation.page
 
     def test_what_cannot_be_shown(self) -> None:
         """A sweep has no motion; a motion without an attitude has none that can be shown."""
@@ -105,14 +99,10 @@ class AnimationTest(unittest.TestCase):
                 shown = browser.execute_script(SHOWN)
                 for name in ("force", "momentum", "omega"):
                     box = browser.find_element("css selector", f"[data-part={name}]")
-                    self.assertTrue(box.is_enabled(), name)
+                    assert box.is_enabled(), name
             finally:
                 browser.quit()
-        self.assertEqual(shown["theta"], "0.2")
-        self.assertEqual(shown["row"], "row 1 of 31")
+        assert shown["theta"] == "0.2"
+        assert shown["row"] == "row 1 of 31"
         energy = TOP.exact(0.0, ["energy"]).energy
         self.assertAlmostEqual(float(shown["energy"]), float(energy), places=3)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -7,7 +7,6 @@ import contextlib
 import io
 import os
 import re
-import subprocess
 import sys
 import unittest.mock
 from pathlib import Path
@@ -15,18 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.dont_write_bytecode = True
+import python_library  # noqa: F401
+import spintop
+from filming import __main__ as film
+from reporting.study import read_study
+from spintop_figures.style.provenance import warning_of
+from spintop_figures.sweeps.quantities import succeeded, tell_failed
+from spintop_figures.tables import words as ends
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from filming import __main__ as film  # noqa: E402
-from reporting.study import read_study  # noqa: E402
-from spintop_figures.style.provenance import warning_of  # noqa: E402
-from spintop_figures.sweeps.quantities import succeeded, tell_failed  # noqa: E402
-from spintop_figures.tables import words as ends  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)

@@ -3,20 +3,14 @@
 import itertools
 import json
 import struct
-import subprocess
-import sys
 import unittest
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
-
-import spintop  # noqa: E402
-
-subprocess.run([TESTS.parent / "scripts/install", "--library"], check=True, capture_output=True)
+import python_library  # noqa: F401
+import spintop
 
 COLUMNS = ["q0", "q1", "q2", "q3", "omega1", "omega2", "omega3", "com_x", "com_y", "com_z"]
 TIMES = np.linspace(0, 2, 21)
@@ -36,7 +30,7 @@ class ExportsTest(unittest.TestCase):
     def export(self, name: str) -> Path:
         """Write the motion."""
         path = spintop.export(self.motion, self.folder / name, TIMES)
-        self.assertEqual(path, self.folder / name)
+        assert path == self.folder / name
         return path
 
     def test_tum(self) -> None:
@@ -44,21 +38,21 @@ class ExportsTest(unittest.TestCase):
         rows = np.loadtxt(self.export("top.tum"))
         place = np.stack([self.motion[f"com_{x}"] for x in "xyz"], 1)
         wanted = np.hstack([TIMES[:, None], place, np.roll(self.q, -1, axis=1)])
-        self.assertTrue(np.array_equal(rows, wanted))
+        assert np.array_equal(rows, wanted)
 
     def test_tum_by_evo(self) -> None:
         """evo reads it, and turns body axes into space axes by it."""
         file_interface = pytest.importorskip("evo.tools.file_interface")
         path = file_interface.read_tum_trajectory_file(str(self.export("top.tum")))
-        self.assertTrue(np.array_equal(path.timestamps, TIMES))
+        assert np.array_equal(path.timestamps, TIMES)
         axis = np.array([matrix[:3, 2] for matrix in path.poses_se3])
-        self.assertLess(np.abs(axis * 0.75**0.5 - path.positions_xyz).max(), 1e-14)
+        assert np.abs(axis * 0.75**0.5 - path.positions_xyz).max() < 1e-14
 
     def test_msopck(self) -> None:
         """The conjugate quaternion, scalar first, and omega in body axes."""
         rows = np.loadtxt(self.export("top.msopck"))
-        self.assertTrue(np.array_equal(rows[:, 1:5], self.q * [1, -1, -1, -1]))
-        self.assertTrue(np.array_equal(rows[:, 5], self.motion.omega1))
+        assert np.array_equal(rows[:, 1:5], self.q * [1, -1, -1, -1])
+        assert np.array_equal(rows[:, 5], self.motion.omega1)
 
     def test_msopck_by_spice(self) -> None:
         """The matrix of SPICE turns space axes into body axes: the vertical is gamma."""
@@ -66,31 +60,29 @@ class ExportsTest(unittest.TestCase):
         rows = np.loadtxt(self.export("top.msopck"))
         for row, (w, x, y, z) in zip(rows, self.q, strict=True):
             gamma = [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z]
-            self.assertLess(np.abs(spice.q2m(row[1:5]) @ [0, 0, 1] - gamma).max(), 1e-14)
+            assert np.abs(spice.q2m(row[1:5]) @ [0, 0, 1] - gamma).max() < 1e-14
 
     def test_glb(self) -> None:
         """A node whose rotations are those of the motion, in single precision."""
         data = self.export("top.glb").read_bytes()
         magic, version, size = struct.unpack_from("<4sII", data)
-        self.assertEqual((magic, version, size), (b"glTF", 2, len(data)))
+        assert (magic, version, size) == (b"glTF", 2, len(data))
         length = struct.unpack_from("<I", data, 12)[0]
         scene = json.loads(data[20 : 20 + length])
         view = scene["bufferViews"][scene["animations"][0]["samplers"][0]["output"]]
         begin = 28 + length + view["byteOffset"]
         turns = np.frombuffer(data[begin : begin + view["byteLength"]], "<f4").reshape(-1, 4)
-        self.assertLess(np.abs(turns - np.roll(self.q, -1, axis=1)).max(), 1e-7)
-        self.assertEqual(len(data) % 4, 0)
+        assert np.abs(turns - np.roll(self.q, -1, axis=1)).max() < 1e-7
+        assert len(data) % 4 == 0
 
     def test_glb_by_pygltflib(self) -> None:
         """pygltflib reads nodes, channels and times."""
         pygltflib = pytest.importorskip("pygltflib")
         scene = pygltflib.GLTF2().load(str(self.export("top.glb")))
         channel = scene.animations[0].channels[0]
-        self.assertEqual(
-            (scene.nodes[channel.target.node].name, channel.target.path), ("top", "rotation")
-        )
+        assert (scene.nodes[channel.target.node].name, channel.target.path) == ("top", "rotation")
         times = scene.accessors[scene.animations[0].samplers[0].input]
-        self.assertEqual((times.count, times.min, times.max), (len(TIMES), [0.0], [2.0]))
+        assert (times.count, times.min, times.max) == (len(TIMES), [0.0], [2.0])
 
     def test_what_is_refused(self) -> None:
         """Another ending, a motion without a quaternion, or without times."""
@@ -123,7 +115,7 @@ class ExportsTest(unittest.TestCase):
             with self.subTest(name=name, words=words):
                 with self.assertRaisesRegex(spintop.InputError, words):
                     spintop.export(change, self.folder / name)
-                self.assertFalse((self.folder / name).exists())
+                assert not (self.folder / name).exists()
 
     def test_rows_of_a_scene(self) -> None:
         """They are close enough for the turn of the body, and begin at 0 whatever the clock."""
@@ -134,7 +126,7 @@ class ExportsTest(unittest.TestCase):
         with self.assertRaisesRegex(spintop.InputError, "row 2: too far .*more rows$"):
             spintop.export(self.motion, path, 2 * TIMES)
         plain = spintop.export(self.motion, path, TIMES).read_bytes()
-        self.assertEqual(spintop.export(self.motion, path, TIMES + 2.0**20).read_bytes(), plain)
+        assert spintop.export(self.motion, path, TIMES + 2.0**20).read_bytes() == plain
         with self.assertRaisesRegex(spintop.InputError, "row 2: .* in single precision"):
             still = {name: np.full(3, float(name == "q0")) for name in q}
             spintop.export(still, path, [0.0, 1e-60, 1.0])
@@ -157,7 +149,3 @@ class ExportsTest(unittest.TestCase):
         ]
         for file in files[1:]:
             np.testing.assert_allclose(file, files[0], rtol=1e-15, atol=1e-16)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,8 +2,6 @@
 
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
@@ -14,16 +12,14 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+import python_library  # noqa: F401
+import spintop
+from batch_case import MISSING
+from spintop import animation
+from spintop.library import library
+from spintop_figures.tables.table import TableError, read_table
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from batch_case import MISSING  # noqa: E402
-from spintop import animation  # noqa: E402
-from spintop.library import library  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 
 mpl.use("agg")
 INPUTS = ROOT / "input"

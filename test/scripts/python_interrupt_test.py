@@ -4,8 +4,6 @@ import contextlib
 import io
 import os
 import signal
-import subprocess
-import sys
 import tempfile
 import threading
 import unittest
@@ -15,14 +13,8 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "python"))
-
-if "SPINTOP_LIBRARY" not in os.environ:
-    command = [ROOT / "scripts/install", "--library"]
-    subprocess.run(command, check=True, capture_output=True)
-
-import spintop  # noqa: E402
+import python_library  # noqa: F401
+import spintop
 
 TOP = {"mass": 1, "inertia": (0.9, 1.0, 0.3), "length": 0.5}
 START = {"theta": 1.0, "psi_rate": 9.0}
@@ -64,7 +56,7 @@ class InterruptTest(unittest.TestCase):
 
     def check_usable(self) -> None:
         """A short call has its rows."""
-        self.assertEqual(len(spintop.run(SHORT).rows["theta"]), 11)
+        assert len(spintop.run(SHORT).rows["theta"]) == 11
 
     def interrupt(self, function: Callable[[], Any], *, computing: bool = False) -> None:
         """One Ctrl-C ends a call, which would take hours, soon enough on a busy machine, too.
@@ -92,7 +84,7 @@ class InterruptTest(unittest.TestCase):
             function()
         for timer in timers:
             timer.cancel()
-        self.assertEqual(sent_again, [])
+        assert sent_again == []
         self.check_usable()
 
     def test_interrupts(self) -> None:
@@ -106,7 +98,7 @@ class InterruptTest(unittest.TestCase):
         """A file of an interrupted run is not there, or it is a part."""
         with tempfile.TemporaryDirectory() as folder:
             self.interrupt(lambda: spintop.run(LONG, folder=folder))
-            self.assertEqual(list(Path(folder).glob("*.csv")), [])
+            assert list(Path(folder).glob("*.csv")) == []
 
     def test_progress(self) -> None:
         """The shares increase to 1; an exception of the function ends the call."""
@@ -114,10 +106,10 @@ class InterruptTest(unittest.TestCase):
         few = {"initial.theta": np.linspace(0.5, 2.5, 4000)}
         given = {**FRICTION, "span": {"t_end": 5}}
         found = spintop.sweep(given, few, progress=shares.append, threads=2)
-        self.assertEqual(len(found.rows["psi_end"]), 4000)
-        self.assertEqual(shares, sorted(shares))
-        self.assertEqual(shares[-1], 1)
-        self.assertGreater(len(set(shares)), 2)
+        assert len(found.rows["psi_end"]) == 4000
+        assert shares == sorted(shares)
+        assert shares[-1] == 1
+        assert len(set(shares)) > 2
 
         def fail(share: float) -> None:
             raise ZeroDivisionError(share)
@@ -130,16 +122,16 @@ class InterruptTest(unittest.TestCase):
         """True shows a line; other values are refused."""
         with contextlib.redirect_stderr(io.StringIO()) as shown:
             spintop.run(SHORT, progress=True)
-        self.assertTrue(shown.getvalue().endswith("spintop: 100%\n"))
+        assert shown.getvalue().endswith("spintop: 100%\n")
         with self.assertRaisesRegex(spintop.InputError, "progress is True, or a function"):
             spintop.run(SHORT, progress="bar")
 
     def test_columns(self) -> None:
         """Columns are an argument for a dictionary, and keys of other inputs."""
         found = spintop.run(SHORT, columns="theta")
-        self.assertEqual(set(found.rows), {"theta"})
+        assert set(found.rows) == {"theta"}
         swept = spintop.sweep(LANES, {"initial.theta": [0.5]}, columns=("phi_end",))
-        self.assertIn("phi_end", swept.rows)
+        assert "phi_end" in swept.rows
         with self.assertRaisesRegex(spintop.InputError, r"output\.columns"):
             spintop.run("&top mass = 1 /", columns="theta")
 
@@ -150,7 +142,3 @@ class InterruptTest(unittest.TestCase):
             top.integrate([1.0], rtol=1e-9)
         with self.assertRaisesRegex(spintop.InputError, "did you mean 'inertia'"):
             spintop.Top(spintop.Body(mass=1, I=(1, 1, 1), length=0.1), theta=1)
-
-
-if __name__ == "__main__":
-    unittest.main()

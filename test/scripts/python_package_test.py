@@ -15,14 +15,12 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+import python_library  # noqa: F401
+import spintop
+from manual.pages import Block, blocks_of
+from spintop.inputs import namelist
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from manual.pages import Block, blocks_of  # noqa: E402
-from spintop.inputs import namelist  # noqa: E402
 
 EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
@@ -49,9 +47,9 @@ class MotionTest(unittest.TestCase):
 
     def compare(self, motion: spintop.Motion, table: dict[str, list[str]]) -> None:
         """All columns have the bits of a table."""
-        self.assertEqual(list(motion), list(table))
+        assert list(motion) == list(table)
         for name, column in table.items():
-            self.assertEqual(motion[name].tolist(), [float(cell) for cell in column], name)
+            assert motion[name].tolist() == [float(cell) for cell in column], name
 
     def test_exact(self) -> None:
         """The bits of the program, for times of any shape, and a number for a number."""
@@ -63,17 +61,17 @@ class MotionTest(unittest.TestCase):
         self.compare(TOP.exact(t, columns), table)
         self.compare(TOP.exact(t, columns[:5]), {name: table[name] for name in columns[:5]})
         grid = TOP.exact(t[:300].reshape(20, 15), ["theta"]).theta
-        self.assertEqual(grid.shape, (20, 15))
-        self.assertEqual(grid.ravel().tolist(), TOP.exact(t[:300]).theta.tolist())
-        self.assertEqual(TOP.exact(t[::-2]).theta.tolist(), TOP.exact(t).theta[::-2].tolist())
-        self.assertEqual(float(TOP.exact(t[7]).theta), TOP.exact(t).theta[7])
-        self.assertEqual(TOP.exact(t[7]).theta.shape, ())
-        self.assertEqual(TOP.exact([]).theta.shape, (0,))
-        self.assertEqual(TOP.exact(0).units["phi_rate"], "rad/s")
+        assert grid.shape == (20, 15)
+        assert grid.ravel().tolist() == TOP.exact(t[:300]).theta.tolist()
+        assert TOP.exact(t[::-2]).theta.tolist() == TOP.exact(t).theta[::-2].tolist()
+        assert float(TOP.exact(t[7]).theta) == TOP.exact(t).theta[7]
+        assert TOP.exact(t[7]).theta.shape == ()
+        assert TOP.exact([]).theta.shape == (0,)
+        assert TOP.exact(0).units["phi_rate"] == "rad/s"
         units = {"t_ms": "ms", "theta_deg": "deg", "phi_rate_deg": "deg/s"}
-        self.assertEqual(TOP.exact(0, list(units)).units, units)
+        assert TOP.exact(0, list(units)).units == units
         result = spintop.run(TOP.input(span=span, output={"columns": list(units)}))
-        self.assertEqual(result.rows.units, units)
+        assert result.rows.units == units
         with self.assertRaises(AttributeError):
             TOP.exact(0).eta  # noqa: B018
 
@@ -96,7 +94,7 @@ class MotionTest(unittest.TestCase):
         """The numbers are those of the exact solution."""
         t = np.linspace(0, 10, 50)
         difference = TOP.integrate(t).theta - TOP.exact(t).theta
-        self.assertLess(np.abs(difference).max(), 1e-7)
+        assert np.abs(difference).max() < 1e-7
 
     def test_quantities(self) -> None:
         """Those of a sweep; and they are those of the motion."""
@@ -104,23 +102,23 @@ class MotionTest(unittest.TestCase):
         theta = TOP.exact(np.linspace(0, found["nutation_period"], 20001)).theta
         self.assertAlmostEqual(theta.max(), found["theta_max"], delta=1e-7)
         self.assertAlmostEqual(theta.min(), found["theta_min"], delta=1e-7)
-        self.assertIn(found["motion_class"], ("loop", "wave", "cusp"))
+        assert found["motion_class"] in ("loop", "wave", "cusp")
 
     def test_events(self) -> None:
         """Their table is that of the program, and the motion may end at one."""
         output = {"columns": ["t", "theta"], "events": ["lower_turning_points"]}
         table = by_program(TOP.input(span={"t_end": 5.0}, output=output), "events")
         found = TOP.events(["lower_turning_points"], 5.0, ["t", "theta"])
-        self.assertEqual(found.events["t"].tolist(), [float(cell) for cell in table["t"]])
-        self.assertEqual(found.events["event"].tolist(), table["event"])
+        assert found.events["t"].tolist() == [float(cell) for cell in table["t"]]
+        assert found.events["event"].tolist() == table["event"]
         for number in (1, 2):
             end = {"stop_at": "lower_turning_points", "stop_after": number}
             stopped = TOP.events(["lower_turning_points"], 5.0, **end)
-            self.assertTrue(stopped.ok)
+            assert stopped.ok
             np.testing.assert_array_equal(stopped.events["t"], found.events["t"][:number])
         early = TOP.events(["turning_points"], 50.0, method="ode45", max_steps=5)
-        self.assertFalse(early.ok)
-        self.assertIn("step_limit", early.summary)
+        assert not early.ok
+        assert "step_limit" in early.summary
         with self.assertRaisesRegex(spintop.InputError, "no event|unknown event|is not an event"):
             TOP.events(["lower_turning"], 5.0)
 
@@ -138,8 +136,8 @@ class MotionTest(unittest.TestCase):
             else:
                 found = top.integrate(t, columns, **settings)
             self.compare(found, table)
-            self.assertEqual(found.units["theta__initial.psi_rate"], "rad/(rad/s)")
-            self.assertTrue(np.all(found["phi__initial.phi_error"] < 1e-7))
+            assert found.units["theta__initial.psi_rate"] == "rad/(rad/s)"
+            assert np.all(found["phi__initial.phi_error"] < 1e-7)
             np.testing.assert_allclose(found["phi__initial.phi"], 1, rtol=0, atol=1e-7)
         step = 1e-4
         other = [spintop.Top(BODY, phi=0.1, theta=0.4, psi_rate=12 + d) for d in (-step, step)]
@@ -153,16 +151,16 @@ class MotionTest(unittest.TestCase):
         with self.assertRaisesRegex(spintop.InputError, "unknown key 'thta'") as caught:
             spintop.Top(BODY, thta=1.0)
         # Nobody wrote the lines of the text that is made of groups.
-        self.assertEqual((caught.exception.code, caught.exception.source), (2, ""))
-        self.assertEqual((caught.exception.line, caught.exception.column), (0, 0))
-        self.assertNotIn("|", str(caught.exception))
+        assert (caught.exception.code, caught.exception.source) == (2, "")
+        assert (caught.exception.line, caught.exception.column) == (0, 0)
+        assert "|" not in str(caught.exception)
         with self.assertRaisesRegex(spintop.InputError, "no column|unknown column|column 'theta_'"):
             TOP.exact(0.0, ["theta_"])
         with self.assertRaisesRegex(spintop.InputError, "the exact solution exists only for"):
             spintop.Top(SKEW, theta=0.2).exact(1.0)
         with self.assertRaises(spintop.MotionError) as failed:
             TOP.integrate([0.0, 50.0], method="ode45", max_steps=5)
-        self.assertEqual((failed.exception.status, failed.exception.code), ("step_limit", 3))
+        assert (failed.exception.status, failed.exception.code) == ("step_limit", 3)
         for times in ([math.nan], [math.inf], [1.0, 0.5], [-1.0]):
             with self.assertRaises(spintop.InputError):
                 TOP.integrate(times)
@@ -173,7 +171,7 @@ class MotionTest(unittest.TestCase):
             spintop.Top(spintop.Body(mass=math.nan), theta=0.2)
         with self.assertRaises(spintop.InputError):
             spintop.Top(spintop.Body(mass=1, shape="a\0b"), theta=0.2)
-        self.assertTrue(issubclass(spintop.InputError, ValueError))
+        assert issubclass(spintop.InputError, ValueError)
 
 
 class RunTest(unittest.TestCase):
@@ -191,18 +189,18 @@ class RunTest(unittest.TestCase):
             }
         for given in (path, str(path), path.read_text(encoding="utf-8")):
             found = spintop.run(given)
-            self.assertTrue(found.ok)
-            self.assertIn("status", found.summary)
+            assert found.ok
+            assert "status" in found.summary
             for name, table in (("", found.rows), (".events", found.events)):
-                self.assertEqual(list(table), list(tables[name].columns))
+                assert list(table) == list(tables[name].columns)
                 for column in table:
                     expected = tables[name][column].to_numpy()
                     if table[column].dtype.kind == "f":
                         np.testing.assert_array_equal(table[column], expected)
                     else:
-                        self.assertEqual(table[column].tolist(), expected.tolist())
-        self.assertEqual(found.rows.units["theta"], "rad")
-        self.assertEqual(list(found.rows.to_pandas().columns), list(found.rows))
+                        assert table[column].tolist() == expected.tolist()
+        assert found.rows.units["theta"] == "rad"
+        assert list(found.rows.to_pandas().columns) == list(found.rows)
 
     def test_studies(self) -> None:
         """A work-precision study, statistics, and a folder."""
@@ -216,7 +214,7 @@ class RunTest(unittest.TestCase):
         }
         table = by_program(groups)
         found = spintop.run(groups)
-        self.assertEqual(found["theta_max"].tolist(), [float(cell) for cell in table["theta_max"]])
+        assert found["theta_max"].tolist() == [float(cell) for cell in table["theta_max"]]
         statistics = {"columns": ["theta_max"]}
         before = {**os.environ}
         with tempfile.TemporaryDirectory() as folder:
@@ -226,26 +224,27 @@ class RunTest(unittest.TestCase):
             finally:
                 os.environ.pop("TMPDIR")
                 os.environ.update(before)
-            self.assertEqual(list(Path(folder).iterdir()), [])
+            assert list(Path(folder).iterdir()) == []
         expected = by_program({**groups, "statistics": statistics}, "statistics")
-        self.assertEqual(list(described.statistics), list(expected))
+        assert list(described.statistics) == list(expected)
         mean = [float(cell) for cell in expected["theta_max_mean"]]
-        self.assertEqual(described.statistics["theta_max_mean"].tolist(), mean)
+        assert described.statistics["theta_max_mean"].tolist() == mean
         with tempfile.TemporaryDirectory() as folder:
             kept = spintop.run(groups, folder=folder)
-            self.assertEqual(
-                [path.name for path in sorted(Path(folder).iterdir())], ["input.csv", "input.log"]
-            )
-            self.assertEqual(kept["theta_max"].tolist(), found["theta_max"].tolist())
-            self.assertIn(folder, kept.summary)
+            assert [path.name for path in sorted(Path(folder).iterdir())] == [
+                "input.csv",
+                "input.log",
+            ]
+            assert kept["theta_max"].tolist() == found["theta_max"].tolist()
+            assert folder in kept.summary
 
     def test_a_motion_that_ends_early(self) -> None:
         """It is a result with the rows up to there, which is not ok."""
         groups = TOP.input(span={"t_end": 9.0}, integration={"method": "ode45", "max_steps": 20})
         found = spintop.run(groups)
-        self.assertFalse(found.ok)
-        self.assertIn("step_limit", found.summary)
-        self.assertGreater(found["t"].size, 0)
+        assert not found.ok
+        assert "step_limit" in found.summary
+        assert found["t"].size > 0
 
     def test_figures(self) -> None:
         """Those of scripts/plot, by name."""
@@ -254,15 +253,15 @@ class RunTest(unittest.TestCase):
         mpl.use("agg")
         result = spintop.run(TOP.input(span={"t_end": 3.0, "samples": 50}))
         found = result.plot()
-        self.assertIn("angles", found)
-        self.assertEqual(list(result.plot("angles")), ["angles"])
-        self.assertTrue(all(hasattr(figure, "savefig") for figure in found.values()))
+        assert "angles" in found
+        assert list(result.plot("angles")) == ["angles"]
+        assert all(hasattr(figure, "savefig") for figure in found.values())
 
     def test_registry(self) -> None:
         """That of the program; a topic that there is not is an error."""
-        self.assertIn("rk4", [method["name"] for method in spintop.registry("methods")["methods"]])
-        self.assertEqual(spintop.registry()["version"], spintop.version())
-        self.assertEqual(spintop.__version__, spintop.version())
+        assert "rk4" in [method["name"] for method in spintop.registry("methods")["methods"]]
+        assert spintop.registry()["version"] == spintop.version()
+        assert spintop.__version__ == spintop.version()
         with self.assertRaisesRegex(spintop.InputError, "did you mean 'methods'"):
             spintop.registry("metods")
 
@@ -291,15 +290,15 @@ class SweepTest(unittest.TestCase):
             given = [float(cell) for cell in table["initial.psi_rate"]]
             found = spintop.sweep(groups, {"initial.psi_rate": given}).rows
             for name in ("theta_end", "phi_end"):
-                self.assertEqual(found[name].tolist(), [float(cell) for cell in table[name]])
+                assert found[name].tolist() == [float(cell) for cell in table[name]]
         found = spintop.sweep(self.groups, {"initial.psi_rate": rate, "initial.theta": theta}).rows
-        self.assertEqual(found["initial.theta"].tolist(), theta.tolist())
-        self.assertEqual(set(found["status"]), {"ok"})
+        assert found["initial.theta"].tolist() == theta.tolist()
+        assert set(found["status"]) == {"ok"}
         one = spintop.sweep(
             self.groups, {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
         ).rows
-        self.assertEqual(one["phi_end"][0], found["phi_end"][5])
-        self.assertEqual(found.row_count, 700)
+        assert one["phi_end"][0] == found["phi_end"][5]
+        assert found.row_count == 700
 
     def test_tops(self) -> None:
         """The same bits by `tops`, for arrays of any strides."""
@@ -319,7 +318,7 @@ class SweepTest(unittest.TestCase):
         for other in (wide[:, 1], rate[::-1][::-1], rate.reshape(3, 500)):
             again = spintop.tops(names, omega3=other, **data, threads=2)
             for name in names:
-                self.assertEqual(again[name].shape, other.shape)
+                assert again[name].shape == other.shape
                 np.testing.assert_array_equal(again[name].ravel(), found[name])
         backwards = spintop.tops(names, omega3=rate[::-1], **data)
         for name in names:
@@ -330,14 +329,12 @@ class SweepTest(unittest.TestCase):
         """They are NaN, and the others are not; wrong names are errors."""
         data = {"inertia1": [0.875, -1.0, math.nan], "inertia3": 0.25, "mgl": 8.0, "theta": 0.3}
         found = spintop.tops(["theta_max"], **data, omega3=3.0)["theta_max"]
-        self.assertEqual(np.isnan(found).tolist(), [False, True, True])
+        assert np.isnan(found).tolist() == [False, True, True]
         with self.assertRaisesRegex(spintop.InputError, "'theta_mx' is none of theta_min, "):
             spintop.tops(["theta_mx"], **data)
         with self.assertRaisesRegex(spintop.InputError, "'omega' is none of inertia1, "):
             spintop.tops(["theta_max"], **data, omega=3.0)
-        self.assertEqual(
-            spintop.tops(["theta_max"], **{**data, "inertia1": []})["theta_max"].size, 0
-        )
+        assert spintop.tops(["theta_max"], **{**data, "inertia1": []})["theta_max"].size == 0
 
     def test_wrong_sweeps(self) -> None:
         """Names, values and shapes are checked; failed cases have a status."""
@@ -358,10 +355,10 @@ class SweepTest(unittest.TestCase):
         result = spintop.sweep(
             self.groups, {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
         )
-        self.assertFalse(result.ok)
-        self.assertEqual(result.rows["status"][0], "ok")
-        self.assertNotEqual(result.rows["status"][1], "ok")
-        self.assertNotEqual(result.rows["notes"][1], "")
+        assert not result.ok
+        assert result.rows["status"][0] == "ok"
+        assert result.rows["status"][1] != "ok"
+        assert result.rows["notes"][1] != ""
 
 
 def peak() -> int:
@@ -393,7 +390,7 @@ class ResourcesTest(unittest.TestCase):
         use(2000)
         before = peak()
         use(16000)
-        self.assertLess(peak() - before, 4000)
+        assert peak() - before < 4000
 
     def test_threads(self) -> None:
         """Eight at once, each with calls of all kinds: all results are those of one."""
@@ -427,7 +424,7 @@ class ResourcesTest(unittest.TestCase):
         for thread in threads:
             thread.join()
         for number in range(8):
-            self.assertEqual(together[number], alone[number], number)
+            assert together[number] == alone[number], number
 
 
 class PackageTest(unittest.TestCase):
@@ -444,7 +441,7 @@ class PackageTest(unittest.TestCase):
             names: dict[str, object] = {}
             for block in blocks:
                 self.run_block(block, names)
-        self.assertGreater(found, 5)
+        assert found > 5
 
     def run_block(self, block: Block, names: dict[str, object]) -> None:
         """Run a program, with what those before it defined."""
@@ -453,7 +450,7 @@ class PackageTest(unittest.TestCase):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             exec(compile(block.text, str(block), "exec"), names)
-        self.assertNotEqual(lines, [], str(block))
+        assert lines != [], str(block)
 
     def test_pip(self) -> None:
         """`pip install` puts the library beside the modules."""
@@ -473,17 +470,13 @@ class PackageTest(unittest.TestCase):
             done = subprocess.run(
                 [*command, ROOT / "python"], capture_output=True, text=True, check=False
             )
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            self.assertTrue((Path(folder) / "spintop/libspintop.so.1").is_file())
+            assert done.returncode == 0, done.stdout + done.stderr
+            assert (Path(folder) / "spintop/libspintop.so.1").is_file()
             program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
             answer = subprocess.run(
                 [sys.executable, "-c", program],
                 **{"capture_output": True, "text": True, "check": True, "cwd": folder},
                 env={**os.environ, "PYTHONPATH": folder},
             ).stdout.split(maxsplit=1)
-            self.assertEqual(answer[0], spintop.version())
-            self.assertTrue(answer[1].startswith(folder))
-
-
-if __name__ == "__main__":
-    unittest.main()
+            assert answer[0] == spintop.version()
+            assert answer[1].startswith(folder)

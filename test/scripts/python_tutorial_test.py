@@ -1,8 +1,6 @@
 """The tutorial in Python and the example notebook: they run, and their three languages agree."""
 
 import json
-import subprocess
-import sys
 import unittest
 import warnings
 from pathlib import Path
@@ -10,13 +8,11 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
+import python_library  # noqa: F401
+import spintop
+from manual.pages import blocks_of
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-import spintop  # noqa: E402
-from manual.pages import blocks_of  # noqa: E402
 
 BLOCKS = blocks_of(ROOT / "doc/python_tutorial.md")
 NOTEBOOK = ROOT / "doc/examples/slow_top.ipynb"
@@ -42,17 +38,17 @@ class TutorialTest(unittest.TestCase):
         _, (one, _, methods, skew, many, tops) = run_blocks()
         runs = [spintop.run(block.text) for block in BLOCKS if block.tags[0] == "nml"]
         for name in ("phi", "theta", "psi"):
-            self.assertEqual(runs[0][name][1:].tolist(), one["motion"][name].tolist())
+            assert runs[0][name][1:].tolist() == one["motion"][name].tolist()
         settings = {"method": "dop853", "relative_tolerance": 1e-9}
         found = methods["top"].integrate(runs[1]["t"], ["orientation_error"], **settings)
         error = runs[1]["orientation_error"]
-        self.assertEqual(error.tolist(), found.orientation_error.tolist())
-        self.assertGreater(runs[2].events.row_count, 4)
+        assert error.tolist() == found.orientation_error.tolist()
+        assert runs[2].events.row_count > 4
         for name in ("t", "theta"):
             np.testing.assert_array_equal(runs[2].events[name], skew["result"].events[name])
-        self.assertEqual(runs[3].rows.row_count, 1000)
+        assert runs[3].rows.row_count == 1000
         np.testing.assert_allclose(runs[3]["theta_max"], many["table"]["theta_max"], rtol=1e-13)
-        self.assertEqual(tops["found"]["theta_max"].shape, (400,))
+        assert tops["found"]["theta_max"].shape == (400,)
 
     def test_fortran_is_that_of_the_examples(self) -> None:
         """Every line stands in an example, which a test runs."""
@@ -63,8 +59,8 @@ class TutorialTest(unittest.TestCase):
             if block.tags == ("text",)
             for line in block.text.splitlines()
         ]
-        self.assertGreater(len(lines), 10)
-        self.assertEqual([line for line in lines if line not in examples], [])
+        assert len(lines) > 10
+        assert [line for line in lines if line not in examples] == []
 
 
 class NotebookTest(unittest.TestCase):
@@ -74,21 +70,17 @@ class NotebookTest(unittest.TestCase):
         """They run in order, without warnings and stored outputs, and the claims are true."""
         mpl.use("agg")
         notebook = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
-        self.assertEqual((notebook["nbformat"], notebook["nbformat_minor"]), (4, 5))
+        assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
         names: dict[str, object] = {"print": lambda *_: None}
         for cell in notebook["cells"]:
             if cell["cell_type"] != "code":
                 continue
-            self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None))
+            assert (cell["outputs"], cell["execution_count"]) == ([], None)
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 text = "".join(cell["source"]).replace("top.animate(t_end=5)", "")
                 exec(compile(text, f"{NOTEBOOK.name} {cell['id']}", "exec"), names)
         rk4 = names["rk4"]
-        self.assertLess(abs(rk4.energy_error).max(), 1e-12)
-        self.assertGreater(np.degrees(rk4.orientation_error.max()), 1)
-        self.assertTrue((np.diff(names["lowest"]) < 0).all())
-
-
-if __name__ == "__main__":
-    unittest.main()
+        assert abs(rk4.energy_error).max() < 1e-12
+        assert np.degrees(rk4.orientation_error.max()) > 1
+        assert (np.diff(names["lowest"]) < 0).all()

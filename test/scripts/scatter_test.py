@@ -1,28 +1,21 @@
 """Tests of scripts/plot: points of the cases of sweeps that are no grid."""
 
 import itertools
-import sys
 import tracemalloc
-import unittest
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from plot_case import TableCase, a_cloud, a_map  # noqa: E402
-from spintop_figures.style.look import ROLES, lightness  # noqa: E402
-from spintop_figures.sweeps import scatter as cloud_module  # noqa: E402
-from spintop_figures.sweeps.maps import object_to_grid  # noqa: E402
-from spintop_figures.sweeps.quantities import has_log_axis, succeeded  # noqa: E402
-from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
+from plot_case import TableCase, a_cloud, a_map
+from spintop_figures.style.look import ROLES, lightness
+from spintop_figures.sweeps import scatter as cloud_module
+from spintop_figures.sweeps.maps import object_to_grid
+from spintop_figures.sweeps.quantities import has_log_axis, succeeded
+from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling
+from spintop_figures.tables.table import Table, read_table
 
 
 def panels_of(table: Table) -> np.ndarray:
@@ -58,9 +51,9 @@ class ChoiceTest(ScatterCase):
     def test_choice(self) -> None:
         """It belongs to several parameters that are no grid of two."""
         for parameters in (2, 3, 5):
-            self.assertEqual(self.figures_of(a_cloud(parameters)), "scatter")
-        self.assertEqual(self.figures_of(a_cloud(1)), "curves")
-        self.assertEqual(self.figures_of(a_map()), "maps")
+            assert self.figures_of(a_cloud(parameters)) == "scatter"
+        assert self.figures_of(a_cloud(1)) == "curves"
+        assert self.figures_of(a_map()) == "maps"
 
     def test_refusals(self) -> None:
         """Each with its reason."""
@@ -73,11 +66,11 @@ class ChoiceTest(ScatterCase):
             (dull.replace("loop", "wave"), "has no quantity that varies"),
             (a_cloud(failing=1), "has no quantity that varies"),
         ):
-            self.assertEqual(object_to_scatter(self.read(text)), reason)
+            assert object_to_scatter(self.read(text)) == reason
         path = self.put("b.csv", a_map())
         code, said = self.call("--figure", "scatter", path)
-        self.assertEqual(code, 2)
-        self.assertIn("which has maps: no scatter figure", said)
+        assert code == 2
+        assert "which has maps: no scatter figure" in said
 
     def test_no_grid_is_cheap_to_tell(self) -> None:
         """The cells that all values of both parameters would have are never made."""
@@ -85,8 +78,8 @@ class ChoiceTest(ScatterCase):
         table = self.read(a_cloud(2, cases))
         tracemalloc.start()
         self.addCleanup(tracemalloc.stop)
-        self.assertEqual(object_to_grid(table), "is a sweep over no grid")
-        self.assertLess(tracemalloc.get_traced_memory()[1], cases**2)
+        assert object_to_grid(table) == "is a sweep over no grid"
+        assert tracemalloc.get_traced_memory()[1] < cases**2
 
 
 class PointTest(ScatterCase):
@@ -96,7 +89,7 @@ class PointTest(ScatterCase):
         """Each case that succeeded, in each panel, at its values."""
         table = self.read(a_cloud())
         rows, panels = succeeded(table), panels_of(table)
-        self.assertEqual(panels.shape, (5, 3))
+        assert panels.shape == (5, 3)
         for line, quantity in zip(panels, telling(table), strict=True):
             values = quantity.values(rows)
             for axes, name in zip(line, table.axes(), strict=True):
@@ -113,18 +106,18 @@ class PointTest(ScatterCase):
         table = self.read(a_cloud())
         rows, axes = succeeded(table), panels_of(table)[0, 0]
         names = [label.get_text() for label in axes.get_yticklabels()]
-        self.assertEqual(names, ["loop", "wave"])
+        assert names == ["loop", "wave"]
         seen = {}
         for cloud in axes.collections:
             (place,) = set(np.round(np.asarray(cloud.get_offsets())[:, 1]))
             seen.setdefault(tuple(cloud.get_facecolor()[0]), []).append((place, cloud))
-        self.assertEqual(len(seen), 2)
+        assert len(seen) == 2
         for alike in seen.values():
             ((name, count),) = {
                 (names[int(place)], sum(len(cloud.get_offsets()) for _, cloud in alike))
                 for place, _ in alike
             }
-            self.assertEqual(count, (rows["motion_class"] == name).sum())
+            assert count == (rows["motion_class"] == name).sum()
 
     def test_failed(self) -> None:
         """Cases that failed are ticks on the axis of every panel, and are in the key."""
@@ -138,7 +131,7 @@ class PointTest(ScatterCase):
         entries = [text.get_text() for text in key.get_legend().get_texts()]
         counts = succeeded(table)["motion_class"].value_counts()
         expected = [f"{name} ({counts[name]})" for name in ("loop", "wave")]
-        self.assertEqual(entries, [*expected, f"failed: at a pole ({len(failed)})"])
+        assert entries == [*expected, f"failed: at a pole ({len(failed)})"]
 
     def test_plane(self) -> None:
         """Two parameters span a plane: coloured by the quantity, failed cases crossed."""
@@ -146,7 +139,7 @@ class PointTest(ScatterCase):
         rows, panels = succeeded(table), panels_of(table)
         failed = table.rows.drop(rows.index)
         x, y = table.axes()
-        self.assertEqual(panels.shape[1], 3)
+        assert panels.shape[1] == 3
         for axes, quantity in zip(panels[:, -1], telling(table), strict=True):
             np.testing.assert_array_equal(points_of(axes), sorted_points(rows[x], rows[y]))
             (crosses,) = axes.lines
@@ -166,20 +159,20 @@ class PointTest(ScatterCase):
     def test_log_axes(self) -> None:
         """Where the parameter was drawn by ratios, or a table of cases has a wide range."""
         scales = [axes.get_xscale() for axes in panels_of(self.read(a_cloud()))[0]]
-        self.assertEqual(scales, ["log", "linear", "linear"])
+        assert scales == ["log", "linear", "linear"]
         table = self.read(a_cloud(spacing="linear"))
-        self.assertEqual({axes.get_xscale() for axes in panels_of(table).flat}, {"linear"})
+        assert {axes.get_xscale() for axes in panels_of(table).flat} == {"linear"}
         listed = "table = 'cases.csv'"
         even = a_cloud(cases=11, spacing="linear")
         table = self.read(even.replace("combine = 'random'", listed))
-        self.assertEqual([has_log_axis(table, place) for place in range(3)], [True, False, False])
+        assert [has_log_axis(table, place) for place in range(3)] == [True, False, False]
 
     def test_most(self) -> None:
         """Four parameters of five, and the title says so."""
         table = self.read(a_cloud(5))
-        self.assertEqual(panels_of(table).shape[1], 4)
+        assert panels_of(table).shape[1] == 4
         title = draw_scatter(table).get_suptitle().replace("\n", " ")
-        self.assertIn("4 of 5 parameters", title)
+        assert "4 of 5 parameters" in title
 
 
 class ManyTest(ScatterCase):
@@ -193,22 +186,22 @@ class ManyTest(ScatterCase):
         table = self.read(rare)
         cloud = cloud_module.make_cloud(table, 1)
         counts = {layer.name: (len(layer.rows), layer.count) for layer in cloud.layers}
-        self.assertEqual(counts["cusp"], (5, 5))
-        self.assertEqual(len(cloud.failed), 3)
+        assert counts["cusp"] == (5, 5)
+        assert len(cloud.failed) == 3
         for name in ("loop", "wave"):
             drawn, count = counts[name]
             self.assertAlmostEqual(drawn, most * count / cases, delta=1)
         total = len(cloud.rows) + 3
-        self.assertLessEqual(total, most + 3 * least)
-        self.assertTrue(cloud.rows.equals(cloud_module.make_cloud(table, 1).rows))
+        assert total <= most + 3 * least
+        assert cloud.rows.equals(cloud_module.make_cloud(table, 1).rows)
         title = draw_scatter(table).get_suptitle().replace("\n", " ")
-        self.assertIn(f"{total:,} of {cases:,} random cases", title)
+        assert f"{total:,} of {cases:,} random cases" in title
 
     def test_few(self) -> None:
         """All are drawn, and the title has nothing to say."""
         table = self.read(a_cloud())
         expected = "Cases over spin ratio, initial inclination, damping 3"
-        self.assertEqual(draw_scatter(table).get_suptitle(), expected)
+        assert draw_scatter(table).get_suptitle() == expected
 
 
 class LookTest(ScatterCase):
@@ -218,8 +211,8 @@ class LookTest(ScatterCase):
         """The first classes differ in lightness, all of them in their markers."""
         greys = [lightness(ROLES[f"class{number}"][0]) for number in (1, 2, 3)]
         for one, other in itertools.combinations(greys, 2):
-            self.assertGreater(abs(one - other), 0.15)
-        self.assertEqual(len({*cloud_module.MARKERS}), len(cloud_module.MARKERS))
+            assert abs(one - other) > 0.15
+        assert len({*cloud_module.MARKERS}) == len(cloud_module.MARKERS)
 
     @pytest.mark.slow
     def test_script(self) -> None:
@@ -233,9 +226,5 @@ class LookTest(ScatterCase):
         paths = [self.put(f"{name}.csv", text) for name, text in tables.items()]
         with warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)
-            self.assertEqual(self.call(*paths), (0, ""))
+            assert self.call(*paths) == (0, "")
         self.check_pictures(self.folder, {f"{name}_scatter" for name in tables})
-
-
-if __name__ == "__main__":
-    unittest.main()

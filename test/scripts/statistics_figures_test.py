@@ -1,23 +1,16 @@
 """Tests of the figures of statistics: words instead of names, angles in degrees."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from matplotlib.figure import Figure  # noqa: E402
-
-from plot_case import TableCase  # noqa: E402
-from spintop_figures.registry import draw  # noqa: E402
-from spintop_figures.style.page import head  # noqa: E402
-from spintop_figures.sweeps.statistics import mark_negative  # noqa: E402
-from spintop_figures.tables.names import name_of, unit_shown  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
+from plot_case import TableCase
+from spintop_figures.registry import draw
+from spintop_figures.style.page import head
+from spintop_figures.sweeps.statistics import mark_negative
+from spintop_figures.tables.names import name_of, unit_shown
+from spintop_figures.tables.table import Table, read_table
 
 HEAD = """\
 # title: Many tops
@@ -75,8 +68,8 @@ class StatisticsTest(TableCase):
     def test_distribution(self) -> None:
         """Bars, mean, quantiles and label are in degrees; the area of the bars is 1."""
         (axes,) = self.figure("distributions").axes
-        self.assertEqual(axes.get_xlabel(), "maximum inclination (degrees)")
-        self.assertEqual(axes.get_ylabel(), "density (per degree)")
+        assert axes.get_xlabel() == "maximum inclination (degrees)"
+        assert axes.get_ylabel() == "density (per degree)"
         bars = [(bar.get_x(), bar.get_width(), bar.get_height()) for bar in axes.patches]
         self.assertAlmostEqual(bars[0][0], 45)
         self.assertAlmostEqual(bars[0][0] + bars[0][1], 90)
@@ -89,20 +82,20 @@ class StatisticsTest(TableCase):
         """The names of lines stand above the panel, from left to right, none on another."""
         (axes,) = self.figure("distributions").axes
         names = [text.get_text() for text in axes.texts]
-        self.assertEqual(sorted(names), ["5 %", "50 %", "95 %", "mean"])
+        assert sorted(names) == ["5 %", "50 %", "95 %", "mean"]
         places = [text.xy for text in axes.texts]
-        self.assertTrue(all(y > 1 for _, y in places))
-        self.assertGreater(min(np.diff([x for x, _ in places])), 0.01)
+        assert all(y > 1 for _, y in places)
+        assert min(np.diff([x for x, _ in places])) > 0.01
 
     def test_means(self) -> None:
         """Means over the bins are in degrees, and named by what they are."""
         figure = self.figure("means")
-        self.assertEqual(figure.get_suptitle(), "Means over initial inclination: 40 cases")
+        assert figure.get_suptitle() == "Means over initial inclination: 40 cases"
         panel = figure.axes[0]
-        self.assertEqual(panel.get_title(loc="left"), "maximum inclination (degrees)")
+        assert panel.get_title(loc="left") == "maximum inclination (degrees)"
         (line,) = panel.lines
         np.testing.assert_allclose(line.get_ydata(), np.degrees(MEAN))
-        self.assertIn("(degrees)", figure.axes[-1].get_xlabel())
+        assert "(degrees)" in figure.axes[-1].get_xlabel()
 
     def test_long_headings(self) -> None:
         """A heading ends before the next panel begins."""
@@ -112,10 +105,10 @@ class StatisticsTest(TableCase):
         head(left, words)
         figure.draw_without_rendering()
         lines = left.get_title(loc="left").split("\n")
-        self.assertEqual(" ".join(lines), words)
+        assert " ".join(lines) == words
         place = dict(fontsize=9.5, transform=left.transAxes)
         ends = [left.text(0, 1, line, **place).get_window_extent().x1 for line in lines]
-        self.assertLess(max(ends), right.get_window_extent().x0)
+        assert max(ends) < right.get_window_extent().x0
 
     def test_signs_without_colours(self) -> None:
         """Each bin below zero has a minus, white where the bin is dark; others have none."""
@@ -123,7 +116,7 @@ class StatisticsTest(TableCase):
         values = np.array([1.0, -0.1, 0.0, -0.9, np.nan, -0.2])
         mark_negative(axes, np.arange(6.0), np.ones(6), values)
         marks = {line.get_color(): line.get_xdata().tolist() for line in axes.lines}
-        self.assertEqual(marks, {"black": [1.0, 5.0], "white": [3.0]})
+        assert marks == {"black": [1.0, 5.0], "white": [3.0]}
 
 
 class UnitTest(TableCase):
@@ -131,12 +124,12 @@ class UnitTest(TableCase):
 
     def test_units(self) -> None:
         """Angles are in degrees; their errors stay as they are compared, and so do rates."""
-        self.assertEqual(unit_shown("theta_max", "rad"), ("degrees", math.degrees(1)))
-        self.assertEqual(unit_shown("orientation_error", "rad"), ("rad", 1))
-        self.assertEqual(unit_shown("precession_rate", "rad/s"), ("rad/s", 1))
+        assert unit_shown("theta_max", "rad") == ("degrees", math.degrees(1))
+        assert unit_shown("orientation_error", "rad") == ("rad", 1)
+        assert unit_shown("precession_rate", "rad/s") == ("rad/s", 1)
 
     def test_words(self) -> None:
         """A parameter is named in words, without a formula; an element of an array by its sign."""
-        self.assertEqual(name_of("initial.theta_deg"), "initial inclination")
-        self.assertEqual(name_of("initial.omega3"), "initial spin")
-        self.assertEqual(name_of("top.inertia(2)"), "moment of inertia I\u2082")
+        assert name_of("initial.theta_deg") == "initial inclination"
+        assert name_of("initial.omega3") == "initial spin"
+        assert name_of("top.inertia(2)") == "moment of inertia I\u2082"

@@ -370,7 +370,7 @@ class ValuesTest(unittest.TestCase):
             results = pool.map(lambda job: self.faults(*job), jobs)
             for job, found in zip(jobs, results, strict=True):
                 with self.subTest(str(job[0]), arguments=job[2:]):
-                    self.assertEqual(found, [])
+                    assert found == []
 
     def test_arguments(self) -> None:
         """Values among the arguments."""
@@ -391,11 +391,11 @@ class ValuesTest(unittest.TestCase):
                     (folder / known).write_text(INPUT, encoding="utf-8")
                 command = [str(self.checkout.root / "scripts/run"), "-o", value, "--", "a.nml"]
                 done, calls = self.checkout.call(command, folder)
-                self.assertEqual((done.returncode, done.stderr), (0, ""))
-                self.assertTrue((folder / CANARY).exists())
+                assert (done.returncode, done.stderr) == (0, "")
+                assert (folder / CANARY).exists()
                 (drawn,) = [call.words for call in calls if "scripts/plot" in " ".join(call.words)]
-                self.assertEqual(len(drawn), 2)
-                self.assertTrue(os.path.samefile(folder / drawn[1], folder / value / "a.csv"))
+                assert len(drawn) == 2
+                assert os.path.samefile(folder / drawn[1], folder / value / "a.csv")
 
     def test_environment(self) -> None:
         """Values of variables of the environment that a script reads."""
@@ -407,7 +407,3 @@ class ValuesTest(unittest.TestCase):
             for value in VALUES
         ]
         self.check(jobs)
-
-
-if __name__ == "__main__":
-    unittest.main()

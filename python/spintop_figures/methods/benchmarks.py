@@ -4,7 +4,6 @@ import re
 import textwrap
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
@@ -23,10 +22,8 @@ ROW, LETTERS = (0.44, 0.62), (44, 22)
 
 
 @figure(
-    "benchmarks",
-    "errors of published numbers and of spintop",
-    kind="benchmark",
-    needs="published_error error truth_error time_s",
+    "benchmark",
+    "published_error error truth_error time_s",
     words="benchmark quantity published_method",
     objection=unless(
         lambda table: table.rows["published_error"].notna().any(),
@@ -35,7 +32,9 @@ ROW, LETTERS = (0.44, 0.62), (44, 22)
     sparse=True,
 )
 def draw_benchmarks(table: Table) -> Figure:
-    """The errors of all quantities of a publication on a line: published, spintop's, the truth's.
+    """Errors of published numbers and of spintop.
+
+    The errors of all quantities of a publication on a line: published, spintop's, the truth's.
 
     Spintop's are those of its cheapest run that has at most a hundredth of the published error.
     """
@@ -55,7 +54,9 @@ def draw_benchmarks(table: Table) -> Figure:
             errors = np.maximum(part[column].dropna().to_numpy(float), LEAST)
             style = look | {"linestyle": "", "markersize": 5, "alpha": 0.8}
             axes.plot(errors, np.full(errors.shape, place), **style, label="" if place else label)
-        axes.annotate(tell_time(part["time_s"]), (1.01, place), **beside, color=GREY)
+        longest = part["time_s"].max() * 1e6
+        time = f"{write(longest, 2)} µs" if np.isfinite(longest) else ""  # else not computed
+        axes.annotate(time, (1.01, place), **beside, color=GREY)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(numticks=by_width(9, 4)))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -75,8 +76,3 @@ def describe(benchmark: str, method: str) -> str:
     method = re.sub(r"\b1e(-?\d+)", lambda power: with_power("1", int(power[1])), method)
     lines = textwrap.wrap(method, by_width(*LETTERS), max_lines=2, placeholder=" …")
     return "\n".join([benchmark.replace("_", " "), *lines])
-
-
-def tell_time(times: pd.Series) -> str:
-    """The longest time of the quantities in microseconds; empty if nothing was computed."""
-    return "" if times.isna().all() else f"{write(times.max() * 1e6, 2)} µs"

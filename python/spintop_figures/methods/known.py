@@ -17,30 +17,30 @@ OTHER = "other programs"
 
 
 class Method(NamedTuple):
-    """A method: its family, its order if it has one, and its steps."""
+    """A method: its family, its order if it has one, and its place among the members."""
 
     name: str
     family: str
     order: int | None
-    kind: str
-    """`fixed`, `adaptive`, `both` or `exact`."""
-
-    @property
-    def height(self) -> int:
-        """The order, by which the members of a family are sorted.
-
-        An order that the tolerance chooses is above all, one that a table decides below all.
-        """
-        return self.order or (1000 if self.kind == "adaptive" else 0)
+    place: int
 
 
 @functools.cache
 def known_methods() -> dict[str, Method]:
-    """The methods by name, in the order of the registry; Butcher tables are as their method."""
+    """The methods by name, family by family; Butcher tables are as their method.
+
+    The members of a family are sorted: the highest order first. An order that the tolerance chooses
+    is above all, one that a table decides below all.
+    """
     methods: dict[str, Method] = {}
+    members: dict[str, list[dict]] = {}
     for entry in read_registry():
-        method = Method(entry["name"], entry["family"], entry["order"], entry["kind"])
-        methods |= dict.fromkeys((method.name, *(entry["tables"] or ())), method)
+        members.setdefault(entry["family"], []).append(entry)
+    for family, entries in members.items():
+        entries.sort(key=lambda each: -(each["order"] or 1000 * (each["kind"] == "adaptive")))
+        for place, entry in enumerate(entries):
+            method = Method(entry["name"], family, entry["order"], place)
+            methods |= dict.fromkeys((method.name, *(entry["tables"] or ())), method)
     return methods
 
 
@@ -49,16 +49,19 @@ def read_registry() -> list[dict]:
     return listed("methods")["methods"]
 
 
+def known(name: str) -> Method:
+    """A method, or one that the registry does not have."""
+    return known_methods().get(name) or Method(name, OTHER, None, 0)
+
+
 def family_of(method: str) -> str:
     """The family of a method."""
-    known = known_methods().get(method)
-    return known.family if known else OTHER
+    return known(method).family
 
 
 def order_of(method: str) -> int | None:
     """The order of a method, if it has one."""
-    known = known_methods().get(method)
-    return known.order if known else None
+    return known(method).order
 
 
 def families() -> list[str]:
@@ -66,22 +69,9 @@ def families() -> list[str]:
     return [*dict.fromkeys(method.family for method in known_methods().values()), OTHER]
 
 
-def members_of(family: str) -> list[str]:
-    """The methods of a family: the highest order first, else as the registry has them."""
-    methods = [method for method in known_methods().values() if method.family == family]
-    methods.sort(key=lambda method: -method.height)
-    return list(dict.fromkeys(method.name for method in methods))
-
-
 def rank_of(method: str) -> tuple[int, int, str]:
     """Where a method stands in a list: by its family, then by its place in it."""
-    return families().index(family_of(method)), place_of(method), method
-
-
-def place_of(method: str) -> int:
-    """The place of a method in its family; a Butcher table has that of its method."""
-    known = known_methods().get(method)
-    return members_of(known.family).index(known.name) if known else 0
+    return families().index(family_of(method)), known(method).place, method
 
 
 MARKERS = "psv^PXo*h<>d"
@@ -89,9 +79,6 @@ MARKERS = "psv^PXo*h<>d"
 
 DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)))
 """Of the members of a family, the first of which has the family's own colour."""
-
-PALER, PALEST = 0.17, 0.6
-"""How much of the way to the ground a member's colour is from the one before it, and at most."""
 
 GAMMA, LUMINANCES, INK_ON_WHITE = 2.2, (0.2126, 0.7152, 0.0722), 0.18
 """Of the colours of screens: exponent, shares of red, green and blue, and the luminance of words on
@@ -138,9 +125,9 @@ def ink_of(family: str) -> tuple[float, ...]:
 
 def style_of(method: str, formulation: str = "") -> dict[str, object]:
     """How the curve of a method under a formulation is drawn, in every figure alike."""
-    look, variation = look_of(family_of(method)), place_of(method)
+    look, variation = look_of(family_of(method)), known(method).place
     return {
-        "color": tint(look.colour, min(PALER * variation, PALEST)),
+        "color": tint(look.colour, min(0.17 * variation, 0.6)),
         "linestyle": DASHES[variation % len(DASHES)],
         "marker": look.marker,
         "markersize": 5.5 * look.size,

@@ -12,7 +12,7 @@ from spintop_figures.methods.known import style_of
 from spintop_figures.methods.precision import few_ticks
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
-from spintop_figures.style.page import add_panels, is_left, is_lowest, new_figure, panel_rows
+from spintop_figures.style.page import is_left, is_lowest, panel_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
@@ -33,30 +33,26 @@ PEER_MARKERS = {
 PEER = {"color": GREY, "linewidth": 0.9, "markersize": 4.5, "markerfacecolor": GROUND, "zorder": 2}
 LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
 """Errors are drawn between these, rad: the one stands for zero too, no turn is beyond pi."""
-PANEL_HEIGHT, ALONE = 2.9, 4.2
-"""Of a row of panels and of a single one, in inches."""
-TICKS = 9
-"""At most, on the width of a figure."""
 
 
 @figure(
-    "peers",
-    "error against time of spintop and of other programs (scripts/compare_peers)",
-    kind="work_precision",
-    needs="orientation_error time_s inherent_error",
+    "work_precision",
+    "orientation_error time_s inherent_error",
     words="problem program method status",
     objection=unless(lambda t: ended_well(t.rows).any(), "has no row that went to its end"),
     sparse=True,
 )
 def draw_peers(table: Table) -> Figure:
-    """The cheapest way to each error: a line a method of spintop, a grey one each other program."""
+    """Error against time of spintop and of other programs (scripts/compare_peers).
+
+    The cheapest way to each error: a line a method of spintop, a grey one each other program.
+    """
     problems = list(table.rows["problem"].unique())
     alone = len(problems) == 1
     title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")
-    height = ALONE if alone else PANEL_HEIGHT * panel_rows(len(problems))
-    figure = new_figure(table, title, 1.9 + height)
+    figure, panels = panel_figure(table, title, len(problems), 4.2 if alone else 2.9, 0, 1.9)
     handles: dict[str, object] = {}
-    for name, axes in zip(problems, add_panels(figure, len(problems)), strict=True):
+    for name, axes in zip(problems, panels, strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
         axes.set_title("" if alone else name_of(name))
@@ -88,7 +84,7 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
         look = {"linestyle": "", "markersize": 9} if method == "exact" else look
         style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
         draw_front(axes, own[own["method"] == method], method, style, handles)
-    few_ticks(axes, TICKS // across, TICKS)
+    few_ticks(axes, 9 // across, 9)
     return handles
 
 

@@ -16,7 +16,7 @@ from spintop_figures.methods.known import family_of, ink_of, look_of, order_of, 
 from spintop_figures.style.axes import name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
 from spintop_figures.style.numbers import DASH, write, write_count, write_fixed
-from spintop_figures.style.page import head, new_figure
+from spintop_figures.style.page import head, is_lowest, new_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
@@ -32,9 +32,6 @@ APART, APART_ON_TOP = 0.06, 0.05
 
 SIDE, TOP, SLOPE = 1.045, 1.015, 32
 """Where names stand beside a panel and above it, over its size, and how they rise, in degrees."""
-
-REACH = 0.3
-"""A curve that begins further below, over the height of the panel, has its name at its end."""
 
 Point = tuple[float, float]
 
@@ -96,18 +93,18 @@ def time_to(curve: Curve, target: float = TARGET, cost: str = "time_s") -> float
     return float(np.exp(min(times))) if times else float("nan")
 
 
-def best_of_families(curves: Sequence[Curve], cost: str) -> list[Curve]:
+def best_of_families(rows: pd.DataFrame, cost: str) -> list[Curve]:
     """The curve of each family that reaches the target at the least cost, in their order.
 
-    Of a family that does not reach it, that with the least error.
+    Of a family that does not reach it, that with the least error. The exact motion is of none.
     """
     best: dict[str, tuple[tuple[float, float], Curve]] = {}
-    for curve in curves:
+    for curve in curves_of(rows, (cost, "error_max")):
         reached = time_to(curve, TARGET, cost)
         least = float(curve.rows["error_max"].min())
         merit = (0.0, reached) if np.isfinite(reached) else (1.0, least)
         family = family_of(curve.method)
-        if family not in best or merit < best[family][0]:
+        if curve.method != EXACT and (family not in best or merit < best[family][0]):
             best[family] = merit, curve
     return [curve for _, curve in best.values()]
 
@@ -144,7 +141,8 @@ def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, Point]]) -> None:
     """
     to_panel = axes.transData + axes.transAxes.inverted()
     ends = [to_panel.transform(point) for _, point in named]
-    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < REACH), key=lambda i: ends[i][0])
+    # others begin far below, and have their names there
+    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < 0.3), key=lambda i: ends[i][0])
     spots = dict(zip(high, spread(np.array([ends[i][0] for i in high]), APART_ON_TOP), strict=True))
     for i, (curve, point) in enumerate(named):
         colour = ink_of(family_of(curve.method))
@@ -166,15 +164,13 @@ def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:
         return heights
     apart = min(apart, 1 / count)
     offsets = apart * np.arange(count)
-    moved = np.clip(heights, 0.02, 0.98)
-    # equal distances taken off, what remains has only to rise: pool those that do not
-    blocks: list[list[float]] = []
-    for value in moved - offsets:
-        blocks.append([value])
-        while len(blocks) > 1 and np.mean(blocks[-2]) > np.mean(blocks[-1]):
-            last = blocks.pop()
-            blocks[-1] += last
-    level = np.concatenate([np.full(len(block), np.mean(block)) for block in blocks])
+    # equal distances taken off, what remains has only to rise: by means over neighbours
+    sums = np.cumsum([0.0, *(np.clip(heights, 0.02, 0.98) - offsets)]).tolist()
+    ends = range(1, count + 1)
+    level = [
+        max(min((sums[k] - sums[j]) / (k - j) for k in ends[i:]) for j in range(i + 1))
+        for i in range(count)
+    ]
     return np.clip(level, 0.02, max(0.98 - offsets[-1], 0.02)) + offsets
 
 
@@ -197,9 +193,6 @@ OTHERS = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
 """Curves that are not the best of their family."""
 
 NOTE = f"named: the best of each family at {GOAL}; grey: the others"
-
-LEAST_LEAD = 1.05
-"""A method that is ahead by less, as a ratio, is not said to be."""
 
 ERROR = "largest error of the attitude", "rad"
 
@@ -301,39 +294,35 @@ def problem_panels(
     return figure, dict(zip(problems, panels, strict=True))
 
 
-def draw_over(table: Table, cost: str, less: str, words: str, unit: str) -> tuple[Figure, list]:
+def draw_over(
+    table: Table, cost: str, less: str, words: str, unit: str
+) -> tuple[Figure, dict[str, Axes]]:
     """Error against a cost, one panel per problem: the best of each family, the others grey."""
     title = f"Error against {words.partition(' (')[0]}{tell_lead(table, cost, less)}"
     figure, panels = problem_panels(table, title, table.rows, NAMES_HEIGHT)
     for problem, axes in panels.items():
-        draw_best_curves(axes, table.rows[table.rows["problem"] == problem], cost)
+        rows = table.rows[table.rows["problem"] == problem]
+        best = best_of_families(rows, cost)
+        draw_precision_curves(axes, rows, cost, best)
+        named = []
+        for curve in best:
+            x, y = points_of(curve, cost)
+            place = int(np.argmax(y <= MOST_ERROR))  # no turn is beyond
+            named.append((curve, (float(x[place]), min(float(y[place]), MOST_ERROR))))
+        name_at_the_top(axes, named)
         name_axes(axes, (words, unit, f"\n{NOTE}"), ERROR)
-        if axes is not [*panels.values()][-1]:
+        if not is_lowest(axes):
             axes.set_xlabel("")
-    return figure, [*panels.values()]
-
-
-def draw_best_curves(axes: Axes, rows: pd.DataFrame, cost: str) -> None:
-    """The curves of a problem: the best of each family is strong and has its name."""
-    curves = curves_of(rows, (cost, "error_max"))
-    best = best_of_families([curve for curve in curves if curve.method != EXACT], cost)
-    draw_precision_curves(axes, rows, cost, best)
-    named = []
-    for curve in best:
-        x, y = points_of(curve, cost)
-        place = int(np.argmax(y <= MOST_ERROR))  # no turn is beyond
-        named.append((curve, (float(x[place]), min(float(y[place]), MOST_ERROR))))
-    name_at_the_top(axes, named)
+    return figure, panels
 
 
 def tell_lead(table: Table, cost: str, less: str) -> str:
     """Which family needs the least for the goal on a single problem, and how much less it is."""
     if len(problems_of(table)) > 1:
         return ""
-    curves = [c for c in curves_of(table.rows, (cost, "error_max")) if c.method != EXACT]
-    costs = [(time_to(curve, cost=cost), curve) for curve in best_of_families(curves, cost)]
+    costs = [(time_to(curve, cost=cost), curve) for curve in best_of_families(table.rows, cost)]
     reached = sorted(((x, c.label) for x, c in costs if np.isfinite(x)), key=lambda pair: pair[0])
-    if len(reached) < 2 or reached[1][0] < LEAST_LEAD * reached[0][0]:
+    if len(reached) < 2 or reached[1][0] < 1.05 * reached[0][0]:  # no lead worth a word
         return ""
     (least, first), (more, second) = reached[:2]
     ratio = more / least
@@ -341,35 +330,23 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
-@figure(
-    "precision_time",
-    "work-precision diagram: error against time, one panel per problem",
-    needs="error_max time_s",
-    objection=object_to_precision,
-    **PRECISION,
-)
+@figure(needs="error_max time_s", objection=object_to_precision, **PRECISION)
 def draw_precision_time(table: Table) -> Figure:
-    """Error against time, the fastest of the repeats."""
+    """Work-precision diagram: error against time, one panel per problem."""
     less = "is {ratio} times as fast as {other}"
     return draw_over(table, "time_s", less, "computing time", "s")[0]
 
 
-@figure(
-    "precision_work",
-    "work-precision diagram: error against evaluations, one panel per problem",
-    needs="error_max evaluations",
-    objection=object_to_precision,
-    **PRECISION,
-)
+@figure(needs="error_max evaluations", objection=object_to_precision, **PRECISION)
 def draw_precision_work(table: Table) -> Figure:
-    """Error against evaluations, with lines whose slopes are orders."""
+    """Work-precision diagram: error against evaluations, one panel per problem."""
     less = "takes {ratio} times fewer than {other}"
     words = "function evaluations (a Taylor series of order p counts as p)"
     figure, panels = draw_over(table, "evaluations", less, words, "")
-    for (_, rows), axes in zip(table.rows.groupby("problem", sort=False), panels, strict=True):
+    for problem, rows in table.rows.groupby("problem", sort=False):
         methods = rows.loc[stepping(rows) & rows["setting"].str.startswith("steps "), "method"]
         orders = {order for name in methods.unique() if (order := order_of(name))}
-        draw_slopes(axes, sorted(orders))
+        draw_slopes(panels[problem], sorted(orders))
     return figure
 
 
@@ -399,9 +376,6 @@ ALIKE = 0.1
 """Slopes that differ by less, over their size, are those of a power: the steps are small enough
 for the order to show, and the errors are not of rounding yet."""
 
-LEAST_SLOPE = 0.5
-"""Errors of rounding fall by less."""
-
 
 def equal_steps(table: Table) -> pd.DataFrame:
     """The rows with a fixed step size, with the step size over the time span."""
@@ -429,7 +403,8 @@ def measured_order(rows: pd.DataFrame) -> float:
     error, step = (np.log(rows[name].to_numpy(float)) for name in ("error_max", STEP))
     slopes = np.diff(error) / np.diff(step)
     for one, other in itertools.pairwise(slopes[::-1]):
-        if min(one, other) > LEAST_SLOPE and abs(one - other) < ALIKE * max(one, other):
+        # errors of rounding fall by less
+        if min(one, other) > 0.5 and abs(one - other) < ALIKE * max(one, other):
             return float((one + other) / 2)
     return float("nan")
 
@@ -441,15 +416,9 @@ def with_order(curve: Curve) -> str:
     return f"{curve.label}: {measured} / {order_of(curve.method) or DASH}"
 
 
-@figure(
-    "orders",
-    "error against step size of the fixed-step methods, with measured orders",
-    needs="error_max",
-    objection=object_to_orders,
-    **PRECISION,
-)
+@figure(needs="error_max", objection=object_to_orders, **PRECISION)
 def draw_orders(table: Table) -> Figure:
-    """Error against the size of the step, a panel a problem, each curve with its name and order."""
+    """Error against step size of the fixed-step methods, with measured orders."""
     rows = equal_steps(table)
     title = "Convergence of the fixed-step methods, with measured / theoretical order"
     figure, panels = problem_panels(table, title, rows)
@@ -457,17 +426,13 @@ def draw_orders(table: Table) -> Figure:
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
         draw_precision_curves(axes, part, STEP)
-        named = [(curve, coarse_end(curve)) for curve in curves_of(part, (STEP, "error_max"))]
-        name_at_the_side(axes, named, with_order)
+        curves = curves_of(part, (STEP, "error_max"))
+        ends = [[float(x) for x in curve.rows[[STEP, "error_max"]].iloc[0]] for curve in curves]
+        places = [(step, min(max(error, LEAST_ERROR), MOST_ERROR)) for step, error in ends]
+        name_at_the_side(axes, list(zip(curves, places, strict=True)), with_order)
         name_axes(axes, y=ERROR)
         if any(DASH in text.get_text() for text in axes.texts) and "\n" not in words:
             words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
         name_axis(axes.xaxis, "")
     name_axis(axes.xaxis, words)
     return figure
-
-
-def coarse_end(curve: Curve) -> tuple[float, float]:
-    """The point of a curve with the largest step that is on the axes."""
-    first = curve.rows.iloc[0]
-    return float(first[STEP]), min(max(float(first["error_max"]), LEAST_ERROR), MOST_ERROR)

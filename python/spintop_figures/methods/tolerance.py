@@ -42,9 +42,6 @@ PANELS = (
 UNITS = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 """Of times."""
 
-PALE = 0.62
-"""How much of the way to the ground the colours of cells are from those of their families."""
-
 PANEL_HEIGHT = 2.9
 """In inches."""
 
@@ -88,15 +85,12 @@ def object_to_tolerance_map(table: Table) -> str:
     return object_to_grid(problems) or reason
 
 
-@figure(
-    "tolerance_map",
-    "the cheapest method for a given error, over two swept parameters",
-    needs="error_max time_s",
-    objection=object_to_tolerance_map,
-    **PRECISION,
-)
+@figure(needs="error_max time_s", objection=object_to_tolerance_map, **PRECISION)
 def draw_tolerance_map(table: Table) -> Figure:
-    """The cheapest method and the next one for the target as colours, and numbers in the cells."""
+    """The cheapest method for a given error, over two swept parameters.
+
+    The cheapest method and the next one for the target as colours, and numbers in the cells.
+    """
     problems = table_of_problems(table)
     grid = make_grid(problems)
     failed = ~ended_well(problems.rows).to_numpy()
@@ -129,7 +123,7 @@ def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
     colours = {}
     for label in counts.index.drop(NONE, errors="ignore"):
         family = family_of(known.get(label.partition(", ")[0], ""))
-        pale = 1 - (1 - PALE) * 0.55 ** members.get(family, 0)
+        pale = 1 - 0.38 * 0.55 ** members.get(family, 0)
         members[family] = members.get(family, 0) + 1
         colours[label] = tint(look_of(family).colour, pale)
     return colours
@@ -171,16 +165,8 @@ def tell(value: float) -> str:
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 """The errors for which methods are compared, rad, as in the summary of the program."""
 
-LEAST_PROBLEMS = 5
-"""Fewer problems do not tell whether a choice is right."""
-
 NEAR = 2.0
 """A choice that takes no more than so many times as long is near the cheapest."""
-
-HEIGHT, SPREAD = 0.75, 0.3
-"""Of a target, in inches, and how far its dots stand from its line, over that."""
-
-GOLDEN = (5**0.5 - 1) / 2
 
 
 class Choice(NamedTuple):
@@ -195,8 +181,8 @@ def object_to_choice(table: Table) -> str:
     """The rows of the choice are marked, and there are enough problems."""
     if not (table.rows["auto"] == "yes").any():
         return "has no row of the automatic choice"
-    if len(problems_of(table)) < LEAST_PROBLEMS:
-        return f"has fewer than {LEAST_PROBLEMS} problems to judge a choice by"
+    if len(problems_of(table)) < 5:
+        return "has fewer than 5 problems to judge a choice by"
     return "" if choices_of(table) else "has no method that is accurate enough"
 
 
@@ -220,15 +206,16 @@ def choices_of(table: Table) -> list[Choice]:
 
 
 @figure(
-    "choice",
-    "time of the automatic choice of a method over that of the cheapest one",
-    kind=PRECISION["kind"],
-    needs="orientation_error time_s",
+    PRECISION["kind"],
+    "orientation_error time_s",
     words=f"{PRECISION['words']} auto",
     objection=object_to_choice,
 )
 def draw_choice(table: Table) -> Figure:
-    """How many times longer the choice takes than the cheapest method, a dot a problem."""
+    """Time of the automatic choice of a method over that of the cheapest one.
+
+    How many times longer the choice takes than the cheapest method, a dot a problem.
+    """
     choices = choices_of(table)
     ratios = np.array([choice.ratio for choice in choices])
     worst = ratios[np.isfinite(ratios)].max(initial=1.0)
@@ -240,7 +227,7 @@ def draw_choice(table: Table) -> Figure:
         title += f"no more than {write(NEAR)} times as long as the cheapest method in {within} of "
         title += f"{len(choices)} comparisons"
     targets = [target for target in TARGETS if any(c.target == target for c in choices)]
-    figure = new_figure(table, title, 1.4 + HEIGHT * len(targets))
+    figure = new_figure(table, title, 1.4 + 0.75 * len(targets))
     axes = figure.add_subplot()
     axes.axvspan(1, NEAR, color=FAINT, alpha=0.4, linewidth=0)
     axes.axvline(1, color=GREY, linewidth=0.8)
@@ -278,7 +265,7 @@ def ratios_below(edge: float) -> list[float]:
 def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> None:
     """The comparisons for a target; those in which the choice misses it are at the right edge."""
     axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
-    heights = place + SPREAD * (2 * (GOLDEN * np.arange(len(choices)) % 1) - 1)
+    heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
     for choice, height in zip(choices, heights, strict=True):
         look = look_of(family_of(choice.cheapest))
         style = {"color": look.colour, "marker": look.marker, "markersize": 6 * look.size}

@@ -113,9 +113,6 @@ the matrix and the bars, and of the lines of the legend."""
 SMALL = "x-small"
 """Of what stands in cells, and of labels."""
 
-MOST_DIGITS = 16
-"""What double precision holds."""
-
 
 class Layout(NamedTuple):
     """Where the cases stand from left to right, and the methods from top to bottom."""
@@ -128,15 +125,12 @@ class Layout(NamedTuple):
     height: float
 
 
-@figure(
-    "verdicts",
-    "verdict and digits of each method on each hard case",
-    needs="orientation_error",
-    objection=object_to_trials,
-    **STABILITY,
-)
+@figure(needs="orientation_error", objection=object_to_trials, **STABILITY)
 def draw_verdicts(table: Table) -> Figure:
-    """Verdict and digits of every method on every case, counts at the edges, and a legend."""
+    """Verdict and digits of each method on each hard case.
+
+    Verdict and digits of every method on every case, counts at the edges, and a legend.
+    """
     rows = trials(table)
     layout, letters = lay_out(rows), letters_of(rows)
     legend = legend_lines(table, rows, letters)
@@ -194,7 +188,8 @@ def letters_of(rows: pd.DataFrame) -> dict[str, str]:
 
 def digits_of(error: float) -> int:
     """Digits that an error in radians leaves."""
-    return min(MOST_DIGITS, max(0, math.floor(-math.log10(error)))) if error > 0 else MOST_DIGITS
+    # double precision holds no more
+    return min(16, max(0, math.floor(-math.log10(error)))) if error > 0 else 16
 
 
 def draw_cell(axes: Axes, x: float, y: float, verdict: Verdict, mark: str) -> None:
@@ -282,17 +277,6 @@ def legend_lines(
     return lines
 
 
-COST = "evaluations over those of the cheapest accurate method of the case"
-
-ROW, BETWEEN = 0.2, 0.5
-"""Height of a method in inches, and the distance of families over it."""
-
-LEAST_HEIGHT, LEGEND = 1.6, 0.25
-"""Of the panels at least, and of the legend, in inches."""
-
-LEAST_ERROR = 1e-16
-"""Smaller errors are drawn here, rad."""
-
 FACES = {"accurate": 1.0, "drifts": 0.35, "wrong": 0.0}
 """How full the marker of a verdict is; the other verdicts have none."""
 
@@ -327,27 +311,27 @@ def with_ratio(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 @figure(
-    "costs",
-    "cost and error of the methods, a line per method and a dot per hard case",
-    needs="orientation_error evaluations inherent_error",
-    objection=object_to_costs,
-    **STABILITY,
+    needs="orientation_error evaluations inherent_error", objection=object_to_costs, **STABILITY
 )
 def draw_costs(table: Table) -> Figure:
-    """Two panels over the same methods: their cost, and the error that they reach."""
+    """Cost and error of the methods, a line per method and a dot per hard case.
+
+    Two panels over the same methods: their cost, and the error that they reach.
+    """
     rows = with_ratio(judged(trials(table)))
     places: dict[str, float] = {}
     for number, entries in enumerate(entries_by_family(rows).values()):
-        places |= {entry: len(places) + i + number * BETWEEN for i, entry in enumerate(entries)}
+        # families are half a row apart
+        places |= {entry: len(places) + i + number * 0.5 for i, entry in enumerate(entries)}
     most = max(places.values())
-    height = max(ROW * (most + 1.5), LEAST_HEIGHT)
+    height = max(0.2 * (most + 1.5), 1.6)
     title = "What the methods cost and reach: a dot for each of "
     figure = new_figure(table, f"{title}{rows['case'].nunique()} hard cases", 1.7 + height)
-    grid = figure.add_gridspec(2, 2, height_ratios=(height, LEGEND))
+    grid = figure.add_gridspec(2, 2, height_ratios=(height, 0.25))
     cost = figure.add_subplot(grid[0, 0])
     error = figure.add_subplot(grid[0, 1], sharey=cost)
     draw_trials(cost, rows, places, rows[RATIO])
-    draw_trials(error, rows, places, np.maximum(rows["orientation_error"], LEAST_ERROR))
+    draw_trials(error, rows, places, np.maximum(rows["orientation_error"], 1e-16))
     error.tick_params(labelleft=False)
     error.xaxis.set_major_locator(LogLocator(numticks=by_width(8, 4)))
     good = rows[rows["verdict"] == "accurate"].groupby("entry")[RATIO].median()
@@ -358,7 +342,7 @@ def draw_costs(table: Table) -> Figure:
         label.set_color(ink_of(family[entry]))
     cost.set_ylim(most + 0.75, -0.75)
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
-    name_axis(cost.xaxis, COST)
+    name_axis(cost.xaxis, "evaluations over those of the cheapest accurate method of the case")
     name_axis(error.xaxis, "largest error of the attitude", "rad")
     add_legend(no_axis(figure.add_subplot(grid[1, :])), rows)
     return figure

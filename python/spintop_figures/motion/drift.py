@@ -11,16 +11,13 @@ from spintop_figures.methods.known import rank_of, style_of
 from spintop_figures.moving.assumptions import CONSERVED, broken, symmetric
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import GREY, by_width
-from spintop_figures.style.page import TIME, add_panels, columns_of, head, new_figure, no_axis
+from spintop_figures.style.page import TIME, head, is_lowest, no_axis, panel_figure
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 
 LEAST = 1e-18
 """What is smaller is not drawn."""
-
-GUIDES = ((1.0, "$t$"), (0.5, r"$t^{1/2}$"))
-"""Rounding errors of one sign grow with time, those of either sign with its root."""
 
 CONSTANTS = {
     "energy_error": ("relative energy error", ""),
@@ -60,10 +57,8 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
 
 
 @figure(
-    "drift",
-    "drift of the first integrals and of the quaternion norm in long runs of several methods",
-    kind="trajectory",
-    needs="t energy_error",
+    "trajectory",
+    "t energy_error",
     objection=unless(
         lambda table: (running_maximum(table, "energy_error")[1] > LEAST).any(),
         "has no error of the energy above zero",
@@ -72,15 +67,15 @@ def label_of(table: Table, tables: Sequence[Table]) -> str:
     together=True,
 )
 def draw_drift(tables: Sequence[Table]) -> Figure:
-    """The running maximum of each constant's error against time, with guide lines."""
+    """Drift of the first integrals and of the quaternion norm in long runs of several methods.
+
+    The running maximum of each constant's error against time, with guide lines.
+    """
     there = [name for name in CONSTANTS if all(is_drawn(table, name) for table in tables)]
-    across = columns_of(len(there))
-    down = -(-len(there) // across)
-    figure = new_figure(tables, "Drift of the first integrals", 1.9 + 2.6 * down)
-    cells = figure.add_gridspec(down + 1, across, height_ratios=[1] * down + [0.01])
-    panels = add_panels(figure, len(there), sharey=False, grid=cells)
+    title = "Drift of the first integrals"
+    figure, panels = panel_figure(tables, title, len(there), 2.6, 0, 1.9, "x", has_foot=True)
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
-    for place, (column, axes) in enumerate(zip(there, panels, strict=True)):
+    for column, axes in zip(there, panels, strict=True):
         axes.set(xscale="log", yscale="log")
         for table in ordered:
             t, off = running_maximum(table, column)
@@ -90,12 +85,12 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
         draw_guides(axes)
         words, unit = CONSTANTS[column]
         head(axes, words, axes.yaxis, unit)
-        axes.tick_params(labelbottom=place >= len(there) - across)
-        if place >= len(there) - across:
+        axes.tick_params(labelbottom=is_lowest(axes))
+        if is_lowest(axes):
             name_axis(axes.xaxis, *TIME)
     handles, labels = panels[0].get_legend_handles_labels()
     columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
-    below = no_axis(figure.add_subplot(cells[down, :]))
+    below = no_axis(figure.add_subplot(panels[0].get_gridspec()[-1, :]))
     below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
     return figure
 
@@ -104,7 +99,8 @@ def draw_guides(axes: Axes) -> None:
     """Lines that grow as powers of time, from the middle of the left side."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     style = {"textcoords": "offset points", "va": "center", "fontsize": "small", "color": GREY}
-    for power, label in GUIDES:
+    # rounding errors of one sign grow with time, those of either with its root
+    for power, label in ((1.0, "$t$"), (0.5, r"$t^{1/2}$")):
         start = np.sqrt(low * high) / (right / left) ** (power / 2)
         ends = start, start * (right / left) ** power
         axes.plot((left, right), ends, color=GREY, linewidth=0.8, linestyle=":")

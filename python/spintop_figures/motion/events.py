@@ -3,21 +3,13 @@
 import re
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
-from spintop_figures.style.page import (
-    TIME,
-    add_panels,
-    is_left,
-    is_lowest,
-    new_figure,
-    panel_rows,
-)
+from spintop_figures.style.page import TIME, is_left, is_lowest, new_figure, panel_figure
 from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
@@ -25,44 +17,30 @@ from spintop_figures.tables.table import Table
 LEAST_EVENTS = 20
 """Fewer events of a kind show no section."""
 
-FLAT = 1e-6
-"""Events whose inclination or nutation rate differs by less, of the largest, make no section."""
-
-MANY_EVENTS, BARS = 80, 60
-"""More events of a kind are counted in so many intervals."""
-
-ROW = 0.8
-"""Height of the highest bar, over that of a row."""
-
-ROW_HEIGHT, PANEL_HEIGHT, LEAST_HEIGHT = 0.36, 2.5, 4.0
-"""Of a kind of event, of a row of sections, and of all of them, in inches."""
-
 COLOUR = LINES[0]["color"]
 
 
 @figure(
-    "events",
-    "instants of the events of a trajectory",
-    kind="events",
-    needs="t",
-    words="event",
-    objection=unless(lambda table: len(table.rows), "has no events"),
+    "events", "t", words="event", objection=unless(lambda table: len(table.rows), "has no events")
 )
 def draw_events(table: Table) -> Figure:
-    """The instants of the events, one row per kind; where there are many, how many per interval."""
+    """Instants of the events of a trajectory.
+
+    The instants of the events, one row per kind; where there are many, how many per interval.
+    """
     names = list(table.rows["event"].unique())
-    figure = new_figure(table, "Events of the motion", 1.5 + ROW_HEIGHT * len(names))
+    figure = new_figure(table, "Events of the motion", 1.5 + 0.36 * len(names))
     axes = figure.add_subplot()
     times, labels = table.column("t"), []
     begin, end = min(0.0, times.min()), times.max()
     for place, name in enumerate(names):
         t = times[(table.rows["event"] == name).to_numpy()]
         label = f"{describe_event(name)} ({write_count(len(t))})"
-        if len(t) > MANY_EVENTS:
-            counts, edges = np.histogram(t, BARS, (times.min(), end))
-            heights, width = -ROW * counts / counts.max(), edges[1] - edges[0]
+        if len(t) > 80:  # more are counted in intervals
+            counts, edges = np.histogram(t, 60, (times.min(), end))
+            heights, width = -0.8 * counts / counts.max(), edges[1] - edges[0]
             style = {"align": "edge", "color": COLOUR, "linewidth": 0}
-            axes.bar(edges[:-1], heights, np.diff(edges), place + ROW / 2, **style)
+            axes.bar(edges[:-1], heights, np.diff(edges), place + 0.8 / 2, **style)
             label += f"\nper {write(width, 3)} s: up to {counts.max()}"
         else:
             axes.plot(t, np.full_like(t, place), "|", color=COLOUR, markersize=12, zorder=3)
@@ -94,7 +72,7 @@ def sections(table: Table) -> list[str]:
     """The kinds of events that happen often, at different inclinations and nutation rates."""
     names = []
     plane = table.rows[["theta", "theta_rate"]]
-    least = FLAT * plane.abs().max()
+    least = 1e-6 * plane.abs().max()  # events that hardly differ make no section
     for name, rows in plane.groupby(table.rows["event"], sort=False):
         if len(rows) >= LEAST_EVENTS and (rows.max() - rows.min() > least).all():
             names.append(str(name))
@@ -102,10 +80,8 @@ def sections(table: Table) -> list[str]:
 
 
 @figure(
-    "sections",
-    "inclination and its rate at frequent events (Poincare sections)",
-    kind="events",
-    needs="theta theta_rate",
+    "events",
+    "theta theta_rate",
     words="event",
     objection=unless(
         sections,
@@ -113,24 +89,19 @@ def sections(table: Table) -> list[str]:
     ),
 )
 def draw_sections(table: Table) -> Figure:
-    """Inclination and its rate at the events of each kind that happens often."""
+    """Inclination and its rate at frequent events (Poincare sections)."""
     names = sections(table)
-    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
-    figure = new_figure(table, "Inclination and nutation rate at events", height)
-    for name, axes in zip(names, add_panels(figure, len(names)), strict=True):
-        draw_section(axes, table, name)
+    title = "Inclination and nutation rate at events"
+    figure, panels = panel_figure(table, title, len(names), 2.5, 4.0, 1.3)
+    for name, axes in zip(names, panels, strict=True):
+        rows = table.rows[table.rows["event"] == name]
+        size = 2 if len(rows) > 200 else 4
+        style = {"color": COLOUR, "markersize": size, "rasterized": len(rows) > MANY_POINTS}
+        axes.plot(np.degrees(rows["theta"]), rows["theta_rate"], ".", **style)
+        axes.set_title(f"{describe_event(name)} ({write_count(len(rows))})", parse_math=False)
+        axes.tick_params(labelleft=is_left(axes), labelbottom=is_lowest(axes))
+        if is_left(axes):
+            name_axis(axes.yaxis, axis_of("theta_rate"), "rad/s")
+        if is_lowest(axes):
+            name_axis(axes.xaxis, axis_of("theta"), "degrees")
     return figure
-
-
-def draw_section(axes: Axes, table: Table, name: str) -> None:
-    """The events of a kind as points."""
-    rows = table.rows[table.rows["event"] == name]
-    size = 2 if len(rows) > 200 else 4
-    style = {"color": COLOUR, "markersize": size, "rasterized": len(rows) > MANY_POINTS}
-    axes.plot(np.degrees(rows["theta"]), rows["theta_rate"], ".", **style)
-    axes.set_title(f"{describe_event(name)} ({write_count(len(rows))})", parse_math=False)
-    axes.tick_params(labelleft=is_left(axes), labelbottom=is_lowest(axes))
-    if is_left(axes):
-        name_axis(axes.yaxis, axis_of("theta_rate"), "rad/s")
-    if is_lowest(axes):
-        name_axis(axes.xaxis, axis_of("theta"), "degrees")

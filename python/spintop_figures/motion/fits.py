@@ -13,7 +13,7 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
 from spintop_figures.style.look import scale as scale_of_letters
-from spintop_figures.style.numbers import TIMES, localised, with_power, write
+from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
 from spintop_figures.style.page import TIME, head, new_figure, no_axis
 from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of
 from spintop_figures.tables.own_units import converted
@@ -21,14 +21,8 @@ from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
 
-SIDE = 2.2
-"""Width of the fitted values in inches."""
-
 PAIR, LEAST_HEIGHT, BELOW = 1.9, 3.4, 1.2
 """Height of the panels of a column, of all of them at least, and of what is below, in inches."""
-
-MANY_COLUMNS = 4
-"""So many measured columns stand two abreast."""
 
 OUTLYING = 8
 """Residuals of more standard deviations, as the median has them, are marked at the edge."""
@@ -62,18 +56,15 @@ def values_beside(table: Table) -> pd.DataFrame | None:
     return other.rows if other is not None and wanted <= {*other.rows} else None
 
 
-@figure(
-    "fit",
-    "residuals of a fit against time",
-    kind="fit",
-    needs="t",
-    objection=unless(measured_columns, "has no column of residuals"),
-)
+@figure("fit", "t", objection=unless(measured_columns, "has no column of residuals"))
 def draw_fit(table: Table) -> Figure:
-    """Two panels for each measured column: it with the fitted motion, and the residuals below."""
+    """Residuals of a fit against time.
+
+    Two panels for each measured column: it with the fitted motion, and the residuals below.
+    """
     names, values = measured_columns(table), values_beside(table)
     lines = [] if values is None else tell_values(values)
-    across = by_width(2, 1) if len(names) >= MANY_COLUMNS else 1
+    across = by_width(2, 1) if len(names) >= 4 else 1  # many stand two abreast
     down = -(-len(names) // across)
     beside = LINE * len(lines) + BELOW
     height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, beside)
@@ -81,7 +72,7 @@ def draw_fit(table: Table) -> Figure:
     figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
     if by_width(True, False):
-        widths = [(drawn_width() - SIDE) / across] * across + [SIDE]
+        widths = [(drawn_width() - 2.2) / across] * across + [2.2]  # inches for the fitted values
         grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
         side = grid[:, across]
     else:
@@ -113,7 +104,9 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     above.plot(t, fitted, **MOTION)
     above.plot(t, measured, **MEASURED, label="measured")
     head(above, sign_of(found.column if found else name), above.yaxis, unit, pad=3)
-    outside = find_outliers(left)
+    # residuals so much larger than most that nothing else would be seen beside them
+    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
+    outside = np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
     deviation = float(np.sqrt(np.nanmean(left[~outside] ** 2)))
     below.axhspan(-2 * deviation, 2 * deviation, **BAND)
     below.axhline(0, color=GREY, linewidth=0.8)
@@ -133,12 +126,6 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     name_axis(below.yaxis, "residual")
 
 
-def find_outliers(left: np.ndarray) -> np.ndarray:
-    """Which residuals are so much larger than most that nothing else would be seen beside them."""
-    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
-    return np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
-
-
 def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
     """The fitted values in lines, of which those of names are bold."""
     lines = []
@@ -149,7 +136,7 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
         power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
         factor = f"{TIMES}{with_power('1', power)}" if power else ""
         half = (row.upper - row.lower) / 2 / 10.0**power
-        decimals = max(0, 1 - math.floor(math.log10(half))) if 0 < half < math.inf else 6
+        decimals = decimals_for(half, 0) if 0 < half < math.inf else 6
         numbers = (row.estimate, row.lower, row.upper)
         told = [localised(f"{number / 10.0**power:.{decimals}f}") for number in numbers]
         lines.append((f"{told[0]}{factor} {unit}".strip(), False))

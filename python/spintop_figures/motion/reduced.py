@@ -13,24 +13,16 @@ from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
+from spintop_figures.moving.body import GRAVITY, read_body
 from spintop_figures.style.axes import name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
-from spintop_figures.style.numbers import write_fixed
+from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import legend_above, new_figure
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
 COLUMNS = "theta theta_rate phi_rate psi_rate kinetic potential"
 """What the reduced motion is found from."""
-
-SAME = 1e-6
-"""Deviations from the motion of a symmetric top, over the size, that an integrator may make."""
-
-STEADY = 1e-10
-"""A smaller relative change of the kinetic energy does not determine the moments of inertia."""
-
-HUGE, LEAST_ROWS = 1e100, 4
-"""Numbers of this size are of a run that is lost; what is fitted to fewer rows is not checked."""
 
 ROUNDING = 1e-12
 """Momenta that differ by less, over their size, are equal."""
@@ -99,39 +91,21 @@ class Reduced(NamedTuple):
 
 
 def find_reduced(table: Table) -> Reduced | str:
-    """The reduced motion of a trajectory, or why it is not that of an undamped symmetric top.
-
-    The table's own columns tell the body, whatever shape it was made of: the kinetic energy is
-    linear in I1, the potential one in m g l, and omega3 is constant.
-    """
-    rows = table.rows[COLUMNS.split()].astype(float)
-    rows = rows[(rows.abs() < HUGE).all(axis=1)]
-    if len(rows) < LEAST_ROWS:
-        return f"has fewer than {LEAST_ROWS} rows to find the moments of inertia from"
-    cosine = np.cos(rows["theta"].to_numpy())
-    omega3 = (rows["phi_rate"] * cosine + rows["psi_rate"]).to_numpy()
-    turning = rows["phi_rate"] * np.sin(rows["theta"])
-    transverse = ((rows["theta_rate"] ** 2 + turning**2) / 2).to_numpy()
-    kinetic, potential = rows["kinetic"].to_numpy(), rows["potential"].to_numpy()
-    largest = kinetic.max(initial=0.0)
-    if not np.ptp(kinetic) > STEADY * largest:
-        return "is too steady to determine the moments of inertia"
-    inertia, spin_energy = np.polyfit(transverse, kinetic, 1)
-    weight = float(potential @ cosine / (cosine @ cosine))
-    deviations = [
-        np.abs(kinetic - inertia * transverse - spin_energy).max() / largest,
-        np.abs(potential - weight * cosine).max() / max(np.abs(potential).max(), 1e-300),
-        np.ptp(omega3) ** 2 / max(np.max(omega3**2), transverse.max()),
-    ]
-    if not np.max(deviations) <= SAME:
-        return "is no motion of an undamped symmetric top about its axis, body z"
-    spin = float(omega3.mean())
-    l3 = 2 * spin_energy / spin if spin**2 > ROUNDING * transverse.max() else 0.0
-    lz = inertia * turning.iloc[0] * np.sin(rows["theta"].iloc[0]) + l3 * cosine[0]
+    """The reduced motion of a symmetric top, of its body and its start, or why it is not known."""
+    body, kinetic = read_body(table), table.column("kinetic")
+    if body is None:
+        return "does not tell its body"
+    if not np.nanmax(kinetic) - np.nanmin(kinetic) > 1e-10 * np.nanmax(kinetic):
+        return "is too steady for a picture of its nutation"
+    start, (inertia, _, axial) = table.rows.iloc[0], body.inertia
+    cosine, turning = np.cos(start["theta"]), start["phi_rate"] * np.sin(start["theta"])
+    l3 = axial * (start["phi_rate"] * cosine + start["psi_rate"])
+    lz = inertia * turning * np.sin(start["theta"]) + l3 * cosine
     if abs(abs(lz) - abs(l3)) <= ROUNDING * abs(l3):
-        lz = float(np.copysign(l3, lz))
-    energy = kinetic[0] - spin_energy + potential[0]
-    return Reduced(float(inertia), weight, float(lz), float(l3), float(energy))
+        lz = np.copysign(l3, lz)
+    weight = body.mass * table.number("top.gravity", GRAVITY) * body.centre[2]
+    energy = inertia * (start["theta_rate"] ** 2 + turning**2) / 2 + weight * cosine
+    return Reduced(*map(float, (inertia, weight, lz, l3, energy)))
 
 
 def object_to_reduced(table: Table) -> str:
@@ -139,21 +113,6 @@ def object_to_reduced(table: Table) -> str:
     reduced = find_reduced(table)
     return reduced if isinstance(reduced, str) else ""
 
-
-ROOM = 0.35
-"""What is seen on either side of the motion, over its range."""
-
-LEAST_ROOM = 1e-9
-"""In radians."""
-
-LEVELS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
-"""Amplitudes of the level curves over that of the motion."""
-
-NEVER = 1e-9
-"""A motion whose energy is that of the separatrix, over its depth, never reaches the upright."""
-
-JOINED = 0.1
-"""Rows that are nearer to each other, over the panel, are joined."""
 
 INCLINATION = axis_of("theta"), "degrees"
 SEPARATRIX = {"color": PALE, "linewidth": 4, "linestyle": "-", "zorder": 1.5}
@@ -165,7 +124,7 @@ SYMMETRIC = {"kind": "trajectory", "needs": COLUMNS, "assumes": LAGRANGE}
 def seen(reduced: Reduced) -> tuple[float, float]:
     """The range of inclinations that a figure shows, rad."""
     least, largest = reduced.turning_points()
-    room = max(ROOM * (largest - least), LEAST_ROOM)
+    room = max(0.35 * (largest - least), 1e-9)  # on either side
     return max(0.0, least - room), min(np.pi, largest + room)
 
 
@@ -181,21 +140,16 @@ def turns_of(reduced: Reduced) -> list[tuple[float, bool]]:
     """
     separatrix = reduced.separatrix()
     depth = reduced.energy - reduced.bottom()
-    never = separatrix is not None and abs(reduced.energy - separatrix) <= NEVER * depth
+    never = separatrix is not None and abs(reduced.energy - separatrix) <= 1e-9 * depth
     upright = 0.0 if reduced.weight > 0 else np.pi
     ends = reduced.turning_points()
     least = min(ends, key=lambda end: abs(end - upright))
     return [(upright, False) if never and end == least else (end, True) for end in ends]
 
 
-@figure(
-    "potential",
-    "effective potential of a symmetric top, with the turning points",
-    objection=object_to_reduced,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_reduced, **SYMMETRIC)
 def draw_potential(table: Table) -> Figure:
-    """The effective potential with the energy of the motion, its turning points and its band."""
+    """Effective potential of a symmetric top, with the turning points."""
     reduced = find_reduced(table)
     figure = new_figure(table, "Effective potential of the inclination", 4.2)
     axes = figure.subplots()
@@ -211,8 +165,7 @@ def draw_potential(table: Table) -> Figure:
     floor = min(bottom, np.min(pulled))
     axes.set_ylim(min(bottom - 0.15 * depth, max(floor, bottom - depth)), bottom + 1.5 * depth)
     axes.set_xlim(*np.degrees((low, high)))
-    span = turns[1] - turns[0]
-    decimals = max(2, 1 - int(np.floor(np.log10(span)))) if span > 0 else 2
+    decimals = decimals_for(turns[1] - turns[0], 2)
     sides = (("left", 8), ("right", -8))
     for (_, turning), turn, (side, shift) in zip(ends, turns, sides, strict=True):
         place = turn, reduced.energy
@@ -227,14 +180,9 @@ def draw_potential(table: Table) -> Figure:
     return figure
 
 
-@figure(
-    "portrait",
-    "phase portrait of the inclination of a symmetric top",
-    objection=object_to_reduced,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_reduced, **SYMMETRIC)
 def draw_portrait(table: Table) -> Figure:
-    """Inclination and its rate: the motion among the level curves of the energy."""
+    """Phase portrait of the inclination of a symmetric top."""
     reduced = find_reduced(table)
     figure = new_figure(table, "Phase portrait of the inclination", 4.6)
     axes = figure.subplots()
@@ -243,7 +191,7 @@ def draw_portrait(table: Table) -> Figure:
     draw_levels(axes, reduced, (low, high), 1.4 * fastest)
     theta, rate = table.column("theta"), table.column("theta_rate")
     steps = np.hypot(np.diff(theta) / (high - low), np.diff(rate) / (2.8 * fastest))
-    joined = np.nanmax(steps) < JOINED
+    joined = np.nanmax(steps) < 0.1  # rows that are near each other
     dots = {} if joined else {"linestyle": "", "marker": "o", "markersize": 2.5}
     axes.plot(np.degrees(theta), rate, **LINES[0] | {"linewidth": 1.8} | dots, label="the motion")
     draw_arrows(axes, np.degrees(theta), rate)
@@ -272,7 +220,11 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
     rate = np.linspace(-fastest, fastest, 401)
     well, bottom = reduced.potential(theta), reduced.bottom()
     energy = np.minimum(well, 1e300) + reduced.inertia * rate[:, np.newaxis] ** 2 / 2
-    curves = [bottom + amplitude**2 * (reduced.energy - bottom) for amplitude in LEVELS]
+    # amplitudes over that of the motion
+    curves = [
+        bottom + amplitude**2 * (reduced.energy - bottom)
+        for amplitude in (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
+    ]
     style = {"colors": GREY, "linewidths": 0.6, "linestyles": "-", "alpha": 0.7}
     axes.contour(np.degrees(theta), rate, energy, levels=curves, **style)
     axes.plot([], [], color=GREY, linewidth=0.6, alpha=0.7, label="equal energy")
@@ -284,24 +236,8 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
         axes.plot(np.degrees(theta), -branch, **SEPARATRIX)
 
 
-WEAK = 1e-9
-"""A smaller momentum about the axis, over that about the vertical, has no bifurcation diagram."""
-
-LEAST_SLEEPING = 2.0
-"""The value of L3^2/(2 I1 m g l) from which the sleeping top is stable."""
-
 FAR = 6
 """The inclinations of the curve come as close to the horizontal and to the poles as 10^-FAR."""
-
-BESIDE = 0.12
-"""Room beside the motion and the poles, over the width."""
-
-LEAST_HEIGHT, WIDEST, NARROWEST = 0.12, 5.0, 1.6
-"""A region is named if it is as high, over the figure, and if the figure reaches from minus this to
-this ratio at most (between the poles) or at least (beside them)."""
-
-FURTHER = 3
-"""The curve is drawn this many times as far as the edge of the figure, which cuts it off."""
 
 
 class Constants:
@@ -347,7 +283,7 @@ class Constants:
 
     def sleeps(self) -> bool:
         """Whether the sleeping top is stable with this momentum about the axis."""
-        return self.strength >= LEAST_SLEEPING
+        return self.strength >= 2.0  # of L3^2/(2 I1 m g l)
 
 
 def object_to_bifurcation(table: Table) -> str:
@@ -355,24 +291,19 @@ def object_to_bifurcation(table: Table) -> str:
     reduced = find_reduced(table)
     if isinstance(reduced, str):
         return reduced
-    spins = abs(reduced.l3) > WEAK * abs(reduced.lz)
+    spins = abs(reduced.l3) > 1e-9 * abs(reduced.lz)  # a weaker one has no diagram
     return "" if spins else "is of a top without a momentum about its axis"
 
 
-@figure(
-    "bifurcation",
-    "bifurcation diagram of a symmetric top: its momenta and energy among all motions",
-    objection=object_to_bifurcation,
-    **SYMMETRIC,
-)
+@figure(objection=object_to_bifurcation, **SYMMETRIC)
 def draw_bifurcation(table: Table) -> Figure:
-    """The curve of the steady precessions, the cusps, both rests, and the motion as a point."""
+    """Bifurcation diagram of a symmetric top: its momenta and energy among all motions."""
     constants = Constants(find_reduced(table))
     figure = new_figure(table, "Bifurcation diagram of the symmetric top", 4.4)
     axes = figure.subplots()
-    edge = (1 + BESIDE) * max(1, abs(constants.ratio))
+    edge = 1.12 * max(1, abs(constants.ratio))
     ratio, energy = constants.steady()
-    near = abs(ratio) <= FURTHER * edge
+    near = abs(ratio) <= 3 * edge  # the edge cuts it off
     depth = -energy[abs(ratio) <= edge].min()
     high = max(1.5 * depth, 1.25 * constants.excess)
     low = -max(1.5 * depth, 0.2 * high)
@@ -412,7 +343,8 @@ def name_regions(
         ("waves", -beside, left, high),
     )
     for name, place, bottom, top in regions:
-        has_width = edge < WIDEST if place == 0 else edge > NARROWEST
-        if has_width and top - bottom > LEAST_HEIGHT * (high - low):
+        # of the figure's ratios, between the poles and beside them
+        has_width = edge < 5.0 if place == 0 else edge > 1.6
+        if has_width and top - bottom > 0.12 * (high - low):
             axes.text(place, (bottom + top) / 2, name, ha="center", va="center")
     axes.text(0, (low + min(0.0, middle)) / 2, "no motion", ha="center", va="center")

@@ -21,17 +21,15 @@ TOGETHER = ("R1", "R2")
 
 
 @figure(
-    "error",
-    "orientation error against time",
-    kind="trajectory",
-    needs="t orientation_error",
+    "trajectory",
+    "t orientation_error",
     objection=unless(
         lambda table: (table.column("orientation_error") > 0).any(),
-        "has no error above zero in column orientation_error",
-    ),  # on a log axis
+        "has no error above zero in column orientation_error",  # the axis is a log one
+    ),
 )
 def draw_error(table: Table) -> Figure:
-    """Orientation error against time, which the residuals do not show, and R4 below it."""
+    """Orientation error against time."""
     has_energy = "R4" in table.rows and bool(table.rows["R4"].any())
     title = f"Orientation error: {describe_run(table)}"
     figure, axes = time_panels(table, title, 1 + has_energy, 5.0 if has_energy else 3.6, across=1)
@@ -47,7 +45,6 @@ def draw_error(table: Table) -> Figure:
     if has_energy:
         draw_sizes(axes[1], t, table.column("R4"))
         name_axis(axes[1].yaxis, "change of energy\n$|R_4|$", table.units.get("R4", "J"))
-    figure.align_ylabels()
     return figure
 
 
@@ -65,10 +62,8 @@ def mark_largest(axes: Axes, t: np.ndarray, error: np.ndarray) -> None:
 
 
 @figure(
-    "residuals",
-    "residuals R1 to R4 against time (Figures 2 to 7)",
-    kind="trajectory",
-    needs="t R1 R2 R3 R4",
+    "trajectory",
+    "t R1 R2 R3 R4",
     objection=unless(
         lambda table: model_of(table)[1] != "exact",
         "is of the exact solution, which has no residuals",
@@ -76,7 +71,7 @@ def mark_largest(axes: Axes, t: np.ndarray, error: np.ndarray) -> None:
     assumes=CONSERVED,
 )
 def draw_residuals(table: Table) -> Figure:
-    """R1, R2, R3 and R4 against time (Figures 2 to 7 of the paper)."""
+    """Residuals R1 to R4 against time (Figures 2 to 7)."""
     figure, axes = panels(table, f"Residuals: {describe_run(table)}")
     by_name = dict(zip(("R1", "R2", "R3", "R4"), axes, strict=True))
     pair_is_log = any(has_wide_range(table.column(name)) for name in TOGETHER)
@@ -91,7 +86,6 @@ def draw_residuals(table: Table) -> Figure:
         style = {"textcoords": "offset points", "ha": "right", "fontsize": "small", "color": GREY}
         axes.annotate(words, (1, 1), (0, 4), "axes fraction", **style)
     share_limits(*(by_name[name] for name in TOGETHER if np.any(table.column(name))))
-    figure.align_ylabels()
     return figure
 
 

@@ -42,28 +42,10 @@ ELEVATION = np.radians(28)
 GRID = np.radians(30)
 """Distance of the circles of the graticule."""
 
-LARGEST_CAP = np.radians(35)
-"""A path that keeps to a smaller cap is seen through a window."""
-
-ROOM = 1.12
-"""The radius of a window over that of the cap."""
-
-AT_POLE = 0.2
-"""A cap whose centre is nearer to a pole, over its radius, is seen from straight above."""
-
 STEPS = 500
 """Of the search for the least cap, which is off by one part in so many."""
 
-INSET = (0.84, 0.82, 0.22, 0.22)
-"""Where the small globe is beside a window, over the sides of the panel."""
-
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
-
-MOST_DOTS = 1000
-"""Points that are not joined: more are thinned, or they would be a cloud."""
-
-START_OF_ARROW = 0.3
-"""How far from its start, over the radius of what is seen, a path has its arrow."""
 
 FRONT = {"color": LINES[0]["color"], "linewidth": 1.5}
 BACK = {"color": HIDDEN, "linewidth": 1.1}
@@ -128,15 +110,16 @@ def radius_about(middle: np.ndarray, directions: np.ndarray) -> float:
 def view_of(points: Points) -> View:
     """The view of a path: of the whole sphere, or of a small cap from straight above it."""
     middle, radius = find_cap(points)
-    if not 0 < radius < LARGEST_CAP:
+    if not 0 < radius < np.radians(35):  # a smaller cap is seen through a window
         return WHOLE
     pole = np.array([0.0, 0.0, np.copysign(1.0, middle[2])])
-    if np.linalg.norm(middle - pole) < AT_POLE * radius:
+    if np.linalg.norm(middle - pole) < 0.2 * radius:  # about a pole: from straight above
         middle, radius = pole, radius_about(pole, np.array(points))
     upright = np.array([0.0, 1.0, 0.0]) if abs(middle[2]) == 1 else np.array([0.0, 0.0, 1.0])
     up = upright - (upright @ middle) * middle
     up /= np.linalg.norm(up)
-    return View(np.cross(up, middle), up, middle, ROOM * float(np.sin(radius)))
+    # with some room about the cap
+    return View(np.cross(up, middle), up, middle, 1.12 * float(np.sin(radius)))
 
 
 def draw_seen(
@@ -148,15 +131,32 @@ def draw_seen(
     """
     x, y, towards = project(*points, view)
     inside = np.hypot(x, y) <= view.window * (1 + 1e-9)
-    rasterized = len(x) > MANY_POINTS
-    for style, shown, order in ((back, towards <= 0, 1), (front, towards >= 0, 3)):
-        if style is None or not (shown & inside).any():
+    draw_halves(axes, (x, y), ((back, (towards <= 0) & inside), (front, (towards >= 0) & inside)))
+
+
+def draw_halves(
+    axes: Axes, path: Sequence[np.ndarray], halves: Sequence[tuple[dict | None, np.ndarray]]
+) -> None:
+    """The far and the near half of a path: the style of each, if it is drawn, and where it is."""
+    for (style, there), order in zip(halves, (1, 3), strict=True):
+        if style is None or not there.any():
             continue
-        shown = shown & inside
         if "marker" not in style:
-            shown = shown | np.roll(shown, 1)  # no gaps where it passes the edge
-        line = np.where(shown, x, np.nan), np.where(shown, y, np.nan)
-        axes.plot(*line, **{"zorder": order, "rasterized": rasterized} | style)
+            there = there | np.roll(there, 1)  # no gaps where it passes the edge
+        line = (np.where(there, part, np.nan) for part in path)
+        axes.plot(*line, **{"zorder": order, "rasterized": there.size > MANY_POINTS} | style)
+
+
+def halves_of(joined: bool) -> tuple[dict, dict]:
+    """How a path is drawn before the sphere and behind it: as dots if its rows are not joined."""
+    return (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
+
+
+def mark_ends(axes: Axes, x: np.ndarray, y: np.ndarray, towards: Sequence[float] = (1.0,)) -> None:
+    """Marks where a path ends and begins, if it has rows."""
+    for name, place in (("end", -1), ("start", 0)) if len(x) else ():
+        face = {"mec": GROUND} if towards[place] >= 0 else {"mfc": GROUND}
+        axes.plot(x[place], y[place], **ENDS[name] | face, zorder=5)
 
 
 def draw_globe(axes: Axes, view: View = WHOLE) -> None:
@@ -185,7 +185,9 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     """Circles of equal inclination in a window, with their numbers, and meridians."""
     radius = np.arcsin(min(view.window, 1.0))
     middle = np.arctan2(np.hypot(*view.towards[:2]), view.towards[2])
-    step = np.radians(round_step(np.degrees(radius) / 2.5))
+    least = np.degrees(radius) / 2.5
+    power = 10.0 ** np.floor(np.log10(least))
+    step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
@@ -198,12 +200,6 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
     for phi in np.arange(0, 2 * np.pi - apart / 2, apart):
         draw_seen(axes, on_sphere(down, np.full_like(down, phi)), style, view=view)
-
-
-def round_step(least: float) -> float:
-    """The next number above that is 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** np.floor(np.log10(least))
-    return float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least))
 
 
 def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:
@@ -224,15 +220,11 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
     points = tuple(part[there] for part in points)
     view = view_of(points)
     draw_globe(axes, view)
-    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
-    shown = points if joined else thinned(points)
-    draw_seen(axes, shown, front, back, view)
+    draw_seen(axes, points if joined else thinned(points), *halves_of(joined), view)
+    seen = project(*points, view)
     if joined:
-        draw_arrow(axes, points, view)
-    for name, place in (("end", -1), ("start", 0)):
-        (x,), (y,), (towards,) = project(*(part[place:][:1] for part in points), view)
-        face = ENDS[name]["color"] if towards >= 0 else GROUND
-        axes.plot(x, y, **ENDS[name], mfc=face, mec=GROUND if towards >= 0 else None, zorder=5)
+        draw_arrow(axes, *seen, view.window)
+    mark_ends(axes, *seen)
     if view.window < 1:
         draw_inset(axes, view)
     return view
@@ -240,29 +232,29 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
 
 def thinned(points: Points) -> Points:
     """Points that are not joined, MOST_DOTS at most."""
-    every = -(-len(points[0]) // MOST_DOTS)
+    every = -(-len(points[0]) // 1000)  # more would be a cloud
     return tuple(part[::every] for part in points)
 
 
-def draw_arrow(axes: Axes, points: Points, view: View) -> None:
+def draw_arrow(
+    axes: Axes, x: np.ndarray, y: np.ndarray, towards: np.ndarray, window: float
+) -> None:
     """The direction of a path, near its start and before the sphere."""
-    x, y, towards = project(*points, view)
-    far = np.hypot(x - x[0], y - y[0]) > START_OF_ARROW * view.window
-    steps = np.hypot(np.diff(x), np.diff(y)) > 0
-    places = np.flatnonzero(far[:-1] & (towards[:-1] > 0) & steps)
-    if not places.size:
-        return
-    begin = places[0]
-    unit = np.array([x[begin + 1] - x[begin], y[begin + 1] - y[begin]])
-    tip = np.array([x[begin], y[begin]])
-    tail = tip - 0.02 * view.window * unit / np.linalg.norm(unit)
-    arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
-    axes.annotate("", tip, tail, arrowprops=arrow | {"shrinkA": 0, "shrinkB": 0}, zorder=4)
+    far = np.hypot(x - x[0], y - y[0]) > 0.3 * window
+    steps = np.hypot(np.diff(x), np.diff(y))
+    for place in np.flatnonzero(far[:-1] & (towards[:-1] > 0) & (steps > 0))[:1]:
+        tip = np.array([x[place], y[place]])
+        ahead = np.array([x[place + 1], y[place + 1]]) - tip
+        arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
+        arrow |= {"shrinkA": 0, "shrinkB": 0}
+        axes.annotate(
+            "", tip, tip - 0.02 * window * ahead / steps[place], arrowprops=arrow, zorder=4
+        )
 
 
 def draw_inset(axes: Axes, view: View) -> None:
     """A small globe with the window on it."""
-    inset = axes.inset_axes(INSET)
+    inset = axes.inset_axes((0.84, 0.82, 0.22, 0.22))
     draw_globe(inset)
     angle = np.arcsin(view.window)
     rim = np.cos(angle) * view.towards[:, np.newaxis] + view.window * (
@@ -277,38 +269,12 @@ def draw_inset(axes: Axes, view: View) -> None:
 
 def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
     """What the lines of paths are, for a legend of all of them."""
-    front, back = (FRONT, BACK) if any(joined) else (DOTS, DOTS | {"color": HIDDEN})
-    handles = [Line2D([], [], **front, label="path")]
+    front, back = halves_of(any(joined))
+    looks = {"path": front}
     if any(view.window >= 1 for view in views):
-        handles.append(Line2D([], [], **back, label="on the far side"))
-    return handles + [Line2D([], [], **look, label=name) for name, look in ENDS.items()]
+        looks["on the far side"] = back
+    return [Line2D([], [], **look, label=name) for name, look in (looks | ENDS).items()]
 
-
-LEAST_NUTATION = np.radians(0.5)
-"""A smaller range of the inclination is about the width of the line of the path."""
-
-BESIDE = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.1)}
-UNDER = {"loc": "lower left", "bbox_to_anchor": (-0.05, -0.1), "ncols": 2}
-"""Where the legend of a single sphere is, beside it and below it."""
-
-BELOW = 3.0
-"""Inches below a sphere on a narrow figure."""
-
-MOST_ACROSS = 3
-"""Spheres in a row."""
-
-ALONE = 4.6
-"""Side of a single sphere in inches; the words are beside it."""
-
-SHAPE, TITLE, LEGEND = 1.1, 0.65, 0.25
-"""Height of a sphere with its vertical over its width, and of the words above it and of the legend
-in inches."""
-
-LETTERS = 13
-"""Letters of a title per inch."""
-
-MANY_DEGREES = 1000
-"""An azimuth of more is told in turns."""
 
 EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
 """The circles of the extreme inclinations."""
@@ -330,7 +296,8 @@ def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool]:
     joined = not sparseness(*tip)
     view = draw_path_on(axes, tip, joined)
     low, high = inclination_extremes(table)
-    nutates = high.value - low.value > min(LEAST_NUTATION, 0.04 * view.window)
+    # more than the width of the line
+    nutates = high.value - low.value > min(np.radians(0.5), 0.04 * view.window)
     for extreme in (low, high) if nutates else ():
         circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
         draw_seen(axes, circle, EDGE, EDGE | {"alpha": 0.35}, view)
@@ -351,7 +318,7 @@ def tell_path(table: Table) -> list[str]:
 
 def tell_turn(degrees: float) -> str:
     """How far an azimuth turns, in degrees or in turns."""
-    many = abs(degrees) > MANY_DEGREES
+    many = abs(degrees) > 1000  # else turns would be hard to compare
     sign = "+" if degrees > 0 else ""
     return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
@@ -359,50 +326,50 @@ def tell_turn(degrees: float) -> str:
 def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
     """Panels of spheres of this side, and room for words beside a single one or below them."""
     if count > 1:
-        across = min(count, by_width(MOST_ACROSS, 2))
+        across = min(count, by_width(3, 2))
         down = -(-count // across)
-        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, LEGEND])
+        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
         places = [*(grid[place] for place in np.ndindex(down, across)), grid[down, :]]
     elif by_width(True, False):
-        places = figure.add_gridspec(1, 2, width_ratios=[ALONE, drawn_width() - ALONE])
+        places = figure.add_gridspec(1, 2, width_ratios=[side, drawn_width() - side])
     else:
-        places = figure.add_gridspec(2, 1, height_ratios=[side, BELOW - 1])
+        places = figure.add_gridspec(2, 1, height_ratios=[side, 2.0])
     *panels, key = (no_axis(figure.add_subplot(place)) for place in places)
     return panels, key
 
 
-@figure(
-    "traces",
-    "paths of the axis tip on the unit sphere, side by side",
-    kind="trajectory",
-    needs="theta phi",
-    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
-    together=True,
-)
+MOTIONS = {
+    "kind": "trajectory",
+    "needs": "theta phi",
+    "objection": unless(lambda table: path_of(table).size, "has no row with both angles"),
+}
+
+
+@figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
-    """The paths of several motions side by side, each under its title."""
+    """Paths of the axis tip on the unit sphere, side by side."""
     alone, width = len(tables) == 1, drawn_width()
-    across = min(len(tables), by_width(MOST_ACROSS, 2))
-    down = -(-len(tables) // across)
-    side = min(ALONE, width) if alone else width / across
-    height = 0.8 + side * down if alone else 0.8 + (SHAPE * side + TITLE) * down
-    if alone:
-        height = by_width(height, side + BELOW)
+    across = min(len(tables), by_width(3, 2))
+    side = min(4.6, width) if alone else width / across
+    rows = -(-len(tables) // across) * (1.1 * side + 0.65)  # with the vertical, and words above
+    height = side + by_width(0.8, 3.0) if alone else 0.8 + rows
     figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
     panels, key = spheres(figure, len(tables), side)
     drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
-    handles = path_handles([view for view, _, _ in drawn], [joined for _, joined, _ in drawn])
-    if any(nutates for _, _, nutates in drawn):
+    views, joined, nutates = map(list, zip(*drawn, strict=True))
+    handles = path_handles(views, joined)
+    if any(nutates):
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
     if alone:
         words = "\n".join(textwrap.fill(line, 44) for line in tell_path(tables[0]))
         key.text(0, by_width(0.8, 1.0), words, va="top", linespacing=1.5)
         for handle in handles:
             handle.set_label(textwrap.fill(handle.get_label(), 20))
-        key.legend(handles=handles, **by_width(BESIDE, UNDER))
+        place = {"loc": "lower left", "bbox_to_anchor": (-0.05, by_width(0.1, -0.1))}
+        key.legend(handles=handles, **place, ncols=by_width(1, 2))
         return figure
     for axes, table in zip(panels, tables, strict=False):
-        title = textwrap.fill(table.title, int(side * LETTERS)).replace("$", r"\$")
+        title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
         words = "\n".join([title, *tell_path(table)])
         axes.set_title(words, loc="center", fontsize="small", pad=2)
     place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
@@ -410,15 +377,9 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
     return figure
 
 
-@figure(
-    "trace",
-    "path of the axis tip on the unit sphere",
-    kind="trajectory",
-    needs="theta phi",
-    objection=unless(lambda table: path_of(table).size, "has no row with both angles"),
-)
+@figure(**MOTIONS)
 def draw_trace(table: Table) -> Figure:
-    """The path of a single motion."""
+    """Path of the axis tip on the unit sphere."""
     return draw_traces([table])
 
 
@@ -428,18 +389,10 @@ HEIGHT = 3.5
 PATH_ROOM = 1.1
 """What is seen, over the extent of the path."""
 
-FLAT = 0.25
-"""The height that a path from the side takes at least, over its width, has its own scale."""
 
-
-@figure(
-    "path",
-    "path of the centre of mass in space and from above (Figure 11)",
-    kind="trajectory",
-    needs="com_x com_y com_z",
-)
+@figure("trajectory", "com_x com_y com_z")
 def draw_path(table: Table) -> Figure:
-    """Path of the centre of mass, on its sphere, from above and from the side (Figure 11)."""
+    """Path of the centre of mass in space and from above (Figure 11)."""
     x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
@@ -471,16 +424,13 @@ def draw_path_plane(
     joined: bool,
 ) -> None:
     """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
-    axes.plot(radius * np.cos(CIRCLE), radius * np.sin(CIRCLE), color=FAINT, linewidth=0.8)
-    axes.plot(0, 0, "+", color=GREY)
-    x, y, near = (*path, near) if joined else thinned((*path, near))
-    front, back = (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
-    for there, style, order in ((~near, back, 2), (near, front, 3)):
-        there = there | np.roll(there, 1) if joined else there
-        line = (np.where(there, part, np.nan) for part in (x, y))
-        axes.plot(*line, **style, zorder=order, rasterized=len(x) > MANY_POINTS)
-    for name, index in (("end", -1), ("start", 0)):
-        axes.plot(*(part[index:][:1] for part in path), **ENDS[name], mec=GROUND, zorder=5)
+    circle = radius * np.cos(CIRCLE), radius * np.sin(CIRCLE)
+    axes.plot(*circle, color=FAINT, linewidth=0.8, zorder=0)
+    axes.plot(0, 0, "+", color=GREY, zorder=0)
+    front, back = halves_of(joined)
+    *line, near = (*path, near) if joined else thinned((*path, near))
+    draw_halves(axes, line, ((back, ~near), (front, near)))
+    mark_ends(axes, *path)
     set_limits(axes, path, radius)
 
 
@@ -492,7 +442,7 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     middle = (low + high) / 2 if half < radius else np.zeros(2)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     width, height = high - low
-    if half < radius and 0 < height < FLAT * width:
+    if half < radius and 0 < height < 0.25 * width:  # upward a scale of its own
         axes.set_ylim(middle[1] - PATH_ROOM * height / 2, middle[1] + PATH_ROOM * height / 2)
         axes.set_box_aspect(1)
     else:
@@ -502,23 +452,8 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
-RAYS = 24
-"""Lines of a cone from its apex."""
-
-MANY_TURNS = 15
-"""Curves that are longer, in circles about their extent, have thin lines."""
-
-LEAST = 1e-9
-"""What is slower, over the fastest, has no direction."""
-
 BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
-BODY_BACK = {"color": PALE, "linewidth": 1.1, "linestyle": (0, (3, 1))}
-"""The cone of the body, before the sphere and behind it."""
-
 TOUCH = {"color": INK, "linewidth": 1.3}
-
-CONE_ROOM = 1.08
-"""What is seen of a plane, over the extent of its curve."""
 
 ANGLES = ("phi", "theta", "psi")
 
@@ -546,20 +481,15 @@ def body_at_start(table: Table) -> np.ndarray:
     return turn_by_euler(in_body(table), *(table.column(name)[0] for name in ANGLES))
 
 
-@figure(
-    "cones",
-    "angular velocity in the body and in space (polhode and herpolhode)",
-    kind="trajectory",
-    needs="phi theta psi omega1 omega2 omega3",
-)
+@figure("trajectory", "phi theta psi omega1 omega2 omega3")
 def draw_cones(table: Table) -> Figure:
-    """The two cones, that of the body rolling on that in space, and their curves in planes."""
+    """Angular velocity in the body and in space (polhode and herpolhode)."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
     figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
     (globe, body, space), key = three_panels(figure)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
-    draw_cone(globe, body_at_start(table), BODY, BODY_BACK)
+    draw_cone(globe, body_at_start(table), BODY, BODY | {"color": PALE, "linewidth": 1.1})
     touch = directions(in_space(table))[:, :1]
     if touch.size:
         (x,), (y,), _ = project(*touch)
@@ -582,7 +512,7 @@ def draw_cones(table: Table) -> Figure:
 def directions(omega: np.ndarray) -> np.ndarray:
     """Unit vectors along angular velocities, without those that are about zero."""
     size = np.linalg.norm(omega, axis=0)
-    there = size > LEAST * np.nanmax(size)
+    there = size > 1e-9 * np.nanmax(size)  # slower ones have no direction
     return omega[:, there] / size[there]
 
 
@@ -592,7 +522,7 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
     draw_seen(axes, tuple(points), *(thin_if_long(style, points) for style in (front, back)))
     x, y, towards = project(*points)
     passed = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=0))])
-    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), RAYS))
+    places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), 24))
     for place in np.unique(np.minimum(places, len(x) - 1)):
         colour = (front if towards[place] >= 0 else back)["color"]
         look = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
@@ -600,10 +530,10 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
 
 
 def thin_if_long(style: dict, curve: np.ndarray) -> dict:
-    """A style with a thin line for a curve of many turns, which would be a solid area."""
+    """A style with a thin line for a curve of many circles, which would be a solid area."""
     length = np.nansum(np.linalg.norm(np.diff(curve, axis=1), axis=0))
     extent = np.max(np.nanmax(curve, axis=1) - np.nanmin(curve, axis=1))
-    is_long = length > MANY_TURNS * np.pi * extent
+    is_long = length > 15 * np.pi * extent
     return style | {"linewidth": 0.4} if is_long else style
 
 
@@ -612,9 +542,8 @@ def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, head
     x, y = omega[:2]
     axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
     axes.plot(0, 0, "+", color=GREY)
-    for name, place in (("end", -1), ("start", 0)):
-        axes.plot(x[place:][:1], y[place:][:1], **ENDS[name], mec=GROUND, zorder=5)
-    side = CONE_ROOM * float(np.nanmax(np.abs(omega[:2]))) or 1.0
+    mark_ends(axes, x, y)
+    side = 1.08 * float(np.nanmax(np.abs(omega[:2]))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.yaxis.set_major_locator(MaxNLocator(4))

@@ -1,6 +1,5 @@
 """What a motion reaches between the rows of its table, and whether the rows show its path."""
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,22 +13,13 @@ from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
-from spintop_figures.style.numbers import write_fixed
-from spintop_figures.style.page import TIME, Page, legend_above, new_figure, time_panels
+from spintop_figures.style.numbers import decimals_for, write_fixed
+from spintop_figures.style.page import Page, legend_above, time_panels
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import columns_of, units_of_columns
 
 NEEDS = COLUMNS.split()
-
-MOST_ARC = np.radians(15)
-"""Rows of which the axes are further apart are not joined: the line would be a guess."""
-
-STEADY = 1e-9
-"""A smaller range of the inclination in radians is that of a steady precession."""
-
-SAME_ENERGY = 1e-7
-"""The change of energy, over its size, up to which a run has the turning points of its start."""
 
 
 class Extreme(NamedTuple):
@@ -55,13 +45,15 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     others, and those of any body that is not a symmetric top, are extremes of the rows.
     """
     least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
-    if largest.value - least.value < STEADY:
+    if largest.value - least.value < 1e-9:  # a steady precession
         return least._replace(of_rows=False), largest._replace(of_rows=False)
     if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
         return least, largest
     reduced = find_reduced(table)
-    if isinstance(reduced, str) or not keeps_energy(table):
-        return least, largest
+    kinetic, potential = (table.column(name) for name in ("kinetic", "potential"))
+    size = 1e-7 * (np.abs(kinetic).max() + np.abs(potential).max())
+    if isinstance(reduced, str) or np.ptp(kinetic + potential) > size:
+        return least, largest  # the turning points of the start are not those of the run
     low, high = reduced.turning_points()
     signs = np.sign(table.rows["theta_rate"].to_numpy(float))
     before, after = signs[:-1], signs[1:]
@@ -70,13 +62,6 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     if ((before >= 0) & (after < 0)).any() or ((before > 0) & (after <= 0)).any():
         largest = Extreme(max(high, largest.value), False)
     return least, largest
-
-
-def keeps_energy(table: Table) -> bool:
-    """Whether a run keeps its energy, so that the turning points of the start are its own."""
-    energy = (table.rows["kinetic"] + table.rows["potential"]).to_numpy(float)
-    size = np.abs(table.rows["kinetic"]).max() + np.abs(table.rows["potential"]).max()
-    return bool(np.ptp(energy) <= SAME_ENERGY * size)
 
 
 def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
@@ -108,7 +93,7 @@ def largest_arc(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> float:
 def sparseness(*path: np.ndarray) -> str:
     """Why the points of a path are not joined; empty if they are."""
     arc = largest_arc(*path)
-    if arc <= MOST_ARC:
+    if arc <= np.radians(15):  # else a line would be a guess
         return ""
     return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
 
@@ -116,22 +101,15 @@ def sparseness(*path: np.ndarray) -> str:
 SAME, MOST_INCLINATIONS = 1.0, 3
 """Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
 
-NEAR_POLE, LEAST_JUMP, SAME_TURN = np.radians(15), np.radians(45), 0.5
-"""Of jumps at a pole: how near to it, how large, and what part of them the body turns at most."""
 
-DENSE = 150
-"""A curve that turns more often in the width of a panel has a thin line."""
-
-MOST_DECIMALS = 8
-"""Extremes that differ only in further decimals have no numbers."""
-
-MOST_OFTEN = 0.25
-"""Sign changes between more of the rows than this part are those of rounding."""
-
-
-def panels(table: Table, title: str) -> tuple[Page, list[Axes]]:
-    """A figure with four panels over the same time."""
-    return time_panels(table, title, 4, by_width(5.4, 8.6))
+def panels(table: Table, title: str, **columns: str) -> tuple[Page, list[Axes]]:
+    """A figure with four panels over the same time, and columns in the first, as axes name them."""
+    figure, axes = time_panels(table, title, 4, by_width(5.4, 8.6))
+    near_pole = {"phi", "psi"} & columns.keys()
+    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi"))) if near_pole else ()
+    for (name, words), each in zip(columns.items(), axes, strict=False):
+        draw_column(each, table, name, words, gaps=jumps if name in near_pole else ())
+    return figure, axes
 
 
 def draw_column(
@@ -145,7 +123,7 @@ def draw_column(
     if name.startswith(("force", "R", "omega")):
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(values))))
-    if turns > DENSE and name.startswith("force"):
+    if turns > 150 and name.startswith("force"):
         style = {"linewidth": 0.4} | style
     draw_line(axes, np.insert(t, gaps, np.nan), np.insert(values, gaps, np.nan), **style)
     if unit == "degrees":
@@ -162,36 +140,21 @@ def pole_jumps(phi: np.ndarray, theta: np.ndarray, psi: np.ndarray) -> np.ndarra
     steps = (np.diff(phi + psi), np.diff(phi - psi))
     on = np.minimum(*(np.abs(np.remainder(step + np.pi, 2 * np.pi) - np.pi) for step in steps))
     off_pole = np.minimum(theta, np.pi - theta)
-    near = np.minimum(off_pole[1:], off_pole[:-1]) < NEAR_POLE
-    return np.flatnonzero(near & (turned > LEAST_JUMP) & (on < SAME_TURN * turned)) + 1
+    near = np.minimum(off_pole[1:], off_pole[:-1]) < np.radians(15)  # near a pole
+    # the body turns by no more than a part of it
+    return np.flatnonzero(near & (turned > np.radians(45)) & (on < 0.5 * turned)) + 1
 
 
-@figure(
-    "angles",
-    "angles and height of the centre of mass against time (Figure 8)",
-    kind="trajectory",
-    needs="t phi theta psi com_z",
-)
+@figure("trajectory", "t phi theta psi com_z")
 def draw_angles(table: Table) -> Figure:
-    """Euler angles and height of the centre of mass against time (Figure 8)."""
-    figure, (phi, theta, psi, height) = panels(
-        table, "Euler angles and height of the centre of mass"
-    )
-    jumps = pole_jumps(*map(table.column, ("phi", "theta", "psi")))
-    draw_column(phi, table, "phi", gaps=jumps)
-    draw_column(theta, table, "theta")
-    draw_column(psi, table, "psi", gaps=jumps)
-    draw_column(height, table, "com_z", "height above the pivot")
+    """Angles and height of the centre of mass against time (Figure 8)."""
+    columns = {"phi": "", "theta": "", "psi": "", "com_z": "height above the pivot"}
+    title = "Euler angles and height of the centre of mass"
+    figure, (_, theta, _, height) = panels(table, title, **columns)
     ends = [end._replace(value=np.degrees(end.value)) for end in inclination_extremes(table)]
     mark_extremes(theta, ends, "°", 2)
     mark_extremes(height, height_extremes(table), " m", 5)
-    figure.align_ylabels()
     return figure
-
-
-def decimals_for(span: float, least: int) -> int:
-    """How many decimals tell numbers over a span apart, with two digits of it."""
-    return max(least, 1 - math.floor(math.log10(span))) if span > 0 else least
 
 
 def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int) -> None:
@@ -206,22 +169,17 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
     sides = (("least", "top", -2), ("largest", "bottom", 2))
     for end, (which, side, shift) in zip(ends, sides, strict=True):
         axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
-        if decimals <= MOST_DECIMALS:
+        if decimals <= 8:  # else they differ in further decimals only
             words = f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}"
             axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
 
-@figure(
-    "forces",
-    "support force and energies against time (Figure 9)",
-    kind="trajectory",
-    needs="t force_x force_y force_z energy kinetic potential",
-)
+@figure("trajectory", "t force_x force_y force_z energy kinetic potential")
 def draw_forces(table: Table) -> Figure:
     """Support force and energies against time (Figure 9)."""
-    figure, (x, y, z, energy) = panels(table, "Support force on the top, and energy of the top")
-    for axes, name, words in ((x, "x", ""), (y, "y", ""), (z, "z", "upward force ")):
-        draw_column(axes, table, f"force_{name}", f"{words}$F_{name}$")
+    columns = {"force_x": "$F_x$", "force_y": "$F_y$", "force_z": "upward force $F_z$"}
+    title = "Support force on the top, and energy of the top"
+    figure, (x, y, z, energy) = panels(table, title, **columns)
     share_limits(x, y)  # both are horizontal
     if "theta" in table.rows and not broken(LAGRANGE, table):
         mark_sign_changes(z, *map(table.column, ("t", "force_z", "theta")))
@@ -231,7 +189,6 @@ def draw_forces(table: Table) -> Figure:
     name_axis(energy.yaxis, "energy", "J")
     place = {"bbox_to_anchor": (1.03, 1.0), "ncols": 3, "borderpad": 0}
     legend_above(energy, 3, **place, handlelength=1.6, columnspacing=1.0)
-    figure.align_ylabels()
     return figure
 
 
@@ -256,7 +213,7 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     ordered = np.sort(inclinations)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= SAME) + 1)
     is_chain = any(np.ptp(group) >= SAME for group in groups if group.size)
-    is_rounding = times.size > MOST_OFTEN * y.size or is_chain
+    is_rounding = times.size > 0.25 * y.size or is_chain
     if not times.size or len(groups) > MOST_INCLINATIONS or is_rounding:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
@@ -266,23 +223,19 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
     axes.set_title(rf"zero at $\theta$ = {words}", **style)
 
 
-@figure(
-    "support",
-    "support force in the plane of the axis and normal to it, against time",
-    kind="trajectory",
-    needs="t force_r force_n force_z",
-)
+@figure("trajectory", "t force_r force_n force_z")
 def draw_support(table: Table) -> Figure:
-    """Support force in the plane of the axis, normal to it and upward, and its size."""
-    figure, axes = panels(table, "Support force: outward, along the nodes and upward")
-    draw_column(axes[0], table, "force_r", "outward force $F_r$")
-    draw_column(axes[1], table, "force_n", "force along the nodes $F_n$")
-    draw_column(axes[2], table, "force_z", "upward force $F_z$")
-    parts = [table.column(f"force_{name}") for name in "rnz"]
-    draw_line(axes[3], table.column("t"), np.sqrt(sum(part**2 for part in parts)))
-    axes[3].set_ylim(bottom=0)
-    name_axis(axes[3].yaxis, "magnitude of the force", "N")
-    figure.align_ylabels()
+    """Support force in the plane of the axis and normal to it, against time."""
+    columns = {
+        "force_r": "outward force $F_r$",
+        "force_n": "force along the nodes $F_n$",
+        "force_z": "upward force $F_z$",
+    }
+    title = "Support force: outward, along the nodes and upward"
+    figure, (*_, size) = panels(table, title, **columns)
+    draw_line(size, table.column("t"), np.sqrt(sum(table.column(name) ** 2 for name in columns)))
+    size.set_ylim(bottom=0)
+    name_axis(size.yaxis, "magnitude of the force", "N")
     return figure
 
 
@@ -291,28 +244,24 @@ AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}ar
 
 
 @figure(
-    "account",
-    "inclination, spin, and account of energy under effects, against time",
-    kind="trajectory",
-    needs="t theta omega3 energy energy_error work",
+    "trajectory",
+    "t theta omega3 energy energy_error work",
     objection=unless(
         lambda table: table.rows["energy_error"].any(), "has no energy error that is not zero"
     ),
 )
 def draw_account(table: Table) -> Figure:
-    """Inclination, spin, the budget of the energy, and the error of its balance."""
-    figure = new_figure(table, "Inclination, spin and energy budget", 7.4)
-    ratios = {"height_ratios": (1, 1, 1.4, 1)}
-    theta, spin, energy, error = figure.subplots(4, 1, sharex=True, gridspec_kw=ratios)
+    """Inclination, spin, and account of energy under effects, against time."""
+    title, ratios = "Inclination, spin and energy budget", (1, 1, 1.4, 1)
+    figure, (theta, spin, energy, error) = time_panels(
+        table, title, 4, 7.4, 1, height_ratios=ratios
+    )
     t, works = table.column("t"), works_of(table)
     draw_column(theta, table, "theta", axis_of("theta", between="\n"))
     draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
     (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
     draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
     name_axis(error.yaxis, "error of the\nbalance (relative)")
-    name_axis(error.xaxis, *TIME)
-    error.margins(x=0.01)
-    figure.align_ylabels()
     return figure
 
 

@@ -11,8 +11,8 @@ BODY = re.compile(
     r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m"
     r"(?:; elements 23, 31, 12 of the inertia tensor (.+?) kg m\^2)?"
 )
-PART = re.compile(r"part(\(\d+\))?\.")
-"""The keys of a part in a header: the group of the second has the name part(2)."""
+GRAVITY = 9.81
+"""Where an input does not say it, m/s^2."""
 
 ALIKE = 1e-6
 """Moments of inertia that differ by less than this part of the largest are equal."""
@@ -20,17 +20,11 @@ ALIKE = 1e-6
 SLACK = 8 * np.finfo(float).eps
 """Part of the largest moment by which the sum of the others may fall short, as in the program."""
 
-NUMBERS = 9
-"""Of inertia, centre of mass and products of inertia together."""
-
 LARGEST = 1e100
 """Numbers beyond are those of no body that can be drawn."""
 
 THINNEST = 0.04
 """No solid is drawn thinner than this part of its largest extent."""
-
-FLAT = 0.5
-"""A cylinder lower than this part of its radius is a disc."""
 
 DISC = {"radius": "radius", "height": "thickness"}
 SHAPES = {
@@ -92,7 +86,7 @@ def read_body(table: Table) -> Body | None:
     except ValueError:
         return None
     sizes = np.abs([mass, *others])
-    if len(others) != NUMBERS or not (sizes < LARGEST).all():
+    if len(others) != 3 * 3 or not (sizes < LARGEST).all():
         return None
     return Body(mass, *np.reshape(others, (3, 3)))
 
@@ -169,7 +163,8 @@ def part_solid(table: Table, group: str) -> dict[str, object] | None:
 
 def part_drawing(table: Table) -> Drawing | None:
     """The parts of which the input composes the body; None if it has none."""
-    groups = sorted({key.partition(".")[0] for key in table.settings if PART.match(key)})
+    keys = filter(re.compile(r"part(\(\d+\))?\.").match, table.settings)  # the second is part(2)
+    groups = sorted({key.partition(".")[0] for key in keys})
     if not groups:
         return None
     solids = [solid for group in groups if (solid := part_solid(table, group))]
@@ -207,7 +202,7 @@ def name_of(solid: dict[str, object]) -> str:
     """What a reader calls a homogeneous solid."""
     if solid["kind"] != "cylinder":
         return str(solid["kind"])
-    return "disc" if solid["height"] < FLAT * solid["radius"] else "cylinder"
+    return "disc" if solid["height"] < 0.5 * solid["radius"] else "cylinder"
 
 
 def draw_body(table: Table, body: Body) -> Drawing:

@@ -9,9 +9,6 @@ import numpy as np
 from spintop_figures.tables.characters import printable
 from spintop_figures.tables.table import Table, cells_in, line_of, lines_of_text
 
-LARGEST_FILE = 64_000_000
-"""Bytes of a file that is read once more for its own lines."""
-
 LEAST = 20_000
 """Bytes in the page that every table has, whatever the number of tables."""
 
@@ -68,7 +65,8 @@ def lines_of(table: Table) -> tuple[list[str], list[str], list[str]]:
         first = next(i for i, line in enumerate(lines) if not line.startswith("#")) + 1
         names = cells_in(first, lines[first - 1])
         return lines[:first], written_rows(table, names), lines[first:]
-    if path.suffix != ".csv" or path.stat().st_size > LARGEST_FILE or table.stride > 1:
+    # not once more for its own lines
+    if path.suffix != ".csv" or path.stat().st_size > 64_000_000 or table.stride > 1:
         head = [f"# {key}: {value}" for key, value in table.header.items()]
         head += ["# input:", *(f"#     {line}" for line in table.input.splitlines())]
         names = [*table.rows.columns]

@@ -21,8 +21,6 @@ GROUPS = (("t",), ANGLES, QUATERNION, RATES, OMEGA, FORCE, ENERGIES)
 
 SCENE_DIGITS = 9
 """Significant digits to which two scenes are the same."""
-FEWEST_ROWS = 2
-BODY_Z = (0.0, 0.0, 1.0)
 
 
 def is_whole(table: Table, columns: tuple[str, ...]) -> bool:
@@ -40,7 +38,7 @@ def refusal(table: Table) -> str:
         return "needs the column t"
     if not (is_whole(table, ANGLES) or is_whole(table, QUATERNION)):
         return "needs the columns phi, theta, psi or q0 to q3"
-    if len(table.rows) < FEWEST_ROWS:
+    if len(table.rows) < 2:
         return "has one row only"
     return ""
 
@@ -80,7 +78,7 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
         notes.append("The header of the table does not give the body, so a plain disc is shown.")
     else:
         notes.append(draw_body(table, body).label)
-        if not np.array_equal(body.axis(), BODY_Z):
+        if not np.array_equal(body.axis(), (0.0, 0.0, 1.0)):
             notes.append(
                 "The centre of mass does not lie on body z, which phi, theta and psi are of; "
                 "the rod and the trace are of the centre of mass."

@@ -37,13 +37,9 @@ DOWN_ONLY = ("s", "J s", "rad", "rad/s", "m/s")
 """Units with prefixes; of the second ones for tiny numbers only."""
 
 DEGREES, TURN = ("degrees", "deg"), 360.0
-CLOSE = 1e-4
-"""Numbers of which the range is a smaller part are written as differences from one of them."""
-
 NOISE, FLAT = 1e-12, 0.05
 """A range that is a smaller part of the numbers is of rounding, and what is shown around it."""
 
-MOST_DECIMALS = 12
 FEW_DECADES, SHORT = 100, (1e-3, 1e4)
 """A log axis has no powers of ten where its ends are nearer, and are between these numbers."""
 
@@ -70,7 +66,7 @@ class Scale(NamedTuple):
 def scale_for(low: float, high: float, unit: str) -> Scale:
     """How numbers between these in a unit are written; turns for many degrees."""
     origin = 0.0
-    if 0 < high - low < CLOSE * max(abs(low), abs(high)) and low * high > 0:
+    if 0 < high - low < 1e-4 * max(abs(low), abs(high)) and low * high > 0:  # they differ little
         numbers = (float(f"{(low + high) / 2:.{digits}e}") for digits in range(17))
         origin = next((number for number in numbers if low <= number <= high), low)
     largest = max(abs(low - origin), abs(high - origin))
@@ -126,7 +122,7 @@ class Numbers(Formatter):
         if largest >= 10 ** PLAIN[1] or largest < 10 ** PLAIN[0]:
             text = write(float(f"{value:.10e}"), 6)
         else:
-            for decimals in range(MOST_DECIMALS):
+            for decimals in range(12):
                 if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
                     break
             text = localised(f"{value:,.{decimals}f}")

@@ -18,8 +18,6 @@ PLAIN = -3, 6
 """Powers of ten from and below which a number is written without a power."""
 
 POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
-THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
-
 COMMA = ContextVar("COMMA", default=False)
 """Whether numbers have decimal commas, as the look says."""
 
@@ -57,6 +55,11 @@ def write_fixed(value: float, decimals: int) -> str:
     return localised(text) if float(text.replace(",", "")) else write(value, 2)
 
 
+def decimals_for(span: float, least: int) -> int:
+    """How many decimals tell numbers over a span apart, with two digits of it."""
+    return max(least, 1 - math.floor(math.log10(span))) if 0 < span < math.inf else least
+
+
 def localised(text: str) -> str:
     """A number as text with a minus for its hyphen, and a decimal comma where that is asked for."""
     text = true_minus(text)
@@ -70,4 +73,5 @@ def true_minus(text: str) -> str:
 
 def with_comma(text: str) -> str:
     """A text whose numbers have decimal commas, and thin spaces between thousands."""
-    return POINT_OR_SEPARATOR.sub(lambda mark: "," if mark[0] == "." else THIN_SPACE, text)
+    marks = {".": ",", ",": "\N{NARROW NO-BREAK SPACE}"}
+    return POINT_OR_SEPARATOR.sub(lambda mark: marks[mark[0]], text)

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from spintop_figures.style.axes import letters_of, name_axis, wrapped
 from spintop_figures.style.look import (
@@ -85,45 +84,45 @@ def finish(figure: Page, options: Options) -> Page:
     return figure
 
 
-def columns_of(count: int) -> int:
-    """How many panels stand in a row."""
-    return min(count, by_width(2, 1))
-
-
-def panel_rows(count: int) -> int:
-    """In how many rows panels stand."""
-    return -(-count // by_width(2, 1))
-
-
-def add_panels(
-    figure: Figure,
+def panel_figure(
+    tables: Table | Sequence[Table],
+    title: str,
     count: int,
-    sharex: bool = True,
-    sharey: bool = True,
-    grid: GridSpec | None = None,
-) -> list[Axes]:
-    """Panels over the same x, two in a row on a page, all of one size."""
-    across = columns_of(count)
-    grid = grid or figure.add_gridspec(-(-count // across), across)
+    height: float,
+    least: float = 0.0,
+    above: float = 1.2,
+    share: str = "xy",
+    has_foot: bool = False,
+) -> tuple[Page, list[Axes]]:
+    """A figure of panels that share axes, all of one size, two in a row on a page.
+
+    Heights, in inches: of a row, of all rows at least, and of what is above and below them. A foot
+    is a last row of the grid for a legend.
+    """
+    across = min(count, by_width(2, 1))
+    down = -(-count // across)
+    figure = new_figure(tables, title, above + max(height * down, least))
+    ratios = [1.0] * down + [0.01] * has_foot
+    grid = figure.add_gridspec(len(ratios), across, height_ratios=ratios)
     panels: list[Axes] = []
     for place in range(count):
-        first = panels[0] if panels else None
-        shared = {"sharex": first if sharex else None, "sharey": first if sharey else None}
+        shared = {f"share{axis}": panels[0] for axis in share} if panels else {}
         panels.append(figure.add_subplot(grid[divmod(place, across)], **shared))
-    return panels
+    return figure, panels
 
 
 def time_panels(
-    table: Table | Sequence[Table], title: str, count: int, height: float, across: int | None = None
+    table: Table, title: str, count: int, height: float, across: int | None = None, **grid: object
 ) -> tuple[Page, list[Axes]]:
     """A figure of panels over the same time, which the lowest ones name."""
-    across = across or columns_of(count)
+    across = across or by_width(2, 1)
     figure = new_figure(table, title, height)
-    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False)
+    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False, **grid)
     for axes in panels[-1]:
         name_axis(axes.xaxis, *TIME)
     for axes in panels.flat:
         axes.margins(x=0.01)
+    figure.align_ylabels()
     return figure, list(panels.flat)
 
 

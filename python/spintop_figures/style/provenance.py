@@ -14,7 +14,10 @@ def provenance_of(tables: Sequence[Table]) -> dict[str, str]:
     return {
         "Title": joined(table.title for table in tables),
         "Description": joined(run_of(table) for table in tables),
-        "Software": joined(program_of(table) for table in tables),
+        "Software": joined(
+            f"{table.header['program']}, revision {table.header.get('revision', 'unknown')}"
+            for table in tables
+        ),
         "Source": joined(printable(table.path.name) for table in tables),
     }
 
@@ -61,11 +64,6 @@ def run_of(table: Table) -> str:
     """How a table was computed, and how that ended if not well."""
     run = joined((describe_run(table), warning_of(table)))
     return run[0].upper() + run[1:]
-
-
-def program_of(table: Table) -> str:
-    """The program that made a table, and its revision."""
-    return f"{table.header['program']}, revision {table.header.get('revision', 'unknown')}"
 
 
 def describe_run(table: Table) -> str:

@@ -11,7 +11,7 @@ from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GROUND, LINES, by_width
-from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
+from spintop_figures.style.page import head, new_figure, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
@@ -28,9 +28,6 @@ from spintop_figures.tables.words import ended_well
 
 FORMULA = "_fast_top"
 """Ending of the columns that hold the paper's formula for a fast top."""
-
-MANY_DECADES = 100
-"""The ratio of the values on a log axis that needs no minor ticks."""
 
 MOST_MARKS = 60
 """Curves with more points have no marks at them."""
@@ -64,15 +61,13 @@ def object_to_sweep(table: Table) -> str:
 
 @figure(
     "sweep",
-    "formulas for a fast top and exact values against the swept parameter",
-    kind="sweep",
-    needs=" ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
+    " ".join([*EQUATIONS, *FORMULAS, AZIMUTH]),
     objection=object_to_sweep,
     sparse=True,
     assumes=LAGRANGE,
 )
 def draw_sweep(table: Table) -> Figure:
-    """The paper's formulas and the exact values against the swept parameter."""
+    """Formulas for a fast top and exact values against the swept parameter."""
     figure = new_figure(table, "Fast-top formulas and exact solution", by_width(7.4, 12.5))
     across = by_width(2, 1)
     panels = figure.subplots(6 // across, across, sharex=True, squeeze=False)
@@ -100,7 +95,7 @@ def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, un
     axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
     if is_wide(values := np.concatenate([exact, formula])):
         axes.set_yscale("log")
-        if is_wide(values, MANY_DECADES):
+        if is_wide(values, 100):
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
     name_axis(axes.yaxis, axis_of(column), unit)
     axes.legend()
@@ -143,12 +138,6 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
     axes.legend(handles=handles, ncols=2)
 
 
-PANEL_HEIGHT, LEAST_HEIGHT = 2.0, 3.0
-"""Of a row of panels, and of all of them, in inches."""
-
-SAME_THRESHOLD = 1e-6
-"""Spins of the table are that precise; a rotor adds to them, and then there is no one threshold."""
-
 FAR = 0.08
 """Neighbours among many cases that differ by more of the range are not joined: between them a curve
 is not known."""
@@ -163,21 +152,15 @@ def object_to_curves(table: Table) -> str:
     return "" if quantities_of(table) else "has no quantity to draw"
 
 
-@figure(
-    "curves",
-    "quantities of a sweep over one parameter",
-    kind="sweep",
-    objection=object_to_curves,
-)
+@figure("sweep", objection=object_to_curves)
 def draw_curves(table: Table) -> Figure:
-    """A curve of each quantity that the table has, and where cases failed."""
+    """Quantities of a sweep over one parameter."""
     quantities, name = quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
     x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()
-    height = 1.3 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
-    figure = new_figure(table, f"The motion over the {name_of(name)}{tell_rest(table)}", height)
+    title = f"The motion over the {name_of(name)}{tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(quantities), 2.0, 3.0, 1.3, share="x")
     threshold = sleeping_threshold(name, rows)
-    panels = add_panels(figure, len(quantities), sharey=False)
     crosses = {"color": FAULT, "markersize": 4, "clip_on": False}
     for quantity, axes in zip(quantities, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
@@ -196,7 +179,8 @@ def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
         return None
     at = np.abs(rows[name] / rows["sleeping_ratio"]).dropna()
     spread = np.ptp(at) if at.size else np.inf
-    return float(at.mean()) if spread <= SAME_THRESHOLD * at.mean() else None
+    # a rotor adds to them, and then there is no one threshold
+    return float(at.mean()) if spread <= 1e-6 * at.mean() else None
 
 
 def draw_curve(

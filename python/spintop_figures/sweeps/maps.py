@@ -1,13 +1,14 @@
 """The maps of a sweep over a grid of two parameters, and the colours of numbers."""
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import (
     BoundaryNorm,
     Colormap,
@@ -22,10 +23,10 @@ from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import acting
+from spintop_figures.moving.body import GRAVITY
 from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import add_panels, head, new_figure, panel_rows
-from spintop_figures.sweeps.fields import jumps, spots
+from spintop_figures.style.page import head, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     has_log_axis,
@@ -54,7 +55,7 @@ they would take more than this of the range of the others."""
 LETTER, LINE = 0.085, 0.16
 """Width of a letter and height of a line of a name in a map, in inches."""
 
-PANEL_HEIGHT, LEAST_HEIGHT = 2.6, 4.0
+HEIGHTS = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
 
 BLANK = {"facecolor": "white", "edgecolor": "0.7", "hatch": "////"}
@@ -68,8 +69,9 @@ RATE, AMPLITUDE = "effects.vibration_rate", "effects.vibration_amplitude(3)"
 KAPITZA = r"Kapitza: $A\,\Omega=\sqrt{2gI/(ml)}$"
 """What the limit is, as a legend has it."""
 
-GRAVITY = 9.81
-"""Where an input does not say it, m/s^2."""
+
+COARSE = 60
+"""Cells of a grid along an axis by which the place of a name is found; finer ones are skipped."""
 
 
 def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
@@ -163,20 +165,14 @@ def object_to_maps(table: Table) -> str:
     return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
 
 
-@figure(
-    "maps",
-    "maps of the quantities of a sweep over a grid of two parameters",
-    kind="sweep",
-    objection=object_to_maps,
-)
+@figure("sweep", objection=object_to_maps)
 def draw_maps(table: Table) -> Figure:
-    """A map of each quantity that the table has."""
+    """Maps of the quantities of a sweep over a grid of two parameters."""
     grid, quantities = make_grid(table), quantities_of(table)
     names = " and ".join(map(name_of, table.axes()))
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(quantities)), LEAST_HEIGHT)
-    figure = new_figure(table, f"The motion over {names}{tell_rest(table)}", height)
+    title = f"The motion over {names}{tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(quantities), *HEIGHTS)
     failed = ~ended_well(table.rows).to_numpy()
-    panels = add_panels(figure, len(quantities))
     for quantity, axes in zip(quantities, panels, strict=True):
         axes.patch.set(**BLANK)
         values = quantity.values(table.rows)
@@ -271,9 +267,7 @@ def draw_numbers(
     norm, extend = scale_of(quantity, numbers)
     whole = np.ma.masked_invalid(grid.fill(numbers))
     cells = np.ma.masked_invalid(grid.fill(np.clip(numbers, norm.vmin, norm.vmax)))
-    look = {"cmap": colours_of(norm), "norm": norm, "rasterized": True}
-    image = axes.pcolormesh(*grid.edges(), cells, **look)
-    bar = axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+    bar = draw_cells(axes, grid.edges(), cells, norm, extend, colours_of(norm))
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
@@ -282,6 +276,19 @@ def draw_numbers(
     head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)
     if quantity.most and whole.count():
         name_regions(axes, np.ma.filled(whole == whole.max(), False), quantity.most)
+
+
+def draw_cells(
+    axes: Axes,
+    edges: Sequence[np.ndarray],
+    cells: np.ma.MaskedArray,
+    norm: Normalize | None,
+    extend: str,
+    colours: Colormap,
+) -> Colorbar:
+    """Cells in the colours of a scale, with its bar."""
+    image = axes.pcolormesh(*edges, cells, cmap=colours, norm=norm, rasterized=True)
+    return axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
 
 
 def name_regions(axes: Axes, there: np.ndarray, name: str) -> None:
@@ -331,3 +338,104 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     set_parameter_axis(table, 0, *panels)
     set_parameter_axis(table, 1, *panels, which="y")
+
+
+class Spot(NamedTuple):
+    """The middle of a region of one class, as shares of the grid, and how much room is there."""
+
+    code: int
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:
+    """Which cells are beside a jump, and how large the jumps are; nan without one.
+
+    A jump is a change of sign between neighbours along an axis that is much larger than the
+    changes before and after it: a branch cut, such as that of an angle that grows by a turn.
+    """
+    beside = np.zeros(cells.shape, dtype=bool)
+    sizes: list[float] = []
+    values = np.ma.filled(cells, np.nan)
+    for axis in (0, 1):
+        rows, marks = np.moveaxis(values, axis, 0), np.moveaxis(beside, axis, 0)
+        change = np.abs(np.diff(rows, axis=0))
+        quiet = np.zeros_like(change)
+        quiet[1:] = np.fmax(quiet[1:], change[:-1])
+        quiet[:-1] = np.fmax(quiet[:-1], change[1:])
+        crosses = rows[1:] * rows[:-1] < 0
+        # much larger than those on either side
+        is_jump = crosses & (change > 4.0 * quiet) & (len(change) > 1)
+        marks[1:] |= is_jump
+        marks[:-1] |= is_jump
+        sizes += change[is_jump].tolist()
+    return beside, float(np.median(sizes)) if sizes else float("nan")
+
+
+def regions(codes: np.ndarray) -> list[np.ndarray]:
+    """The connected regions of cells with the same code, the largest first; nan belongs to none."""
+    left = np.isfinite(codes)
+    found = []
+    while left.any():
+        seed = np.unravel_index(np.argmax(left), left.shape)
+        same = left & (codes == codes[seed])
+        region = np.zeros_like(left)
+        region[seed] = True
+        size = 0
+        while size != (size := int(region.sum())):
+            for axis in (0, 1):
+                for step in (1, -1):
+                    moved = np.roll(region, step, axis)
+                    edge = [slice(None)] * 2
+                    edge[axis] = 0 if step == 1 else -1
+                    moved[tuple(edge)] = False
+                    region |= moved & same
+        found.append(region)
+        left &= ~region
+    return sorted(found, key=lambda region: -int(region.sum()))
+
+
+def spots(codes: np.ndarray) -> list[Spot]:
+    """Where the regions of a field of classes have room for a name.
+
+    The room is that of the largest rectangle, of cells, about the cell that is furthest inside.
+    """
+    strides = [max(1, size // COARSE) for size in codes.shape]
+    coarse = codes[:: strides[0], :: strides[1]]
+    down, across = coarse.shape
+    found = []
+    for region in regions(coarse):
+        if region.sum() < 0.02 * region.size:  # too small for a name
+            break
+        depth, inside = 0, region
+        while inside.any():
+            depth, deepest = depth + 1, inside
+            padded = np.pad(inside, 1, mode="edge" if depth == 1 else "constant")
+            inside = (
+                inside & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
+            )
+        lines, columns = np.nonzero(deepest)
+        middle = np.argmin((lines - lines.mean()) ** 2 + (columns - columns.mean()) ** 2)
+        y, x = int(lines[middle]), int(columns[middle])
+        left, right = reach(region[y], x)
+        low, high = reach(region[:, x], y)
+        found.append(
+            Spot(
+                int(coarse[y, x]),
+                (left + right + 1) / 2 / across,
+                (y + 0.5) / down,
+                (right - left + 1) / across,
+                (high - low + 1) / down,
+            )
+        )
+    return found
+
+
+def reach(line: np.ndarray, place: int) -> tuple[int, int]:
+    """The first and the last cell of the run of true ones about a place."""
+    before, after = np.flatnonzero(~line[:place]), np.flatnonzero(~line[place:])
+    first = int(before[-1]) + 1 if before.size else 0
+    last = place + int(after[0]) - 1 if after.size else line.size - 1
+    return first, last

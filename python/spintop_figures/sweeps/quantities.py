@@ -1,6 +1,6 @@
 """What the figures of a sweep show: quantities made of its columns, and its parameters."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +14,8 @@ from spintop_figures.tables.names import axis_of, column_name, name_of, unit_sho
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import count_failures, ended_well
 
-WIDE_AXIS = 12
-"""Listed values of a parameter over a larger ratio stand on a log axis."""
-
 WIDE_VALUES, WIDE_ERRORS = 1e3, 10
 """The ratio over which a quantity has a log scale; errors and costs are compared by ratios."""
-
-ROUNDING = 1e-6
-"""Growth rates come from eigenvalues, which are double at the limit of stability: there the root of
-the rounding error is seen."""
 
 FLOOR, MARGIN = 1e-15, 10
 """The rounding error of an angle in radians or of a relative error. A quantity that exceeds it by
@@ -72,7 +65,8 @@ class Quantity(NamedTuple):
         finite = values[np.isfinite(values)]
         if not self.none or not finite.size:
             return np.zeros(values.shape, dtype=bool)
-        return np.abs(values) <= ROUNDING * np.abs(finite).max()
+        # eigenvalues are double at the limit of stability: the root of rounding is seen
+        return np.abs(values) <= 1e-6 * np.abs(finite).max()
 
     def has_log_scale(self, values: np.ndarray) -> bool:
         """Whether values above zero or equal to it have a log scale."""
@@ -93,24 +87,23 @@ def of_column(name: str, label: str = "", unit: str = "", **settings: object) ->
     return Quantity((name,), label or column_name(name), unit, values, **settings)
 
 
-def nutation_range(rows: pd.DataFrame) -> pd.Series:
-    """The range of the nutation angle, in degrees."""
-    return np.degrees(rows["theta_max"] - rows["theta_min"])
-
-
-def growth(rows: pd.DataFrame) -> pd.Series:
-    """The logarithm of the growth in a period."""
-    return np.log(rows["upright_multiplier"])
-
-
-GROWTH = "growth per period, upright"
-
 QUANTITIES = (
     of_column("motion_class"),
-    Quantity(("theta_min", "theta_max"), "range of the inclination", "degrees", nutation_range),
+    Quantity(
+        ("theta_min", "theta_max"),
+        "range of the inclination",
+        "degrees",
+        lambda rows: np.degrees(rows["theta_max"] - rows["theta_min"]),
+    ),
     of_column("precession_per_nutation", unit="rad"),
     of_column("growth_rate", unit="1/s", none="stable"),
-    Quantity(("upright_multiplier",), GROWTH, "", growth, none="stable"),
+    Quantity(
+        ("upright_multiplier",),
+        "growth per period, upright",
+        "",
+        lambda rows: np.log(rows["upright_multiplier"]),
+        none="stable",
+    ),
     of_column("lyapunov_exponent", unit="1/s"),
     of_column("orientation_error", "orientation error", "rad", log_over=WIDE_ERRORS, floor=FLOOR),
     of_column("energy_error_max", log_over=WIDE_ERRORS, floor=FLOOR),
@@ -121,9 +114,6 @@ QUANTITIES = (
 
 COSTS = ("evaluations",)
 """Columns that are drawn last."""
-
-CONSTANT = 1e-9
-"""A smaller range of values, over their size, is rounding."""
 
 
 def known_quantities(table: Table) -> list[Quantity]:
@@ -151,7 +141,8 @@ def is_constant(table: Table, quantity: Quantity) -> bool:
         return values.nunique() == 1 < len(values)
     numbers = values.to_numpy(float)
     finite = numbers[np.isfinite(numbers)]
-    return bool(finite.size > 1 and np.ptp(finite) <= CONSTANT * np.abs(finite).max())
+    # a smaller range is rounding
+    return bool(finite.size > 1 and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
 
 def tell_constants(table: Table) -> str:
@@ -214,7 +205,7 @@ def draw_class_ticks(axes: Axes, values: pd.Series, among: pd.Series) -> np.ndar
     return values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
 
 
-def is_wide(values: np.ndarray, ratio: float = WIDE_AXIS) -> bool:
+def is_wide(values: np.ndarray, ratio: float = 12) -> bool:
     """Whether values belong on a log axis."""
     finite = values[np.isfinite(values)]
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > ratio * finite.min())
@@ -248,15 +239,32 @@ def name_parameter(table: Table, place: int) -> tuple[str, str]:
 
 def set_parameter_axis(table: Table, place: int, *panels: Axes, which: str = "x") -> None:
     """The scale of parameter number `place` from 0, and its name where panels are at the edge."""
-    is_log = has_log_axis(table, place)
+    name = table.axes()[place]
+    scale_panels(panels, which, table, name, table.column(name), has_log_axis(table, place))
+
+
+def scale_panels(
+    panels: Sequence[Axes],
+    which: str,
+    table: Table,
+    name: str,
+    values: np.ndarray,
+    is_log: bool,
+    ends: tuple[float, float] | None = None,
+    letters: int = 0,
+) -> None:
+    """The scale of a column along x or y of panels, and its name where they are at the edge."""
+    unit = table.units.get(name, "")
     for axes in panels:
         axes.set(**{f"{which}scale": "log" if is_log else "linear"})
+        if ends:
+            axes.set(**{f"{which}lim": ends})
     for axes in panels:
         axis = axes.xaxis if which == "x" else axes.yaxis
-        if which == "y" and table.units.get(table.axes()[place]) == "deg":
-            set_degree_ticks(axis, table.column(table.axes()[place]))
+        if which == "y" and unit == "deg":
+            set_degree_ticks(axis, values)
         if is_lowest(axes) if which == "x" else is_left(axes):
-            name_axis(axis, *name_parameter(table, place), plain=True)
+            name_axis(axis, axis_of(name), unit, plain=True, letters=letters)
 
 
 def tell_failed(table: Table) -> str:

@@ -1,7 +1,6 @@
 """The quantities of a sweep whose cases fill no grid, as points against each swept parameter."""
 
 import itertools
-import re
 import textwrap
 from collections.abc import Iterable, Sized
 from typing import NamedTuple
@@ -11,13 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import (
-    Colormap,
-    LinearSegmentedColormap,
-    ListedColormap,
-    LogNorm,
-    Normalize,
-)
+from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -49,32 +42,14 @@ MOST_CASES, LEAST_CASES = 10_000, 300
 MARKERS = "o^sDvPX<>"
 """Of classes, as their colours are numbered; the first three are far apart in lightness."""
 
-DENSE = 1500
-"""More cases of one class would hide each other as points."""
-
-MOST_PARAMETERS, NARROW_PARAMETERS, MOST_QUANTITIES = 4, 2, 6
-"""The first of them are drawn; fewer on a narrow figure."""
-
 SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 """Colours by a number, without those that are hard to see on white."""
-
-ROW_HEIGHT, LEAST_HEIGHT, KEY_HEIGHT = 1.45, 3.0, 0.2
-"""Of a row of panels and of all of them, in inches, and of the key above as a part of a row's."""
 
 LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
 """Length of a line of the labels beside and below a panel, and of the failures in the key."""
 
-JITTER, GOLDEN = 0.3, (5**0.5 - 1) / 2
-"""How far the cases of a class stand from their line, at most; the golden ratio spreads them."""
-
-TURNS = 6
-"""Classes are drawn by turns, so that none hides the others."""
-
 RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 """Ticks at the axis for cases that failed."""
-
-FULL, FAINTEST = 60, 0.25
-"""So many ticks are drawn in full colour; more are fainter, so that it is seen where most are."""
 
 CELLS = 46, 18
 """Cells across and down a panel in which cases are counted."""
@@ -112,7 +87,7 @@ class Cloud(NamedTuple):
     @property
     def is_dense(self) -> bool:
         """Whether the cases would hide each other as points."""
-        return len(self.layers) == 1 and len(self.rows) > DENSE
+        return len(self.layers) == 1 and len(self.rows) > 1500  # points would hide each other
 
     @property
     def area(self) -> float:
@@ -178,25 +153,20 @@ def object_to_scatter(table: Table) -> str:
     return "" if telling(table) else "has no quantity that varies"
 
 
-@figure(
-    "scatter",
-    "points of a sweep over several parameters that is not a grid of two",
-    kind="sweep",
-    objection=object_to_scatter,
-)
+@figure("sweep", objection=object_to_scatter)
 def draw_scatter(table: Table) -> Figure:
-    """One row of panels per quantity, one panel per parameter; two parameters span a plane."""
+    """Points of a sweep over several parameters that is not a grid of two."""
     places, quantities = varying(table), telling(table)
-    shown = places[: by_width(MOST_PARAMETERS, NARROW_PARAMETERS)]
-    told = quantities[:MOST_QUANTITIES]
+    shown = places[: by_width(4, 2)]
+    told = quantities[:6]
     has_plane = len(places) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
     counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
     title = "Cases over " + ", ".join(name_of(table.axes()[place]) for place in shown)
     title += tell_left_out((*counts, (quantities, len(told), "quantities"))) + tell_noise(table)
-    figure = new_figure(table, title, 1.9 + max(ROW_HEIGHT * len(told), LEAST_HEIGHT))
-    key, field = figure.add_gridspec(2, 1, height_ratios=[KEY_HEIGHT, len(told)])
+    figure = new_figure(table, title, 1.9 + max(1.45 * len(told), 3.0))
+    key, field = figure.add_gridspec(2, 1, height_ratios=[0.2, len(told)])
     panels = field.subgridspec(len(told), across).subplots(squeeze=False)
     tint = None if len(cloud.layers) > 1 else tint_by_parameter(table, places[0], cloud)
     densities = []
@@ -239,7 +209,8 @@ def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
     values = quantity.values(rows)
     if is_words(values):
         codes = {name: code for code, name in enumerate(order_classes(values))}
-        return values.map(codes) + JITTER * (2 * (GOLDEN * rows["case"] % 1) - 1)
+        # the golden ratio spreads them
+        return values.map(codes) + 0.3 * (2 * ((5**0.5 - 1) / 2 * rows["case"] % 1) - 1)
     numbers = values.to_numpy(float)
     numbers = quantity.shown(np.where(quantity.is_none(numbers), 0.0, numbers))
     if quantity.has_log_scale(numbers):
@@ -267,8 +238,9 @@ def draw_density(
 
 def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: Tint | None) -> None:
     """The cases that succeeded against a parameter, in colours of their class or by a number."""
-    for turn, layer in itertools.product(reversed(range(TURNS)), cloud.layers):
-        rows = layer.rows[turn::TURNS]
+    # by turns, so that no class hides the others
+    for turn, layer in itertools.product(reversed(range(6)), cloud.layers):
+        rows = layer.rows[turn::6]
         look = {"color": layer.colour}
         if tint:
             look = {"c": tint.values[rows.index], "cmap": tint.shades, "norm": tint.norm}
@@ -280,7 +252,8 @@ def mark_failed(axes: Axes, x: np.ndarray) -> None:
     """Ticks on the axis where cases failed, below the points."""
     if x.size:
         axes.margins(y=0.12)
-        alpha = float(np.clip(FULL / x.size, FAINTEST, 1.0))
+        # many are fainter: it is seen where most are
+        alpha = float(np.clip(60 / x.size, 0.25, 1.0))
         style = {"transform": axes.get_xaxis_transform(), "linestyle": "", "alpha": alpha}
         axes.plot(x, np.full_like(x, 0.035), **style, **RUG)
 
@@ -350,12 +323,8 @@ def set_parameter_axis(axes: Axes, which: str, table: Table, place: int, is_name
     axis = axes.xaxis if which == "x" else axes.yaxis
     if not is_log:
         axis.set_major_locator(MaxNLocator(4))
-    words, unit = name_parameter(table, place)
-    if len(words) > NARROW_LETTERS:  # broken before a formula
-        words, *rest = re.split(r" (?=[$(])", words, maxsplit=1)
-        words = "\n".join([*textwrap.wrap(words, NARROW_LETTERS), *rest])
     if is_named:
-        name_axis(axis, words, unit, plain=True)
+        name_axis(axis, *name_parameter(table, place), plain=True, letters=NARROW_LETTERS)
     if is_log:
         axis.set_minor_formatter("")
 

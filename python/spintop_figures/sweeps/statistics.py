@@ -13,34 +13,24 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
 from spintop_figures.style.numbers import MINUS, write, write_count
-from spintop_figures.style.page import add_panels, head, is_left, is_lowest, new_figure, panel_rows
+from spintop_figures.style.page import head, is_left, is_lowest, panel_figure
 from spintop_figures.sweeps.maps import (
     BLANK,
     COLOURS,
-    LEAST_HEIGHT,
-    PANEL_HEIGHT,
+    HEIGHTS,
     colours_of,
+    draw_cells,
     is_signed,
     scale_of,
 )
-from spintop_figures.sweeps.quantities import of_column
-from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
+from spintop_figures.sweeps.quantities import of_column, scale_panels
+from spintop_figures.tables.names import column_name, name_of, unit_shown
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING = ".statistics.csv"
 EQUAL = 1e-6
 """Relative difference below which steps or ratios are equal."""
-MOST_QUANTILES = 7
-"""Quantiles that a distribution shows at most."""
-SLIT = 0.05
-"""A gap between two intervals that is narrower than this part of them is not drawn."""
-DARK = -0.5
-"""Bins below this part of the largest size have dark colours."""
-EVEN = 1.5
-"""Variance over mean of the cases in bins, which is 1 of random ones, up to which they are even."""
-NAME_LETTERS = 2.2
-"""Distance of the names of two lines, in letters."""
 
 
 class Bins(NamedTuple):
@@ -145,15 +135,9 @@ def describe(table: Table, column: str) -> tuple[str, str, float]:
     return column_name(column, meaning), *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
-@figure(
-    "means",
-    "means of a sweep over its bins, and the number of cases",
-    kind="statistics",
-    needs="cases",
-    objection=unless(bins_of, "has no bins"),
-)
-def draw_statistics(table: Table) -> Figure:
-    """The mean of each column over the bins, and the number of cases."""
+@figure("statistics", "cases", objection=unless(bins_of, "has no bins"))
+def draw_means(table: Table) -> Figure:
+    """Means of a sweep over its bins, and the number of cases."""
     bins, rows, names = bins_of(table), rows_of_bins(table), gathered(table)
     over = " and ".join(name_of(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
@@ -161,22 +145,22 @@ def draw_statistics(table: Table) -> Figure:
         title += f", about {write(rows['cases'].mean(), 3)} in each bin"
     else:
         names.append("")
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), LEAST_HEIGHT)
-    figure = new_figure(table, title, height)
-    panels = add_panels(figure, len(names), sharey=len(bins) == 2)
+    share = "xy" if len(bins) == 2 else "x"
+    figure, panels = panel_figure(table, title, len(names), *HEIGHTS, share=share)
     for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
         else:
             draw_curve(axes, table, bins[0], rows, name)
     for bin_, which in zip(bins, "xy", strict=False):
-        set_bin_axis(table, bin_, which, panels)
+        ends = bin_.edges[0], bin_.edges[-1]
+        scale_panels(panels, which, table, bin_.column, bin_.edges, bin_.is_log, ends)
     return figure
 
 
 def is_even(cases: np.ndarray) -> bool:
     """Whether the numbers of cases in bins differ no more than those of random cases do."""
-    return bool(cases.size > 1 and cases.var() <= EVEN * cases.mean())
+    return bool(cases.size > 1 and cases.var() <= 1.5 * cases.mean())  # it is 1 of random ones
 
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
@@ -197,16 +181,14 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
         is_wide = np.isfinite(values).any() and np.nanmax(values) > 100 * np.nanmin(values)
         norm, colours = LogNorm() if is_wide else None, COLOURS
     cells = np.ma.masked_invalid(values.reshape(bins[1].edges.size - 1, bins[0].edges.size - 1))
-    look = {"cmap": colours, "norm": norm, "rasterized": True}
-    image = axes.pcolormesh(bins[0].edges, bins[1].edges, cells, **look)
-    bar = axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
+    bar = draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
     head(axes, words, bar.ax.yaxis, unit, after)
 
 
 def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray) -> None:
     """A minus in each bin below zero, as signs are not seen in print without colours."""
     style = {"marker": "_", "linestyle": "", "markersize": 3, "markeredgewidth": 0.8}
-    dark = values < DARK * np.nanmax(np.abs(values))
+    dark = values < -0.5 * np.nanmax(np.abs(values))  # where colours are
     for chosen, colour in (((values < 0) & ~dark, "black"), (dark, "white")):
         axes.plot(x[chosen], y[chosen], color=colour, rasterized=True, **style)
 
@@ -230,36 +212,15 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         axes.legend(loc="best")
 
 
-def set_bin_axis(table: Table, bins: Bins, which: str, panels: list[Axes]) -> None:
-    """Scale and name of a binned quantity, at the left or the lowest panels only."""
-    for axes in panels:
-        axes.set(**{f"{which}scale": "log" if bins.is_log else "linear"})
-        axes.set(**{f"{which}lim": (bins.edges[0], bins.edges[-1])})
-    unit = table.units.get(bins.column, "")
-    for axes in panels:
-        axis = axes.xaxis if which == "x" else axes.yaxis
-        if which == "y" and unit == "deg":
-            set_degree_ticks(axis, bins.edges)
-        if is_lowest(axes) if which == "x" else is_left(axes):
-            name_axis(axis, axis_of(bins.column), unit, plain=True)
-
-
-@figure(
-    "distributions",
-    "histograms of a sweep over all cases, with quantiles",
-    kind="statistics",
-    needs="cases",
-    objection=object_to_distributions,
-)
+@figure("statistics", "cases", objection=object_to_distributions)
 def draw_distributions(table: Table) -> Figure:
-    """The distribution of each column over all cases, with its mean and quantiles."""
+    """Histograms of a sweep over all cases, with quantiles."""
     found = distributions_of(table)
     if not found:
         raise TableError("has no value in any column")
     names = [name for name in gathered(table) if name in found]
-    height = 1.2 + max(PANEL_HEIGHT * panel_rows(len(names)), 3.0)
-    figure = new_figure(table, f"Distributions over {tell_cases(table)}", height)
-    panels = add_panels(figure, len(names), sharex=False, sharey=False)
+    title = f"Distributions over {tell_cases(table)}"
+    figure, panels = panel_figure(table, title, len(names), HEIGHTS[0], 3.0, share="")
     for name, axes in zip(names, panels, strict=True):
         draw_distribution(axes, table, name, found[name])
     return figure
@@ -276,26 +237,22 @@ def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) 
     else:
         share = found.cases / found.cases.sum()
         density = np.divide(share, width, out=np.zeros_like(share), where=width > 0)
-        axes.bar(low, density, without_slits(low, width), align="edge", color=HIDDEN, linewidth=0)
+        to_next = np.append(np.diff(low), width[-1])  # a slit between bars is not drawn
+        widths = np.where(to_next < 1.05 * width, to_next, width)
+        axes.bar(low, density, widths, align="edge", color=HIDDEN, linewidth=0)
         if density.max() > 300 * density[density > 0].min():
             axes.set_yscale("log")
         if unit == "degrees":
             set_degree_ticks(axes.xaxis, np.append(low, low[-1] + width[-1]), most=7)
         quantiles = [key for key in table.rows if key.startswith(f"{name}_q")]
         marks = {f"{write(100 * float(key.rpartition('_q')[2]))} %": row[key] for key in quantiles}
-        shown = marks if len(marks) <= MOST_QUANTILES else {}
+        shown = marks if len(marks) <= 7 else {}
         mark_values(axes, {"mean": row[f"{name}_mean"], **shown}, factor)
         name_axis(axes.yaxis, "density", {"": "", "degrees": "per degree"}.get(unit, f"per {unit}"))
     name_axis(axes.xaxis, words, unit)
     none = int(row["cases"] - row["failed"] - row[f"{name}_count"])
     if none:
         axes.set_title(f"{write_count(none)} cases have no value", fontsize="small")
-
-
-def without_slits(low: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """The widths of bars as they are drawn: they reach to the next one if that is near."""
-    to_next = np.append(np.diff(low), width[-1])
-    return np.where(to_next < (1 + SLIT) * width, to_next, width)
 
 
 def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
@@ -307,7 +264,7 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
     for words, value in sorted(marks.items(), key=lambda mark: mark[1]):
         if np.isfinite(value):
             place = (factor * value - left) / (right - left)
-            last = max(place, last + NAME_LETTERS / letters_of(axes, "x"))
+            last = max(place, last + 2.2 / letters_of(axes, "x"))  # letters apart
             look = LINES[1] if words == "mean" else {"color": GREY, "linestyle": ":"}
             axes.axvline(factor * value, **look | {"linewidth": 1.0})
             axes.annotate(words, (last, 1.02), va="bottom", color=look["color"], **style)
@@ -316,14 +273,11 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
 LEAST_RANGE, FURTHEST = 0.5, 0.5
 """The axis reaches to this share at least, and this far beyond 0 and 1 at most, where intervals are
 wide."""
-FACTOR_HEIGHT, FRAME_HEIGHT = 0.34, 0.75
-"""Of a factor, and of what is above and below the factors of a panel, in inches."""
 INDICES = ("first_order", "total")
 
-APART = 0.13
 LOOKS = (
-    (-APART, LINES[0]["color"], {"marker": "o", "label": "first order"}),
-    (APART, LINES[1]["color"], {"marker": "D", "label": "total", "markerfacecolor": GROUND}),
+    (-0.13, LINES[0]["color"], {"marker": "o", "label": "first order"}),
+    (0.13, LINES[1]["color"], {"marker": "D", "label": "total", "markerfacecolor": GROUND}),
 )
 """How far the two indices of a factor stand from its line, their colours and marks; the factors are
 1 apart."""
@@ -355,24 +309,17 @@ def indices_of(table: Table) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-@figure(
-    "indices",
-    "first-order and total Sobol' indices of a sweep with their intervals",
-    kind="statistics",
-    needs="cases",
-    objection=object_to_indices,
-)
+@figure("statistics", "cases", objection=object_to_indices)
 def draw_indices(table: Table) -> Figure:
-    """The indices of each column as dots with their intervals, a line a factor."""
+    """First-order and total Sobol' indices of a sweep with their intervals."""
     found = indices_of(table)
     if not np.isfinite(found["first_order"].to_numpy(float)).any():
         raise TableError("has no column that varies")
     groups = list(found.groupby("column", sort=False))
     title = by_width("Sobol' indices with 95 % intervals", "Sobol' indices")
     most = max(len(rows) for _, rows in groups)
-    height = 1.2 + (FRAME_HEIGHT + FACTOR_HEIGHT * most) * panel_rows(len(groups))
-    figure = new_figure(table, f"{title}: {tell_cases(table)}", height)
-    panels = add_panels(figure, len(groups), sharey=True)
+    title += f": {tell_cases(table)}"
+    figure, panels = panel_figure(table, title, len(groups), 0.75 + 0.34 * most)
     for axes, (name, rows) in zip(panels, groups, strict=True):
         head(axes, describe(table, str(name))[0])
         draw_dots(axes, rows)

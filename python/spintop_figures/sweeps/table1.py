@@ -52,13 +52,8 @@ COLUMNS = (
 )
 RIGHT_EDGES = dict(zip(COLUMNS, itertools.accumulate(c.width for c in COLUMNS), strict=True))
 PAGE_WIDTH = sum(column.width for column in COLUMNS) + 0.1
-PAGE_LETTERS = 160
-
 LEAST, LARGEST = 1e-6, 1e6
 """A column with smaller or larger numbers has powers of ten."""
-
-DIGIT = 0.0883
-"""Width of a digit of the usual letters, in inches; a point takes half of it."""
 
 LEGEND = (
     "paper: its formula for a fast top; exact: closed form of the whole motion; this run: {run} "
@@ -75,18 +70,16 @@ def object_to_table1(table: Table) -> str:
 
 
 @figure(
-    "table1",
-    "the same as a page, where the spin ratio is swept (Table 1)",
-    kind="sweep",
-    needs=" ".join(column.column for column in COLUMNS),
+    "sweep",
+    " ".join(column.column for column in COLUMNS),
     objection=object_to_table1,
     sparse=True,
     assumes=LAGRANGE,
 )
 def draw_table1(table: Table) -> Figure:
-    """The page."""
+    """The same as a page, where the spin ratio is swept (Table 1)."""
     notes = [LEGEND.format(run=describe_run(table)), *notes_on(table.rows)]
-    notes = [line for note in notes for line in textwrap.wrap(note, PAGE_LETTERS)]
+    notes = [line for note in notes for line in textwrap.wrap(note, 160)]
     bottom = HEADS + 0.4 + len(table.rows)
     lines = bottom + 0.5 + len(notes)
     title = f"Table 1 with {name_inertia(table)}: fast-top formulas and exact solution"
@@ -126,7 +119,7 @@ def write_column(axes: Axes, column: Column, values: np.ndarray, failed: np.ndar
     point = "," if COMMA.get() else "."
     behind = [len(text.partition(point)[2]) + 0.5 * (point in text) for text in texts]
     for number, (text, is_failed) in enumerate(zip(texts, failed, strict=True)):
-        room = DIGIT * (max(behind) - behind[number]) if text != DASH else 0.0
+        room = 0.0883 * (max(behind) - behind[number]) if text != DASH else 0.0
         place = RIGHT_EDGES[column] - room, HEADS + 0.7 + number
         style = {"va": "center_baseline", "color": GREY if is_failed else INK}
         axes.text(*place, text, ha="right", **style, in_layout=False)

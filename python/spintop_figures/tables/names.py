@@ -32,58 +32,41 @@ METHODS = {
     "gauss_8": "Gauss 8",
     "rkmk_4": "RKMK 4",
     "commutator_free_4": "commutator-free 4",
-    "splitting_2": "splitting 2",
-    "splitting_4": "splitting 4",
-    "splitting_6": "splitting 6",
-    "splitting_8": "splitting 8",
     "ode45": "ODE45",
     "dop853": "DOP853",
     "taylor": "Taylor",
     "taylor_quadruple": "Taylor, quadruple",
     "arkode_erk": "ARKODE, explicit",
     "arkode_dirk": "ARKODE, implicit",
-    "closed_form": "closed form",
     "auto": "chosen by spintop",
 }
 
 FORMULATIONS = {
     "euler": "Euler",
     "lagrange": "Lagrange",
-    "energy_rate": "energy rate",
     "lagrange_energy": "Lagrange + energy",
-    "rigid_body": "rigid body",
-    "space_frame": "space frame",
 }
 
 KINDS = {
-    "trajectory": "trajectory",
-    "sweep": "sweep",
     "stability": "stability study",
     "work_precision": "work-precision study",
     "benchmark": "benchmark study",
-    "fit": "fit",
     "events": "table of events",
     "statistics": "table of statistics",
     "histogram": "table of histograms",
     "indices": "table of Sobol' indices",
 }
-"""Kinds of studies and of the tables beside them."""
+"""Kinds of studies and of the tables beside them; as everywhere, the others are their own words."""
 
 ENDS = {
     "ok": "completed",
-    "at_rest": "at rest",
     "pole": "at a pole",
     "non_finite": "overflow",
     "step_limit": "too many steps",
-    "not_converged": "not converged",
-    "step_too_small": "step too small",
     "turning_point": "at a turning point",
     "outside": "outside the equations",
-    "not_solved": "not solved",
-    "accurate": "accurate",
-    "no_reference": "no reference",
 }
-"""Statuses and verdicts; the others are their own words."""
+"""Statuses and verdicts."""
 
 QUANTITIES = {
     "t": Name("time", "$t$", "t"),
@@ -162,19 +145,12 @@ QUANTITIES = {
     "gravity": Name("gravity", "$g$", "g"),
     "length": Name("distance of the centre of mass", "$l$", "l"),
     "inertia": Name("moment of inertia", "$I$", "I"),
-    "damping": Name("damping"),
-    "centre_of_mass": Name("centre of mass"),
     "quaternion": Name("quaternion", "$q$", "q"),
     "omega": Name("angular velocity", r"$\omega$", "ω"),
-    "radius": Name("radius"),
-    "thickness": Name("thickness"),
     "rod_length": Name("length of the rod"),
-    "density": Name("density"),
     "vibration_rate": Name("rate of the vibration", r"$\Omega$", "Ω"),
     "vibration_amplitude": Name("amplitude of the vibration", "$A$", "A"),
     "earth_rate": Name("angular velocity of the Earth"),
-    "relative_tolerance": Name("relative tolerance"),
-    "absolute_tolerance": Name("absolute tolerance"),
 }
 """Columns of tables and keys of the input, with what they are called by themselves."""
 

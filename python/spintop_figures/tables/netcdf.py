@@ -8,9 +8,16 @@ import numpy as np
 import pandas as pd
 
 from spintop_figures.tables.characters import TableError, printable
-from spintop_figures.tables.ending import problem_of_cells
 from spintop_figures.tables.names import unit_of_netcdf
-from spintop_figures.tables.table import BIN, NOTE, Table, check_program, read_head, stride_of
+from spintop_figures.tables.table import (
+    BIN,
+    NOTE,
+    Table,
+    check_program,
+    problem_of_cells,
+    read_head,
+    stride_of,
+)
 
 if TYPE_CHECKING:
     from xarray import Variable

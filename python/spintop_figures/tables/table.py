@@ -4,6 +4,7 @@ import csv
 import io
 import itertools
 import re
+import zlib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,7 +13,6 @@ import numpy as np
 import pandas as pd
 
 from spintop_figures.tables.characters import TableError, printable
-from spintop_figures.tables.ending import problem_of_text
 from spintop_figures.tables.names import unit_shown
 from spintop_figures.tables.words import words_of
 
@@ -24,22 +24,22 @@ FORMAT = "1"
 
 BIN, COLUMN_NAME = "bin", "column"
 """First columns of the statistics of a sweep, and of their histograms."""
-FACTOR = "factor"
-"""A column of their Sobol' indices."""
-
 EVENT = "event"
 """First column of a table of events, which may have no rows."""
-
-MANY_CASES, KEPT_CASES = 20_000, 5_000
-"""Rows of a sweep over one parameter beyond which only some are kept, and about how many."""
 
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
-LARGEST_INTEGER = 2.0**53
 LONGEST = 40
 """Characters of a cell that a message quotes at most."""
+
+
+END = re.compile(r"(\d+) rows, CRC-32 ([0-9A-F]{8})")
+KEY = b"# end: "
+"""Begins the last line of a complete table, as in `# end: 20 rows, CRC-32 9C2E1F05`. The CRC-32 is
+zlib's, over all bytes from the line of names to the last line. In NetCDF the attribute `end` says
+the same of the rows as 64-bit numbers, row by row."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Table:
     def kind(self) -> str:
         """The kind of the study, or of the table beside that of the study."""
         beside = {EVENT: "events", BIN: "statistics", COLUMN_NAME: "histogram"}
-        if FACTOR in self.rows:
+        if "factor" in self.rows:
             return "indices"
         return beside.get(self.rows.columns[0], self.setting("study.kind"))
 
@@ -217,6 +217,43 @@ def table_of_text(
     return Table(path, *columns_said, rows, status, stride, input_of(top), said, note)
 
 
+def problem_of_text(data: bytes) -> str | None:
+    """What is wrong with a table; None if nothing is known to be, as there is no such line.
+
+    The answer is empty for a table that is as it was written.
+    """
+    data = data.replace(b"\r\n", b"\n")
+    start = 0 if data.startswith(KEY) else data.rfind(b"\n" + KEY) + 1
+    if not data[start:].startswith(KEY):
+        return None
+    last = data[start:].decode("ascii", errors="replace")
+    if last.count("\n") != 1 or not last.endswith("\n"):
+        return 'was changed after it was written: lines follow the one that begins with "# end:"'
+    first = 0
+    while data[first : first + 1] == b"#":
+        first = data.index(b"\n", first) + 1
+    rows = sum(not line.startswith(b"#") for line in data[first:start].split(b"\n")[:-1]) - 1
+    return compare(last.removeprefix("# end: ").strip(), rows, zlib.crc32(data[first:start]))
+
+
+def problem_of_cells(said: str, cells: list[np.ndarray]) -> str:
+    """What is wrong with the columns of a NetCDF table; empty if they are as they were written."""
+    rows = np.column_stack([column.astype("<f8") for column in cells])
+    return compare(said, len(rows), zlib.crc32(rows.tobytes()))
+
+
+def compare(said: str, rows: int, crc: int) -> str:
+    """How the end of a table differs from what is there; empty if it does not."""
+    match = END.fullmatch(said)
+    if match and int(match[1]) == rows and int(match[2], 16) == crc:
+        return ""
+    if match and int(match[1]) != rows:
+        difference = f"it has {rows} rows, and its end says {match[1]}"
+    else:
+        difference = "its rows do not have the CRC-32 of its end"
+    return f"was changed after it was written: {difference}"
+
+
 def check_program(header: Mapping[str, str]) -> None:
     """Refuse what is no table of spintop, or one of another format than that known here."""
     if not header.get("program", "").startswith("spintop"):
@@ -229,8 +266,8 @@ def check_program(header: Mapping[str, str]) -> None:
 
 def stride_of(kind: str, names: list[str], count: int) -> int:
     """How many rows there are for one that a figure can show."""
-    is_long = kind == "sweep" and count > MANY_CASES and len(swept(names)) == 1
-    return count // KEPT_CASES if is_long else 1
+    is_long = kind == "sweep" and count > 20_000 and len(swept(names)) == 1
+    return count // 5_000 if is_long else 1  # about so many are kept
 
 
 def names_of(number: int, line: str) -> list[str]:
@@ -297,7 +334,7 @@ def rows_of(columns: Mapping[str, np.ndarray]) -> pd.DataFrame:
     rows = pd.DataFrame(columns)
     for name, values in columns.items():
         is_number = values.dtype.kind == "f" and values.size
-        if is_number and (values % 1 == 0).all() and np.abs(values).max() < LARGEST_INTEGER:
+        if is_number and (values % 1 == 0).all() and np.abs(values).max() < 2.0**53:
             rows[name] = values.astype(np.int64)
     return rows
 

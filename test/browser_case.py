@@ -19,10 +19,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
-from reporting import live  # noqa: E402
-from reporting.errata import read_errata  # noqa: E402
 from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
-from reporting.page import make_page, write_page  # noqa: E402
+from reporting.page import make_alone, make_page, write_page  # noqa: E402
 from reporting.study import read_study  # noqa: E402
 
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
@@ -98,9 +96,8 @@ def make_study() -> Path:
     hostile.write_text(text.replace(title, f"    title = '{HOSTILE}'"), encoding="utf-8")
     few = ("--set", "span.samples=41", "--set", "output.columns=t,phi,theta,psi")
     subprocess.run([*command, *few, hostile], check=True, capture_output=True)
-    errata = read_errata()
-    sections, problems = read_study(folder, errata)
-    page, lack = make_page(folder.name, sections, problems, errata)
+    sections, problems = read_study(folder)
+    page, lack = make_page(folder.name, sections, problems)
     if problems or lack:
         raise AssertionError([*problems, lack])
     write_page(page, folder / "report.html")
@@ -111,8 +108,8 @@ def make_study() -> Path:
 def make_live_page() -> Path:
     """Make the page with the live top alone. Once for all tests."""
     page = new_scratch("live ") / "pages" / "live.html"
-    if live.main(["--live", "-o", str(page)]):
-        raise AssertionError("the page was not made")
+    page.parent.mkdir()
+    write_page(make_alone("--live"), page)
     return page
 
 

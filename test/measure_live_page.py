@@ -15,8 +15,8 @@ sys.path[:0] = [str(Path(__file__).resolve().parent)]
 os.environ.setdefault("SPINTOP_BROWSER", shutil.which("chromium") or "")
 
 from browser_case import BROWSER, SOFTWARE_WEBGL, open_browser, wait_for  # noqa: E402
-from reporting import live  # noqa: E402
 from reporting.packages import need  # noqa: E402
+from reporting.page import make_alone, write_page  # noqa: E402
 
 FRAMES = 120
 
@@ -70,8 +70,7 @@ def main() -> int:
         return 1
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         page = Path(scratch) / "live.html"
-        if code := live.main(["--live", "-o", str(page)]):
-            return code
+        write_page(make_alone("--live"), page)
         browser = open_browser(Path(scratch) / "profile", *SOFTWARE_WEBGL)
         try:
             print(f"page: {page.stat().st_size / 1e6:.2f} MB")

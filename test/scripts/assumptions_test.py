@@ -16,7 +16,6 @@ sys.path[:0] = [str(TESTS), str(ROOT / "scripts"), str(ROOT / "python")]
 
 from plot_case import a_trajectory  # noqa: E402
 from reporting.live_link import live_link  # noqa: E402
-from reporting.paper import runs_of  # noqa: E402
 from spintop_figures.motion.reduced import find_reduced  # noqa: E402
 from spintop_figures.motion.trajectory import (  # noqa: E402
     draw_forces,
@@ -114,7 +113,7 @@ def test_figures_with_assumptions() -> None:
 
 @pytest.mark.parametrize("key", SIZES)
 def test_effects(folder: Path, key: str) -> None:
-    """Each effect breaks the assumptions of figures, of the live top and of the paper's runs."""
+    """Each effect breaks the assumptions of figures and of the live top."""
     value = ",".join([f"{STRONG.get(key, 0.02)}"] * SIZES[key])
     if key in TABLES:
         path = folder / "effect.csv"
@@ -125,7 +124,6 @@ def test_effects(folder: Path, key: str) -> None:
     assert key in no_effects(table)
     assert offered(table) == set()
     assert bool(live_link(table)) == (key == "friction_torque")
-    assert runs_of(table) == set()
     assert all(end.of_rows for end in inclination_extremes(table))
     plain = compute(folder, TOP)
     assert offered(plain) >= {"potential", "portrait"}

@@ -22,12 +22,12 @@ from spintop_figures.moving.data import pack_all
 from spintop_figures.moving.motion import facts_text
 from spintop_figures.tables.names import raised
 
-LARGEST, PER_TABLE = 3_500_000, 300_000
-"""Bytes of a page, and what each of many tables has at least. Where there would be more, the
-longest tables have fewer rows; figures are as they are."""
+LARGEST, PER_TABLE = 2_000_000, 100_000
+"""Bytes of the data in a page, and what each of many tables has at least. Where there would be
+more, the longest tables have fewer rows."""
 
-ALL_CELLS, BYTES_PER_CELL = 20_000, 24
-"""Cells of all tables that are shown, and about what one takes in the page."""
+ALL_CELLS = 20_000
+"""Cells of all tables that are shown."""
 
 STYLES = ("page.css", "live.css")
 ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "main.js")}
@@ -88,16 +88,11 @@ def load_script(sections: list[Section]) -> tuple[str, str]:
         return "", str(error)
 
 
-def pack_data(sections: list[Section], rest: int) -> list[str]:
-    """Give the sections data for which a page has room beside so many bytes.
-
-    Returns which of them have fewer rows than their tables, in sentences.
-    """
+def pack_data(sections: list[Section]) -> list[str]:
+    """Give the sections their data; return which have fewer rows than their tables, in words."""
     for section in sections:
         section.cells = min(section.cells, ALL_CELLS // len(sections))
-        rest += BYTES_PER_CELL * min(section.table.rows.size, section.cells)
-        rest += sum(picture.size for picture in section.pictures)
-    room = max(0, max(LARGEST, PER_TABLE * len(sections)) - rest)
+    room = max(LARGEST, PER_TABLE * len(sections))
     for section, data in zip(sections, pack_all([s.table for s in sections], room), strict=True):
         section.data = data
     return [
@@ -130,7 +125,7 @@ def facts_of(sections: list[Section]) -> dict[str, str]:
 def make_page(title: str, sections: list[Section], problems: list[str]) -> tuple[str, list[str]]:
     """The page of a study, and what is lacking in it, in sentences."""
     script, lack = load_script(sections)
-    reduced = pack_data(sections, len(script))
+    reduced = pack_data(sections)
     motions = {
         section.anchor: Markup(facts_text(section.table, section.data, f"{section.anchor}-data"))
         for section in sections

@@ -34,11 +34,6 @@ class Picture:
     thumbnail: str
     extent: tuple[int, int]
 
-    @property
-    def size(self) -> int:
-        """Bytes that it takes in the page."""
-        return len(self.address) + len(self.thumbnail)
-
 
 def pictures_of(table: Table, problems: list[str] | None = None) -> list[Picture]:
     """The pictures that belong to a table; why others cannot be drawn joins the problems."""

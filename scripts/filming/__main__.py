@@ -2,12 +2,9 @@
 
 import argparse
 import math
-import multiprocessing
-import os
 import re
 import sys
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from pathlib import Path
 
 from filming.encode import check_means, write
@@ -22,11 +19,9 @@ SIZE = (1280, 720)
 RATES = {".gif": 20}
 RATE = 30
 SECONDS = 12.0
-MOST_SECONDS, MOST_PIXELS = 3600.0, 4096
+LEAST_SECONDS, MOST_SECONDS, MOST_PIXELS = 1e-3, 3600.0, 4096
 MOST_TIME = 1e12
 SPEEDS = (1e-9, 1e9)
-cameras: list[Camera] = []
-"""What a child draws with; it inherits it."""
 
 
 def size_of(text: str) -> tuple[int, int]:
@@ -38,17 +33,6 @@ def size_of(text: str) -> tuple[int, int]:
             f"{text!r} is no size such as 1280x720: two even numbers up to {MOST_PIXELS}"
         )
     return size
-
-
-def seconds_of(text: str) -> float:
-    """How long a film is, s."""
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0 < seconds <= MOST_SECONDS:
-        raise argparse.ArgumentTypeError(f"{text!r} is no duration up to {MOST_SECONDS:g} s")
-    return seconds
 
 
 def number_of(what: str, least: float, most: float) -> Callable[[str], float]:
@@ -103,7 +87,7 @@ def parse_arguments() -> argparse.Namespace:
     lengths = parser.add_mutually_exclusive_group()
     lengths.add_argument(
         "--seconds",
-        type=seconds_of,
+        type=number_of("duration", LEAST_SECONDS, MOST_SECONDS),
         default=SECONDS,
         help=f"how long the film is (default: {SECONDS:g})",
     )
@@ -164,36 +148,6 @@ def part_of(arguments: argparse.Namespace, sources: list[Path]) -> list[Part]:
     return [Part(arguments.start, end, span / (end - arguments.start)) for span in spans]
 
 
-def shoot(picture: int) -> bytes:
-    """Draw a picture, in a child."""
-    return cameras[0].shoot(picture)
-
-
-def shoot_all(camera: Camera) -> Iterator[bytes]:
-    """All pictures in their order, drawn on as many processors as there are."""
-    cameras[:] = [camera]
-    total, workers = len(camera.takes[0].rows), os.cpu_count() or 1
-    if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from told(map(shoot, range(total)), total)
-        return
-    sys.stdout.flush()
-    context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context) as pool:
-        # A few at a time: pictures that wait for the encoder take memory.
-        batch = 8 * workers
-        parts = (range(i, min(i + batch, total)) for i in range(0, total, batch))
-        yield from told((picture for part in parts for picture in pool.map(shoot, part)), total)
-
-
-def told(pictures: Iterator[bytes], total: int) -> Iterator[bytes]:
-    """The pictures; the terminal tells how many there are."""
-    for i, picture in enumerate(pictures, start=1):
-        if sys.stderr.isatty():
-            end = "\n" if i == total else ""
-            print(f"\rpicture {i} of {total}", end=end, file=sys.stderr, flush=True)
-        yield picture
-
-
 def make_takes(arguments: argparse.Namespace, rate: int) -> tuple[list[Take], float]:
     """The motions of a film, and how long it is, s."""
     sources = list(filter(None, (arguments.input, arguments.second)))
@@ -228,7 +182,7 @@ def main() -> int:
             view=View(arguments.azimuth, arguments.elevation),
             speed=(takes[0].times[-1] - takes[0].times[0]) / seconds,
         )
-        write(output, shoot_all(camera), size, rate)
+        write(output, camera, rate)
     except FilmError as error:
         print(f"scripts/film: {printable(str(error))}", file=sys.stderr)
         return error.code

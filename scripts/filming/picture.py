@@ -79,7 +79,7 @@ class Camera:
         self.figure = Figure(
             figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["stage"]
         )
-        self.canvas = FigureCanvasAgg(self.figure)
+        FigureCanvasAgg(self.figure)
         groups = [self.takes] if is_ghost else [[take] for take in self.takes]
         width, self.row = 1 / len(groups), 1.35 * pixels / size[1]
         self.strip = max(STRIP, LINES * self.row)
@@ -146,8 +146,8 @@ class Camera:
         self.figure.text(0.02, self.strip - 0.5 * self.row, "θ (degrees) against time (s)", **words)
         return chart.axvline(self.takes[0].times[0], color=colours["mark"], lw=1.8 * self.scale)
 
-    def shoot(self, picture: int) -> bytes:
-        """A picture, three bytes a pixel."""
+    def show(self, picture: int) -> None:
+        """Bring the figure to a picture of the film."""
         for stage in self.stages:
             stage.show(picture)
         rows = [take.rows[picture] for take in self.takes]
@@ -158,5 +158,3 @@ class Camera:
             for take, row in zip(self.takes, rows, strict=True)
         ]
         self.clock.set_text(f"t = {time:.3f} s   θ = {', '.join(angles)}")
-        self.canvas.draw()
-        return np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:, :, :3]).tobytes()

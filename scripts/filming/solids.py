@@ -17,15 +17,13 @@ MARK, EVEN, ODD = 0, 1, 2
 def surface(solid: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
     """The polygons of a solid, four corners each, and their colours."""
     own, colours = faces(solid) if solid["kind"] == "cuboid" else revolved(outline(solid))
-    if solid["kind"] == "ellipsoid":
-        own = own * np.array(solid["semiaxes"])
     frame = np.array(solid["axes"], float).reshape(3, 3)
     return own @ frame + np.array(solid["place"], float), colours
 
 
 def outline(solid: dict[str, object]) -> list[tuple[float, float]]:
     """Radius and height along the edge of a solid of revolution about its own z."""
-    r, h = float(solid.get("radius", 1.0)), float(solid.get("height", 0.0))
+    r, h = float(solid["radius"]), float(solid.get("height", 0.0))
     match solid["kind"]:
         case "cylinder":
             return [(0, -h / 2), (r, -h / 2), (r, h / 2), (0, h / 2)]
@@ -34,7 +32,7 @@ def outline(solid: dict[str, object]) -> list[tuple[float, float]]:
             return [(s, -h / 2), (r, -h / 2), (r, h / 2), (s, h / 2), (s, -h / 2)]
         case "cone":
             return [(0, -0.75 * h), (r, h / 4), (0, h / 4)]
-        case _:  # a sphere; an ellipsoid from one of radius 1
+        case _:  # a sphere
             angles = np.linspace(-np.pi / 2, np.pi / 2, ARC + 1)
             return [(r * np.cos(a), r * np.sin(a)) for a in angles]
 

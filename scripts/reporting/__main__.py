@@ -5,15 +5,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-from reporting import live
-from reporting.errata import read_errata
-from reporting.page import make_page, write_page
+from reporting.packages import PackageError
+from reporting.page import ALONE, make_alone, make_page, write_page
 from reporting.study import list_tables, read_study
 from spintop_figures.files import show_path
 from spintop_figures.tables.characters import printable
 
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 SCRIPTS = Path(__file__).resolve().parent.parent
+PAGES_ALONE = {
+    "--live": "the page of the live top, which answers to sliders at once, instead",
+    "--viewer": "the page in which the Python package shows a motion",
+}
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -26,17 +29,8 @@ def parse_arguments() -> argparse.Namespace:
         "no table is named in the page.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--live",
-        action="store_true",
-        help="make the page of the live top instead: --live [-o FILE]; sliders, and the exact\n"
-        "solution computed in the page",
-    )
-    parser.add_argument(
-        "--viewer",
-        action="store_true",
-        help="make the page in which the Python package shows a motion: --viewer [-o FILE]",
-    )
+    for option, what in PAGES_ALONE.items():
+        parser.add_argument(option, action="store_true", help=f"make {what}: {option} [-o FILE]")
     parser.add_argument("study", metavar="STUDY_DIR", type=Path, help="folder with tables")
     parser.add_argument(
         "inputs",
@@ -72,10 +66,42 @@ def run_inputs(folder: Path, inputs: list[Path]) -> int:
     return subprocess.run(command, check=False).returncode
 
 
+def write_or_complain(page: str, output: Path) -> int:
+    """Write a page and say where it is; return the exit code."""
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        write_page(page, output)
+    except OSError as error:
+        complain(f"cannot write {output}: {error.strerror or error}")
+        return EXIT_OUTPUT
+    show_path(output)
+    return 0
+
+
+def make_page_alone(option: str) -> int:
+    """Make a page without a study."""
+    parser = argparse.ArgumentParser(
+        prog=f"scripts/report {option}",
+        description=f"Make {PAGES_ALONE[option]}. It needs no other file and no network.",
+        epilog="exit codes: 0 all is well; 2 wrong usage; 4 the page could not be made or written",
+    )
+    default = Path("output") / f"{option.removeprefix('--')}.html"
+    parser.add_argument(option, action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, default=default, help=f"default: {default}"
+    )
+    output = parser.parse_args().output
+    try:
+        return write_or_complain(make_alone(option), output)
+    except PackageError as error:
+        complain(str(error))
+        return EXIT_OUTPUT
+
+
 def main() -> int:
     """Run the inputs, if any, and make the page."""
-    if any(option in sys.argv[1:] for option in live.PAGES):
-        return live.main(sys.argv[1:])
+    if option := next((option for option in ALONE if option in sys.argv[1:]), None):
+        return make_page_alone(option)
     arguments = parse_arguments()
     before = list_tables(arguments.study) if arguments.inputs else None
     code = run_inputs(arguments.study, arguments.inputs) if arguments.inputs else 0
@@ -84,25 +110,17 @@ def main() -> int:
     if not arguments.study.is_dir():
         complain(f"{arguments.study}: no such folder")
         return EXIT_INPUT
-    errata = read_errata()
-    sections, problems = read_study(arguments.study, errata, before)
+    sections, problems = read_study(arguments.study, before)
     for problem in problems:
         complain(problem)
     if not sections:
         complain(f"{arguments.study}: no table of spintop in it")
         return EXIT_INPUT
     title = printable(arguments.title or arguments.study.resolve().name)
-    page, lacking = make_page(title, sections, problems, errata)
+    page, lacking = make_page(title, sections, problems)
     for sentence in lacking:
         complain(sentence)
-    output = arguments.output or arguments.study / "report.html"
-    try:
-        write_page(page, output)
-    except OSError as error:
-        complain(f"cannot write {output}: {error.strerror or error}")
-        return EXIT_OUTPUT
-    show_path(output)
-    return code
+    return write_or_complain(page, arguments.output or arguments.study / "report.html") or code
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from markupsafe import Markup
 
 DIGITS = 10
 """Significant digits of the largest number of a column."""
@@ -15,6 +16,12 @@ LOWEST, HIGHEST = -2, 7
 WIDEST, SMALL_PART = 6, 0.1
 """Powers of ten between the largest number of a column without powers and its small ones, which
 are so large a part of all."""
+
+BOUND = "_bound"
+"""Behind the name of a column in that of its proved bounds."""
+
+MOST, MORE = 17, 2
+"""Digits of a cell with a bound, and how many of the best known one are not proved."""
 
 NOTHING = "\N{EN DASH}"
 
@@ -33,7 +40,7 @@ def texts_of(cells: Sequence[object] | pd.Series) -> list[str]:
     """The cells of a column as texts, all with as many decimals."""
     numbers = [cell for cell in cells if is_number(cell)]
     if not numbers:
-        return [str(cell) if isinstance(cell, str) else NOTHING for cell in cells]
+        return [word_of(cell) for cell in cells]
     write = writer_for(numbers)
     return [write(cell) if is_number(cell) else word_of(cell) for cell in cells]
 
@@ -58,3 +65,38 @@ def writer_for(numbers: list[float]) -> object:
     most = max(0, DIGITS - 1 - top)
     needed = max(len(f"{float(x):.{most}f}".rstrip("0").partition(".")[2]) for x in numbers)
     return lambda x: minus(f"{float(x):.{needed}f}")
+
+
+def decimals_of(bound: float) -> int | None:
+    """The last decimal to half a unit of which a number with this error is right; none if none."""
+    if not 0 <= bound <= 0.5:
+        return None
+    return MOST if bound == 0 else min(MOST, math.floor(-math.log10(2 * bound)))
+
+
+def proved_texts(cells: Sequence[object], bounds: Sequence[object]) -> list[str]:
+    """The cells of a column: proved digits are set apart from others; the bound is their title."""
+    numbers = [x for x in cells if is_number(x) and math.isfinite(x)]
+    known = [decimals_of(float(b)) if is_number(b) else None for b in bounds]
+    whole = len(str(int(max((abs(x) for x in numbers), default=0))))
+    most = max((d for d in known if d is not None), default=MOST) + MORE
+    decimals = max(0, min(most, MOST - whole))
+    texts = []
+    for cell, bound, proved in zip(cells, bounds, known, strict=True):
+        if not is_number(cell):
+            texts.append(word_of(cell))
+        elif proved is None or not math.isfinite(cell):
+            texts.append(minus(f"{cell:.{decimals}f}" if math.isfinite(cell) else str(cell)))
+        else:
+            texts.append(in_parts(f"{cell:.{decimals}f}", decimals - proved, float(bound)))
+    return texts
+
+
+def in_parts(text: str, rest: int, bound: float) -> Markup:
+    """A number of which all but the last few digits are proved."""
+    end = len(text) - max(0, rest)
+    end -= text[:end].endswith(".")
+    said = minus(f"{bound:.2g}")
+    return Markup('<b class="proved" title="off by {} at most">{}</b>{}').format(
+        said, minus(text[:end]), text[end:]
+    )

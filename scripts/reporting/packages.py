@@ -1,8 +1,8 @@
-"""The npm packages that the page is made with: fetched once, verified, kept in build/.
+"""The scripts of pages with what they use of three.js, and the npm packages that this takes.
 
 `page/package-lock.json` says which, in the form that npm itself writes and reads. A package is
-fetched as npm would, from the registry of its configuration (`npm_config_registry`, `.npmrc` here
-or at home), but neither npm nor node is needed.
+fetched once, as npm would, from the registry of its configuration (`npm_config_registry`, `.npmrc`
+here or at home), verified, and kept in build/; neither npm nor node is needed.
 """
 
 import base64
@@ -12,12 +12,13 @@ import json
 import os
 import platform
 import ssl
+import subprocess
 import tarfile
 import tempfile
 import urllib.error
 import urllib.parse
 import urllib.request
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGE = Path(__file__).resolve().parent / "page"
@@ -33,45 +34,66 @@ PATIENCE = 60.0
 PROCESSORS = {"x86_64": "x64", "amd64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 """What npm calls the processors that `platform` names."""
 
+OPTIONS = (
+    *("--bundle", "--minify", "--format=iife", "--charset=utf8", "--legal-comments=none"),
+    *("--target=es2022", "--log-level=warning"),
+)
+"""What esbuild is told; the target is the oldest browser."""
+
 
 class PackageError(Exception):
     """Why a package is not to be had, in one line."""
+
+
+def bundle(entry: Path) -> str:
+    """A module and all that it imports, as one classic script without dependencies.
+
+    It has the licence of three.js at its head. Raises a PackageError if what it takes is not there
+    and cannot be fetched.
+    """
+    licence = (need("three") / "LICENSE").read_text(encoding="utf-8")
+    program = need(esbuild_package()) / "bin" / "esbuild"
+    command = [program, entry, *OPTIONS, f"--banner:js=/*! with three.js\n{licence}*/"]
+    environment = os.environ | {"NODE_PATH": str(MODULES)}
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, encoding="utf-8", env=environment, check=False
+        )
+    except OSError as error:
+        raise PackageError(f"cannot run {program}: {error.strerror}") from error
+    if done.returncode or done.stderr:
+        raise PackageError(f"esbuild refused {entry.name}:\n{done.stderr.strip()}")
+    return done.stdout
 
 
 def esbuild_package() -> str:
     """The package with the bundler for this machine."""
     processor = platform.machine().lower()
     name = f"@esbuild/{platform.system().lower()}-{PROCESSORS.get(processor, processor)}"
-    if name not in read_lock():
+    if f"node_modules/{name}" not in read_lock():
         raise PackageError(f"there is no {name} in {PAGE / 'package-lock.json'}")
     return name
 
 
 def read_lock() -> dict[str, dict]:
-    """Version and integrity of every package, by name."""
-    lock = json.loads((PAGE / "package-lock.json").read_text(encoding="utf-8"))
-    inside = "node_modules/"
-    return {
-        key.removeprefix(inside): entry
-        for key, entry in lock["packages"].items()
-        if key.startswith(inside)
-    }
+    """Version and integrity of every package, by its folder."""
+    return json.loads((PAGE / "package-lock.json").read_text(encoding="utf-8"))["packages"]
 
 
 def need(name: str) -> Path:
     """The folder of a package, fetched if it is not there yet."""
-    entry = read_lock()[name]
-    folder = MODULES / name
+    entry = read_lock()[f"node_modules/{name}"]
+    folder, integrity = MODULES / name, entry["integrity"]
     stamp = folder / ".integrity"
-    try:
-        if stamp.read_text(encoding="ascii") == entry["integrity"]:
-            return folder
-    except FileNotFoundError:
-        pass
+    if stamp.is_file() and stamp.read_text(encoding="ascii") == integrity:
+        return folder
     data = fetch(tarball_of(name, entry["version"]))
-    check_integrity(name, data, entry["integrity"])
+    algorithm, _, expected = integrity.partition("-")
+    found = base64.b64encode(hashlib.new(algorithm, data).digest()).decode("ascii")
+    if found != expected:
+        raise PackageError(f"{name} is not what the lock file means: {algorithm}-{found}")
     try:
-        unpack(data, folder, entry["integrity"])
+        unpack(data, folder, integrity)
     except OSError as error:
         raise PackageError(f"cannot write to {folder}: {error.strerror or error}") from error
     return folder
@@ -80,21 +102,15 @@ def need(name: str) -> Path:
 def settings() -> dict[str, str]:
     """The configuration of npm: of this machine's user, of the project, of the environment."""
     environment = {key.lower(): value for key, value in os.environ.items()}
-    user = environment.get("npm_config_userconfig") or str(Path("~/.npmrc").expanduser())
+    user = environment.get("npm_config_userconfig") or Path("~/.npmrc").expanduser()
     known: dict[str, str] = {}
-    for path in (Path(user), ROOT / ".npmrc"):
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-        except OSError:
-            continue
-        for line in lines:
+    for path in filter(Path.is_file, (Path(user), ROOT / ".npmrc")):
+        for line in path.read_text(encoding="utf-8").splitlines():
             key, equals, value = line.partition("=")
             if equals and not line.lstrip().startswith(("#", ";")):
                 known[key.strip()] = value.strip().strip("\"'")
-    for key in ("registry", "cafile"):
-        if value := environment.get(f"npm_config_{key}"):
-            known[key] = value
-    return known
+    given = {key: environment.get(f"npm_config_{key}") for key in ("registry", "cafile")}
+    return known | {key: value for key, value in given.items() if value}
 
 
 def tarball_of(name: str, version: str) -> str:
@@ -105,10 +121,9 @@ def tarball_of(name: str, version: str) -> str:
 
 def fetch(address: str) -> bytes:
     """The bytes at an address."""
-    cafile = settings().get("cafile")
     host = urllib.parse.urlsplit(address).hostname
     try:
-        context = ssl.create_default_context(cafile=cafile)
+        context = ssl.create_default_context(cafile=settings().get("cafile"))
         with urllib.request.urlopen(address, timeout=PATIENCE, context=context) as answer:
             return answer.read()
     except (OSError, ValueError) as error:
@@ -116,34 +131,15 @@ def fetch(address: str) -> bytes:
         raise PackageError(f"the npm registry ({host}) gave no {address}: {reason}") from error
 
 
-def check_integrity(name: str, data: bytes, integrity: str) -> None:
-    """Raise an error unless the bytes are those that the lock file means."""
-    algorithm, _, expected = integrity.partition("-")
-    found = base64.b64encode(hashlib.new(algorithm, data).digest()).decode("ascii")
-    if found != expected:
-        raise PackageError(f"{name} is not what the lock file means: {algorithm}-{found}")
-
-
 def unpack(data: bytes, folder: Path, integrity: str) -> None:
     """Put the files of a package into its folder, which is complete or not there."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
-        fresh, old = Path(scratch) / "new", Path(scratch) / "old"
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-            for member in archive:
-                extract(archive, member, fresh)
+            inside = [member for member in archive if ".." not in Path(member.name).parts]
+            archive.extractall(scratch, inside, filter="data")
+        [fresh] = Path(scratch).iterdir()  # named as the packer liked it
         (fresh / ".integrity").write_text(integrity, encoding="ascii")
         if folder.exists():
-            folder.rename(old)
+            folder.rename(Path(scratch) / "old")
         fresh.rename(folder)
-
-
-def extract(archive: tarfile.TarFile, member: tarfile.TarInfo, folder: Path) -> None:
-    """Put a plain file of an archive into a folder, without the first part of its path."""
-    parts = PurePosixPath(member.name).parts[1:]
-    if not member.isfile() or not parts or ".." in parts:
-        return
-    path = folder.joinpath(*parts)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(archive.extractfile(member).read())
-    path.chmod(0o755 if member.mode & 0o100 else 0o644)

@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reporting.cells import texts_of
-from reporting.errata import Erratum, errata_for
+from reporting.cells import BOUND, proved_texts, texts_of
 from reporting.key_numbers import key_numbers
 from reporting.pictures import Picture, pictures_of
-from reporting.proved import SUFFIX, proved_texts
 from reporting.words import method_of
 from spintop_figures.moving.data import Data, rows_kept, which_rows
 from spintop_figures.moving.motion import refusal
@@ -40,7 +38,6 @@ class Section:
     table: Table
     anchor: str
     pictures: list[Picture]
-    errata: list[Erratum]
     data: Data | None = None
     """The rows as they can be saved from the page."""
     cells: int = MOST_CELLS
@@ -132,15 +129,10 @@ class Section:
         """Why a trajectory cannot be shown move; empty if it can, or is none."""
         return "" if self.moves or self.table.kind != "trajectory" else refusal(self.table)
 
-    @property
-    def input(self) -> str:
-        """The resolved namelist as it stands in the header."""
-        return self.table.input
-
     def is_proved(self, name: str) -> bool:
         """Whether a column has proved bounds beside it."""
         rows = self.table.rows
-        bounds = name + SUFFIX
+        bounds = name + BOUND
         return bounds in rows and self.table.numeric(name) and self.table.numeric(bounds)
 
     @property
@@ -151,7 +143,7 @@ class Section:
     def texts(self, part: pd.DataFrame, name: str) -> list[str]:
         """The cells of a column as texts."""
         if self.is_proved(name):
-            return proved_texts(list(part[name]), list(part[name + SUFFIX]))
+            return proved_texts(list(part[name]), list(part[name + BOUND]))
         return texts_of(part[name])
 
     def shown_rows(self) -> tuple[list[list[str]], str]:
@@ -200,7 +192,7 @@ def is_part(path: Path) -> bool:
 
 
 def read_study(
-    folder: Path, errata: list[Erratum], before: dict[Path, int] | None = None
+    folder: Path, before: dict[Path, int] | None = None
 ) -> tuple[list[Section], list[str]]:
     """The sections of a report, and what is wrong with files that have none.
 
@@ -218,7 +210,7 @@ def read_study(
             continue
         problems += [f"{printable(path.relative_to(folder))}: {problem}" for problem in undrawn]
         anchor = f"table-{len(sections) + 1}"
-        sections.append(Section(table, anchor, pictures, errata_for(table, errata)))
+        sections.append(Section(table, anchor, pictures))
     tell_apart(sections)
     return sections, problems
 

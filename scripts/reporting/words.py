@@ -1,21 +1,9 @@
-"""What a report writes beside the names and numbers of figures: counts, formulas, errors."""
-
-import re
+"""What a report writes beside the names and numbers of figures: counts, kinds, errors."""
 
 from spintop_figures.style.numbers import true_minus, write, write_count
-from spintop_figures.tables.names import LOWERED, POWER, RAISED, name_of
+from spintop_figures.tables.names import name_of
 
 DIGITS = 4
-
-GREEK = {
-    **{"phi": "φ", "theta": "θ", "psi": "ψ"},
-    **{"omega": "ω", "lambda": "λ", "delta": "Δ"},
-}
-RELATIONS = {">>": "≫", "<<": "≪", ">=": "≥", "<=": "≤"}
-SYMBOL = re.compile(rf"\b({'|'.join(GREEK)})(\d?)\b")
-MOMENT = re.compile(r"\bI([123])\b")
-ROOT = re.compile(r"\bsqrt\((\w+)\)")
-RELATION = re.compile("|".join(RELATIONS))
 
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 """Counts up to ten are words."""
@@ -59,14 +47,6 @@ def of_kind(kind: str, number: int) -> str:
     """So many tables of a kind."""
     plain = kind.replace("_", " ")
     return counted(number, *KINDS.get(kind, (f"table: {plain}", f"tables: {plain}")))
-
-
-def typeset(text: str) -> str:
-    """A formula of plain characters with powers, roots, Greek letters and signs as in print."""
-    text = POWER.sub(lambda found: found[1].translate(RAISED), text)
-    text = SYMBOL.sub(lambda found: GREEK[found[1]] + found[2].translate(LOWERED), text)
-    text = MOMENT.sub(lambda found: "I" + found[1].translate(LOWERED), text)
-    return RELATION.sub(lambda found: RELATIONS[found[0]], ROOT.sub(r"√\1", text))
 
 
 def method_of(model: str, method: str) -> str:

@@ -1,7 +1,6 @@
 // All tests of the page's modules, in one script.
 
 import "./attitude_test.js";
-import "./bifurcation_test.js";
 import "./motion_test.js";
 import "./pair_test.js";
 import "./player_test.js";

@@ -1,7 +1,8 @@
 // Attitudes against the definition of Euler's angles, R = Rz(phi) Rx(theta) Rz(psi).
 
 import { Matrix4, Quaternion, Vector3 } from "three";
-import { fromAngles, nearTo, toAngles, turnAbout, twistOf, withinHalfTurn } from "../../scripts/reporting/page/attitude.js";
+import { fromAngles, toAngles, turnAbout, twistOf } from "../../scripts/reporting/page/attitude.js";
+import { nearTo } from "../../scripts/reporting/page/dynamics/numbers.js";
 import { near, test } from "./check.js";
 
 const SOME = [[0.3, 1.1, -2], [-2.9, 0.01, 3], [1, 3.1, 0.2], [0, 1.5, 0]];
@@ -40,7 +41,7 @@ test("both quaternions of an attitude have its angles", () => {
 });
 
 test("turns are taken off and put on", () => {
-  near(withinHalfTurn(7), 7 - 2 * Math.PI, 1e-15);
+  near(nearTo(7, 0), 7 - 2 * Math.PI, 1e-15);
   near(nearTo(0.5, 100), 0.5 + 32 * Math.PI, 1e-13);
 });
 

@@ -2,8 +2,7 @@
 
 import { makeBody, startFromAngles } from "../../scripts/reporting/page/dynamics/body.js";
 import { Motion } from "../../scripts/reporting/page/dynamics/motion.js";
-import { describeNutation } from "../../scripts/reporting/page/dynamics/nutation.js";
-import { criticalOmega3, steadyRates } from "../../scripts/reporting/page/dynamics/steady_motion.js";
+import { criticalOmega3, describeNutation, steadyRates } from "../../scripts/reporting/page/dynamics/nutation.js";
 
 /** The motion of a body at some times, and the nutation of a symmetric top. */
 function motionOf({ body: given, start: angles, times }) {

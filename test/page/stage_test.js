@@ -1,7 +1,7 @@
 // What is drawn of a body and of a trace, and what is in view.
 
-import { FAINTEST, countUpTo, strengthAt } from "../../scripts/reporting/page/stage/trace.js";
-import { reachOf, rimsOf, tipOf, wiresOf } from "../../scripts/reporting/page/stage/solid.js";
+import { countUpTo } from "../../scripts/reporting/page/dynamics/numbers.js";
+import { measure } from "../../scripts/reporting/page/stage/body.js";
 import { viewOf } from "../../scripts/reporting/page/stage/view.js";
 import { equal, near, test } from "./check.js";
 
@@ -19,24 +19,21 @@ test("solids reach as far as they do", () => {
     [{ kind: "ring", radius: 0.5, inner: 0.3, height: 0.2 }, Math.hypot(0.5, 1.1), 0.5, 1.1],
     [{ kind: "sphere", radius: 0.5 }, 1.5, 0.5, 1.5],
     [{ kind: "cuboid", edges: [0.6, 0.8, 0.2] }, Math.hypot(0.5, 1.1), 0.5, 1.1],
-    [{ kind: "ellipsoid", semiaxes: [0.5, 0.5, 0.1] }, 1.15, 0.5, 1.1],
     [null, 1, 0, 1],
   ];
   for (const [solid, reach, girth, top] of cases) {
-    const body = bodyOf(solid);
-    near(reachOf(body), reach, 0.05, `reach of ${solid?.kind}`);
-    const radii = rimsOf(body).map(([, radius]) => radius);
-    near(Math.max(0, ...radii), girth, 1e-3, `girth of ${solid?.kind}`);
-    near(tipOf(body), 1.06 * top, 1e-3, `tip of ${solid?.kind}`);
+    const found = measure(bodyOf(solid));
+    near(found.reach, reach, 0.05, `reach of ${solid?.kind}`);
+    near(Math.max(0, ...found.rims.map(([, radius]) => radius)), girth, 1e-3, `girth of ${solid?.kind}`);
+    near(found.tip, 1.06 * top, 1e-3, `tip of ${solid?.kind}`);
   }
 });
 
 test("a cone stands on its apex, which is the pivot", () => {
   const cone = { kind: "cone", radius: 0.4, height: 1.2 };
-  const body = bodyOf(cone, 0.9);
-  const lowest = Math.min(...wiresOf(cone).flat().map(({ z }) => z));
-  near(lowest + 0.9, 0, 1e-12, "height of the apex");
-  near(tipOf(body), 1.06 * 1.2, 1e-12, "tip");
+  const { tip, rims } = measure(bodyOf(cone, 0.9));
+  near(Math.min(...rims.map(([height]) => height)), 0, 1e-7, "height of the apex");
+  near(tip, 1.06 * 1.2, 1e-6, "tip");
 });
 
 test("tops and arrows are in view, wherever they point", () => {
@@ -65,10 +62,6 @@ test("a wide body is in view to its lowest rim", () => {
   }
 });
 
-test("of a trace the past is seen, the older the fainter", () => {
-  const times = [0, 1, 2, 3];
-  equal([-1, 0, 1.5, 3, 9].map((time) => countUpTo(times, time)), [0, 1, 2, 4, 4]);
-  equal(strengthAt(0), 1, "strength now");
-  equal([0.01, 0.1, 0.5].every((age, i, ages) => strengthAt(age) > strengthAt(ages[i + 1] ?? 1)), true);
-  equal(strengthAt(1) > FAINTEST, true, "whether the oldest is seen");
+test("numbers up to a value are counted", () => {
+  equal([-1, 0, 1.5, 3, 9].map((value) => countUpTo([0, 1, 2, 3], value)), [0, 1, 2, 4, 4]);
 });

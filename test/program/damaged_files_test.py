@@ -226,7 +226,7 @@ class ScriptTest(DamagedCase):
         self.put("huge.csv", a_trajectory(phi=1e308))
         self.put(f"{RED}.csv", "nothing")
         with unittest.mock.patch("reporting.study.pictures_of", side_effect=self.no_pictures):
-            sections, problems = read_study(self.folder, [])
+            sections, problems = read_study(self.folder)
         self.assertEqual([section.name for section in sections], [r"caf\xe9.csv", "huge.csv"])
         self.assertTrue(any("cannot be drawn" in problem for problem in problems), problems)
         for problem in problems:
@@ -243,7 +243,7 @@ class ScriptTest(DamagedCase):
         self.put_bytes("a_residuals.png", b"\x89PNG\r\n\x1a\n and no more")
         self.put_bytes("a_residuals.svg", b"")
         pictures = pictures_of(table)
-        self.assertGreater(len(pictures[0].forms[".png"]), 10_000)
+        self.assertGreater(len(pictures[0].address), 10_000)
 
     def test_damaged_bodies(self) -> None:
         """A body that cannot be drawn is none."""

@@ -10,7 +10,6 @@ import pytest
 
 from plot_case import a_trajectory
 from reporting.live_link import live_link
-from reporting.paper import runs_of
 from spintop_figures.motion.reduced import find_reduced
 from spintop_figures.motion.trajectory import draw_forces, inclination_extremes
 from spintop_figures.moving.assumptions import AUXILIARY, broken, no_effects, symmetric, undamped
@@ -102,7 +101,7 @@ def test_figures_with_assumptions() -> None:
 
 @pytest.mark.parametrize("key", SIZES)
 def test_effects(folder: Path, key: str) -> None:
-    """Each effect breaks the assumptions of figures, of the live top and of the paper's runs."""
+    """Each effect breaks the assumptions of figures and of the live top."""
     value = ",".join([f"{STRONG.get(key, 0.02)}"] * SIZES[key])
     if key in TABLES:
         path = folder / "effect.csv"
@@ -113,7 +112,6 @@ def test_effects(folder: Path, key: str) -> None:
     assert key in no_effects(table)
     assert offered(table) == set()
     assert bool(live_link(table)) == (key == "friction_torque")
-    assert runs_of(table) == set()
     assert all(end.of_rows for end in inclination_extremes(table))
     plain = compute(folder, TOP)
     assert offered(plain) >= {"potential", "portrait"}

@@ -20,8 +20,7 @@ sys.path[:0] = [str(TESTS)]
 
 from browser_case import BROWSER, PROGRAM, need_packages, open_browser  # noqa: E402
 from random_tops import CLASSES, draw_top  # noqa: E402
-from reporting.bundle import bundle  # noqa: E402
-from reporting.packages import esbuild_package  # noqa: E402
+from reporting.packages import bundle, esbuild_package  # noqa: E402
 
 BODIES = int(os.environ.get("SPINTOP_LIVE_BODIES", "60"))
 """Random bodies of all kinds."""

@@ -1,10 +1,9 @@
-"""A new user's five minutes with the live top: where it sleeps, a cusp that becomes a loop, a film.
+"""A new user's five minutes with the live top: where it sleeps, a cusp that becomes a loop.
 
-Everything is done with what is on the screen: menus, keys, buttons, and a file in the downloads.
+Everything is done with what is on the screen: menus, keys and buttons.
 """
 
 import sys
-import tempfile
 import unittest
 from collections.abc import Callable
 from pathlib import Path
@@ -18,34 +17,13 @@ from browser_case import DESKTOP, LiveCase, wait_for  # noqa: E402
 WIDE, NARROW = 40, 10
 """Largest tilts of a top that falls, and of one that sleeps, in degrees."""
 
-WEBM = b"\x1a\x45\xdf\xa3"
-FEWEST_BYTES = 10_000
-"""Of a film of a second; the head of an empty one has some hundred."""
-
-MOVING = """
-    const [seconds, done] = arguments, { clock } = liveTop, begin = clock.time;
-    const hasMoved = () => clock.time - begin > seconds * clock.speed;
-    const wait = () => (hasMoved() ? done(true) : requestAnimationFrame(wait));
-    wait();
-"""
-"""The top moves for so long."""
-
 
 class WalkTest(LiveCase):
     """One walk, in one page that is opened once."""
 
     def setUp(self) -> None:
-        """Open the page; what is saved goes to a folder of downloads.
-
-        The top stands until it is filmed: in motion a machine without graphics takes seconds for a
-        key.
-        """
-        downloads = tempfile.TemporaryDirectory(prefix="downloads ", ignore_cleanup_errors=True)
-        self.addCleanup(downloads.cleanup)
-        self.downloads = Path(downloads.name)
+        """Open the page; the top stands: in motion a slow machine takes seconds for a key."""
         self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
-        path = str(self.downloads)
-        self.tell("Browser.setDownloadBehavior", behavior="allow", downloadPath=path)
         self.browser.get(self.page.as_uri())
         wait_for(lambda: self.read("class"), "the top")
 
@@ -110,26 +88,10 @@ class WalkTest(LiveCase):
         self.assertEqual(self.part(self.section, "preset").get_property("value"), "")
         self.press("phi_rate", Keys.ARROW_LEFT, lambda: self.read("class") == "Loops")
 
-    def save_a_film(self) -> None:
-        """The button begins a film; pressed again it saves what was seen, as a WebM file."""
-        film = self.part(self.section, "film")
-        film.click()
-        self.assertEqual(film.text, "Stop and save")
-        self.assertIn("Filming", self.read("said"))
-        self.assertTrue(self.browser.execute_async_script(MOVING, 1.0))
-        film.click()
-        wait_for(lambda: self.read("said") == "The film is saved.", "the film")
-        path = self.downloads / "spintop.webm"
-        wait_for(path.exists, "the file")
-        data = path.read_bytes()
-        self.assertEqual(data[:4], WEBM)
-        self.assertGreater(len(data), FEWEST_BYTES)
-
     def test_walk(self) -> None:
-        """From the open page to a film in the downloads."""
+        """From the open page to loops."""
         self.find_where_it_sleeps()
         self.see_a_cusp_become_a_loop()
-        self.save_a_film()
 
 
 if __name__ == "__main__":

@@ -133,7 +133,7 @@ def test_tables(folder: Path, keys: dict, good: bool) -> None:
     many = spintop.read(folder / "many.csv")
     assert len(succeeded(many)) == (3 if good else 2)
     assert tell_failed(many) == ("" if good else " (crossed: 1 too many steps)")
-    sections, problems = read_study(folder, [])
+    sections, problems = read_study(folder)
     assert (len(sections), problems) == (2, [])
     for section in sections:
         assert section.failed is not good

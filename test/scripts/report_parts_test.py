@@ -1,79 +1,15 @@
-"""Tests of the parts of a report: SVG files as elements of the page, cells as texts."""
+"""Tests of the parts of a report: cells as texts."""
 
 import math
-import re
 import sys
 import unittest
 from pathlib import Path
-
-import numpy as np
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from reporting.cells import texts_of  # noqa: E402
-from reporting.drawing import Drawing, Glyphs, NotDrawnError, shorten_path  # noqa: E402
-from reporting.proved import proved_texts  # noqa: E402
-
-
-class DrawingTest(unittest.TestCase):
-    """SVG files as elements of the page."""
-
-    SPACES = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
-
-    def draw(
-        self, inner: str, box: str = 'viewBox="0 0 72 36">', glyphs: Glyphs | None = None
-    ) -> str:
-        """The element for a file with this inside."""
-        svg = f"<svg {self.SPACES} {box}{inner}</svg>".encode()
-        return Drawing(svg, glyphs or Glyphs(), "a <label>").element()
-
-    def test_taken_over(self) -> None:
-        """Styles are attributes, numbers are short, lines are steps, names are of the page."""
-        glyphs = Glyphs()
-        inner = (
-            "<title>x</title><defs>"
-            '<path id="A-1" d="M 0 0 Q 3 4 5 6" style="stroke: #000000"/></defs>'
-            '<g id="g1"><path id="p" d="M 1.23456 2 L 2.5 1 L 3.5 1.004 z" style="fill: none"/></g>'
-            '<g transform="scale(0.015625)">'
-            '<use xlink:href="#A-1" transform="translate(12.3456 0)"/></g>'
-        )
-        for _ in range(2):
-            element = self.draw(inner, glyphs=glyphs)
-            self.assertIn('aria-label="a &lt;label&gt;" viewBox="0 0 72 36" width="96"', element)
-            self.assertIn('<path d="m1.23 2l1.27-1l1 0z" fill="none"/>', element)
-            self.assertIn('<g transform="scale(0.015625)"><use href="#g1" x="12.35"/></g>', element)
-        self.assertEqual(
-            glyphs.definitions(), '<path id="g1" d="M 0 0 Q 3 4 5 6" stroke="#000000"/>'
-        )
-
-    def test_no_drift(self) -> None:
-        """Rounded steps do not add up."""
-        corners = [(0.1234 * i, 0.0049 * i) for i in range(1000)]
-        path = "M " + " L ".join(f"{x:.6f} {y:.6f}" for x, y in corners)
-        steps = re.findall(r"-?[\d.]+", shorten_path(path))
-        end = [sum(float(step) for step in steps[k::2]) for k in range(2)]
-        np.testing.assert_allclose(end, corners[-1], atol=0.006)
-
-    def test_refused(self) -> None:
-        """Whatever matplotlib does not draw with is not taken into the page."""
-        for inner in (
-            "<script>hacked = 1</script>",
-            '<path onclick="hacked" d="M 0 0"/>',
-            '<use xlink:href="http://somewhere/x.svg#a"/>',
-            '<image xlink:href="http://somewhere/x.png"/>',
-            '<path d="M 0 0" style="fill: url(http://somewhere)"/>',
-            '<path d="M 0 0" clip-path="url(#missing)"/>',
-            "<foreignObject/>",
-            "<g",
-        ):
-            with self.subTest(inner), self.assertRaises(NotDrawnError):
-                self.draw(inner)
-        with self.assertRaises(NotDrawnError):
-            self.draw("", box=">")
-        with self.assertRaises(NotDrawnError):
-            Drawing(b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', Glyphs(), "")
+from reporting.cells import proved_texts, texts_of  # noqa: E402
 
 
 class CellsTest(unittest.TestCase):

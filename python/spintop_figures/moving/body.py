@@ -109,7 +109,7 @@ def exists(body: Body) -> bool:
 def as_solid(
     kind: str, axes: np.ndarray, place: np.ndarray, **extents: object
 ) -> dict[str, object]:
-    """A solid as `solid.js` of the page has it; its own axes are the columns of `axes`."""
+    """A solid as `stage/body.js` of the page has it; its own axes are the columns of `axes`."""
     own = [round(x, 15) for x in axes.T.ravel().tolist()]
     return {"kind": kind, **extents, "axes": own, "place": place.tolist()}
 

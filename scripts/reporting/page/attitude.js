@@ -2,21 +2,13 @@
 // that turn body axes into space axes.
 
 import { Quaternion } from "three";
-
-const TURN = 2 * Math.PI;
+import { quaternionFromAngles } from "./dynamics/body.js";
+import { nearTo } from "./dynamics/numbers.js";
 
 /** The attitude with these angles. */
 export function fromAngles(phi, theta, psi) {
-  const c = Math.cos(theta / 2);
-  const s = Math.sin(theta / 2);
-  const sum = (phi + psi) / 2;
-  const difference = (phi - psi) / 2;
-  return new Quaternion(
-    s * Math.cos(difference),
-    s * Math.sin(difference),
-    c * Math.sin(sum),
-    c * Math.cos(sum),
-  );
+  const [w, ...vector] = quaternionFromAngles([phi, theta, psi]);
+  return new Quaternion(...vector, w);
 }
 
 /**
@@ -28,19 +20,9 @@ export function toAngles({ x, y, z, w }) {
   const theta = 2 * Math.atan2(across, along);
   const halfSum = Math.atan2(z, w);
   const halfDifference = Math.atan2(y, x);
-  if (across === 0) return [withinHalfTurn(2 * halfSum), theta, 0];
-  if (along === 0) return [withinHalfTurn(2 * halfDifference), theta, 0];
-  return [withinHalfTurn(halfSum + halfDifference), theta, withinHalfTurn(halfSum - halfDifference)];
-}
-
-/** The same angle from -pi to pi. */
-export function withinHalfTurn(angle) {
-  return angle - TURN * Math.round(angle / TURN);
-}
-
-/** The same angle as near as can be to another. */
-export function nearTo(angle, other) {
-  return angle + TURN * Math.round((other - angle) / TURN);
+  if (across === 0) return [nearTo(2 * halfSum, 0), theta, 0];
+  if (along === 0) return [nearTo(2 * halfDifference, 0), theta, 0];
+  return [nearTo(halfSum + halfDifference, 0), theta, nearTo(halfSum - halfDifference, 0)];
 }
 
 /** The turn by an angle about a unit vector. */

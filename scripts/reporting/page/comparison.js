@@ -15,11 +15,8 @@ export class Comparison {
    * @param onChange called when another motion, or none, is compared @param onPick with a time
    */
   constructor(parts, motion, peers, { onChange, onPick }) {
-    this.parts = parts;
-    this.motion = motion;
-    this.peers = peers;
-    this.onChange = onChange;
-    this.onPick = onPick;
+    Object.assign(this, { parts, motion, peers, onChange });
+    this.plot = new Plot(parts.between, onPick);
     parts.versus.hidden = peers.length === 0;
     parts.peer.append(new Option("none", NONE), ...peers.map(({ title }, i) => new Option(title, String(i))));
     parts.peer.addEventListener("change", () => this.choose(parts.peer.value));
@@ -42,16 +39,16 @@ export class Comparison {
   }
 
   #draw() {
-    const { parts, pair } = this;
+    const { parts, pair, motion } = this;
     parts.angles.hidden = !pair;
     if (!pair) return;
     const { times, attitudes, axes, hasRows } = pair.series();
+    const inDegrees = (angles) => angles.map((angle) => (angle * 180) / Math.PI);
     const largest = Math.max(...attitudes);
-    const lines = [{ name: "between-axes", values: axes }, { name: "between", values: attitudes }];
-    const { start, end } = this.motion;
-    this.plot = new Plot(parts.between, times, lines, { span: [start, end], range: [0, largest || 1] });
-    this.plot.onPick = this.onPick;
-    parts.most.textContent = inFewDegrees(largest);
+    this.plot.draw([motion.start, motion.end], [
+      { t: times, values: inDegrees(axes), colour: "trace", dash: [5, 3] },
+      { t: times, values: inDegrees(attitudes), colour: "momentum" },
+    ], { range: [0, inDegrees([1.05 * largest || 1])[0]] });
     const when = inShort(times[attitudes.indexOf(largest)]);
     const how = hasRows ? "" : " The second motion is interpolated between its rows.";
     parts.farthest.textContent = `Largest at rows: ${inFewDegrees(largest)} at t = ${when} s.${how}`;
@@ -64,6 +61,6 @@ export class Comparison {
     const [attitude, axis] = this.pair.anglesAt(moment);
     this.parts.between_attitudes.textContent = inFewDegrees(attitude);
     this.parts.between_axes.textContent = inFewDegrees(axis);
-    this.plot.mark(moment.time);
+    this.plot.place(moment.time);
   }
 }

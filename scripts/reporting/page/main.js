@@ -1,10 +1,13 @@
 // The page's script: has tables saved, and gives every trajectory its moving top.
 
 import { bindDownload, columnsOf, textOf } from "./data.js";
-import { bindCards } from "./live/card.js";
+import { LiveTop } from "./live/live.js";
+import { stateOfLink } from "./live/scene.js";
 import { Motion } from "./motion.js";
-import { bindPrint } from "./print.js";
+import { inDegrees, inShort } from "./text.js";
 import { Viewer } from "./viewer.js";
+
+const [WIDTH, HEIGHT] = [960, 640]; // pixels of a still on paper
 
 for (const link of document.querySelectorAll("a.data")) bindDownload(link);
 
@@ -19,10 +22,36 @@ const tops = [...document.querySelectorAll("section.top")].map((section) => {
   return { section, facts, load, title: facts.title, isExact: facts.exact };
 });
 
-bindCards();
+// The cards by which the live top is opened with the scene of a table; it takes their place.
+const template = document.getElementById("live");
+for (const card of document.querySelectorAll("section.live.closed")) {
+  card.querySelector("button").addEventListener("click", () => {
+    card.classList.remove("closed");
+    card.replaceChildren();
+    card.top = new LiveTop(card, template, { state: stateOfLink(card.dataset.link) });
+    card.focus({ preventScroll: true });
+  });
+}
 
 const viewers = [];
-bindPrint(viewers);
+// On paper every top is a still, in the colours of paper.
+addEventListener("beforeprint", () => {
+  document.documentElement.dataset.paper = "yes";
+  for (const viewer of viewers) {
+    viewer.stage.recolour();
+    const { address, moment } = viewer.still(WIDTH, HEIGHT);
+    if (!address) continue;
+    const [phi, theta, psi] = moment.angles.map((angle) => inDegrees(angle, 1));
+    const still = viewer.parts.still.querySelector("img") ?? document.createElement("img");
+    Object.assign(still, { src: address, alt: `The top at t = ${inShort(moment.time)} s` });
+    viewer.parts.still.prepend(still);
+    viewer.parts.moment.textContent =
+      `The top at t = ${inShort(moment.time)} s: φ = ${phi}, θ = ${theta}, ψ = ${psi}. ` +
+      "The trace of its tip up to then; the older, the fainter.";
+  }
+  delete document.documentElement.dataset.paper;
+  for (const viewer of viewers) viewer.stage.recolour();
+});
 
 /** Until the screen has been drawn once more, or soon where it is not drawn. */
 function frame() {

@@ -1,20 +1,17 @@
 // A trajectory: its rows as they stand in the table, and the motion between them.
 
 import { Quaternion, Vector3 } from "three";
-import { fromAngles, nearTo, toAngles, turnAbout, twistOf, withinHalfTurn } from "./attitude.js";
+import { fromAngles, toAngles, turnAbout, twistOf } from "./attitude.js";
+import { countUpTo, nearTo } from "./dynamics/numbers.js";
 
 const ANGLES = ["phi", "theta", "psi"];
 const FINEST = 0.05; // rad: how far the axis turns between two points of its trace
 const MOST_POINTS = 20000;
-const QUATERNION = ["q0", "q1", "q2", "q3"];
 const OMEGA = ["omega1", "omega2", "omega3"];
 const FORCE = ["force_x", "force_y", "force_z"];
 const RATES = ["phi_rate", "theta_rate", "psi_rate"];
 const ENERGIES = ["kinetic", "potential", "energy"];
 const UPRIGHT = 1e-9; // of sin(theta): below it phi and psi do not exist apart
-
-/** The columns that a motion is made of, where a table has them. */
-export const COLUMNS = ["t", ...ANGLES, ...QUATERNION, ...RATES, ...OMEGA, ...FORCE, ...ENERGIES];
 
 const plainDisc = {
   inertia: [1, 1, 1],
@@ -26,9 +23,10 @@ const plainDisc = {
   ],
 };
 
-/** Vectors x, y, z side by side, of columns. */
-function sideBySide(columns) {
-  return Float64Array.from({ length: 3 * columns[0].length }, (_, i) => columns[i % 3][Math.floor(i / 3)]);
+/** The columns of these names side by side, three to a row; null where there are none. */
+function sideBySide(columns, names) {
+  if (!(names[0] in columns)) return null;
+  return Float64Array.from({ length: 3 * columns[names[0]].length }, (_, i) => columns[names[i % 3]][Math.floor(i / 3)]);
 }
 
 /** The row of a table of vectors as a vector. */
@@ -36,36 +34,40 @@ function vectorAt(table, row) {
   return new Vector3().fromArray(table, 3 * row);
 }
 
+/** Tables of a motion have three numbers to a row, side by side; null stands for what is not known. */
 export class Motion {
   #trace;
 
   /**
    * @param facts what `motion_facts` of the Python side gives
-   * @param columns numbers of the rows by the names of their columns, of `COLUMNS`
+   * @param columns numbers of the rows by the names of their columns
    */
   constructor(facts, columns) {
-    this.title = facts.title;
-    this.notes = facts.notes;
-    this.total = facts.total;
-    this.stride = facts.stride;
-    this.extremes = facts.extremes;
+    Object.assign(this, facts); // title, notes, total, stride, extremes
     this.isExact = facts.exact;
     this.t = columns.t;
     this.count = this.t.length;
     this.body = facts.body ?? plainDisc;
     this.axis = new Vector3(...this.body.axis);
-    this.hasBody = Boolean(facts.body);
     this.attitudes = this.#findAttitudes(columns);
     this.countsTurns = "phi" in columns; // else phi and psi are within half a turn
-    this.angles = this.countsTurns ? ANGLES.map((name) => columns[name]) : this.#findAngles();
-    this.rates = "phi_rate" in columns ? RATES.map((name) => columns[name]) : null;
-    this.omega = "omega1" in columns ? sideBySide(OMEGA.map((name) => columns[name])) : this.#findOmega();
+    this.angles = sideBySide(columns, ANGLES) ?? Float64Array.from(this.attitudes.flatMap(toAngles));
+    this.rates = sideBySide(columns, RATES);
+    this.omega = sideBySide(columns, OMEGA) ?? this.#findOmega();
     this.rates ??= this.#findRates();
-    this.force = "force_x" in columns ? sideBySide(FORCE.map((name) => columns[name])) : null;
-    this.momentum = this.omega && this.hasBody ? this.#findMomentum(this.omega) : null;
-    this.turning = this.omega && this.#inSpace(this.omega);
-    this.energies = "energy" in columns ? ENERGIES.map((name) => columns[name]) : null;
-    this.spins = this.#findSpins(this.omega);
+    this.energies = sideBySide(columns, ENERGIES);
+    this.spins = this.#findSpins();
+    /** In space axes: support force, angular momentum about the pivot, angular velocity. */
+    this.vectors = {
+      force: sideBySide(columns, FORCE),
+      momentum: this.omega && facts.body ? this.#inSpace(this.#findMomentum()) : null,
+      omega: this.omega && this.#inSpace(this.omega),
+    };
+  }
+
+  /** A column of a table. */
+  column(table, k) {
+    return this[table].filter((_, i) => i % 3 === k);
   }
 
   #findAttitudes({ q0, q1, q2, q3, phi, theta, psi }) {
@@ -73,22 +75,16 @@ export class Motion {
     return Array.from(phi, (_, i) => fromAngles(phi[i], theta[i], psi[i]));
   }
 
-  #findAngles() {
-    const rows = this.attitudes.map(toAngles);
-    return ANGLES.map((_, k) => Float64Array.from(rows, (row) => row[k]));
-  }
-
   /** Angular velocity in body axes, from the rates of the angles. */
   #findOmega() {
     if (!this.rates || !this.countsTurns) return null;
-    const [, theta, psi] = this.angles;
-    const [phiRate, thetaRate, psiRate] = this.rates;
+    const { angles, rates } = this;
     const table = new Float64Array(3 * this.count);
-    for (let i = 0; i < this.count; i += 1) {
-      const across = phiRate[i] * Math.sin(theta[i]);
-      table[3 * i] = across * Math.sin(psi[i]) + thetaRate[i] * Math.cos(psi[i]);
-      table[3 * i + 1] = across * Math.cos(psi[i]) - thetaRate[i] * Math.sin(psi[i]);
-      table[3 * i + 2] = phiRate[i] * Math.cos(theta[i]) + psiRate[i];
+    for (let i = 0; i < table.length; i += 3) {
+      const [, theta, psi] = angles.subarray(i, i + 3);
+      const [phiRate, thetaRate, psiRate] = rates.subarray(i, i + 3);
+      const [s, c, across] = [Math.sin(psi), Math.cos(psi), phiRate * Math.sin(theta)];
+      table.set([across * s + thetaRate * c, across * c - thetaRate * s, phiRate * Math.cos(theta) + psiRate], i);
     }
     return table;
   }
@@ -96,17 +92,15 @@ export class Motion {
   /** Rates of the angles from the angular velocity; nan where phi and psi do not exist apart. */
   #findRates() {
     if (!this.omega) return null;
-    const [, theta, psi] = this.angles;
-    const rates = RATES.map(() => new Float64Array(this.count).fill(NaN));
-    for (let i = 0; i < this.count; i += 1) {
-      const [x, y, z] = this.omega.subarray(3 * i, 3 * i + 3);
-      const [s, c] = [Math.sin(psi[i]), Math.cos(psi[i])];
-      rates[1][i] = x * c - y * s;
-      if (Math.sin(theta[i]) < UPRIGHT) continue;
-      rates[0][i] = (x * s + y * c) / Math.sin(theta[i]);
-      rates[2][i] = z - rates[0][i] * Math.cos(theta[i]);
+    const table = new Float64Array(3 * this.count);
+    for (let i = 0; i < table.length; i += 3) {
+      const [, theta, psi] = this.angles.subarray(i, i + 3);
+      const [x, y, z] = this.omega.subarray(i, i + 3);
+      const [s, c] = [Math.sin(psi), Math.cos(psi)];
+      const phiRate = Math.sin(theta) < UPRIGHT ? NaN : (x * s + y * c) / Math.sin(theta);
+      table.set([phiRate, x * c - y * s, z - phiRate * Math.cos(theta)], i);
     }
-    return rates;
+    return table;
   }
 
   /** Vectors in space axes, of vectors in body axes. */
@@ -118,15 +112,14 @@ export class Motion {
     return table;
   }
 
-  /** Angular momentum about the pivot in space axes. */
-  #findMomentum(omega) {
-    const { inertia, products } = this.body;
-    const part = (rate, i) => {
+  /** Angular momentum about the pivot in body axes. */
+  #findMomentum() {
+    const { omega, body: { inertia, products } } = this;
+    return omega.map((rate, i) => {
       const [first, k] = [i - (i % 3), i % 3];
       const [next, last] = [(k + 1) % 3, (k + 2) % 3];
       return inertia[k] * rate + products[last] * omega[first + next] + products[next] * omega[first + last];
-    };
-    return this.#inSpace(omega.map(part));
+    });
   }
 
   /**
@@ -134,8 +127,8 @@ export class Motion {
    * may turn several times from row to row. The attitudes give it but for whole turns; those are
    * taken from the angular velocity, else from the angles.
    */
-  #findSpins(omega) {
-    const [phi, theta, psi] = this.angles;
+  #findSpins() {
+    const { omega, angles } = this;
     return Array.from({ length: this.count - 1 }, (_, i) => {
       const turn = twistOf(this.attitudes[i].clone().conjugate().multiply(this.attitudes[i + 1]), this.axis);
       const dt = this.t[i + 1] - this.t[i];
@@ -143,9 +136,10 @@ export class Motion {
         const sum = vectorAt(omega, i).add(vectorAt(omega, i + 1));
         return nearTo(turn, (dt / 2) * sum.dot(this.axis));
       }
-      if (!this.countsTurns || this.axis.z !== 1) return withinHalfTurn(turn);
-      const height = (Math.cos(theta[i]) + Math.cos(theta[i + 1])) / 2;
-      return nearTo(turn, psi[i + 1] - psi[i] + height * (phi[i + 1] - phi[i]));
+      if (!this.countsTurns || this.axis.z !== 1) return nearTo(turn, 0);
+      const [phi, theta, psi, nextPhi, nextTheta, nextPsi] = angles.subarray(3 * i, 3 * i + 6);
+      const height = (Math.cos(theta) + Math.cos(nextTheta)) / 2;
+      return nearTo(turn, nextPsi - psi + height * (nextPhi - phi));
     });
   }
 
@@ -157,15 +151,9 @@ export class Motion {
     return this.t[this.count - 1];
   }
 
-  /** The last row that is not later than a time. */
+  /** The last row that is not later than a time, or the first. */
   rowBefore(time) {
-    let [low, high] = [0, this.count - 1];
-    while (low < high) {
-      const middle = Math.ceil((low + high) / 2);
-      if (this.t[middle] <= time) low = middle;
-      else high = middle - 1;
-    }
-    return low;
+    return Math.max(countUpTo(this.t, time) - 1, 0);
   }
 
   /** The row that is nearest to a time. */
@@ -183,38 +171,30 @@ export class Motion {
   at(time) {
     const i = this.rowBefore(time);
     if (this.t[i] === time || i === this.count - 1) return this.atRow(i);
-    const part = (time - this.t[i]) / (this.t[i + 1] - this.t[i]);
-    const attitude = this.#attitudeBetween(i, part);
-    return {
-      time,
-      row: null,
-      attitude,
-      angles: this.#anglesBetween(i, part, attitude),
-      rates: this.#columnsBetween(this.rates, i, part),
-      energies: this.#columnsBetween(this.energies, i, part),
-      omega: this.#vectorBetween(this.omega, i, part),
-      vectors: {
-        force: this.#vectorBetween(this.force, i, part),
-        momentum: this.#vectorBetween(this.momentum, i, part),
-        omega: this.#vectorBetween(this.turning, i, part),
-      },
-    };
+    return this.#moment(time, i, (time - this.t[i]) / (this.t[i + 1] - this.t[i]));
   }
 
   atRow(i) {
+    return this.#moment(this.t[i], i, 0);
+  }
+
+  /** The moment a part of the way from a row to the next. */
+  #moment(time, i, part) {
+    const isRow = part === 0;
+    const attitude = isRow ? this.attitudes[i].clone() : this.#attitudeBetween(i, part);
+    const numbers = (table) => table && [...table.subarray(3 * i, 3 * i + 3)].map((value, k) => (
+      isRow ? value : value + part * (table[3 * i + 3 + k] - value)
+    ));
+    const angles = numbers(this.angles);
     return {
-      time: this.t[i],
-      row: i,
-      attitude: this.attitudes[i].clone(),
-      angles: this.angles.map((column) => column[i]),
-      rates: this.rates && this.rates.map((column) => column[i]),
-      energies: this.energies && this.energies.map((column) => column[i]),
-      omega: this.omega && vectorAt(this.omega, i),
-      vectors: {
-        force: this.force && vectorAt(this.force, i),
-        momentum: this.momentum && vectorAt(this.momentum, i),
-        omega: this.turning && vectorAt(this.turning, i),
-      },
+      time,
+      row: isRow ? i : null,
+      attitude,
+      angles: isRow ? angles : this.#anglesNear(angles, attitude),
+      rates: numbers(this.rates),
+      energies: numbers(this.energies),
+      omega: numbers(this.omega),
+      vectors: Object.fromEntries(Object.entries(this.vectors).map(([name, table]) => [name, numbers(table)])),
     };
   }
 
@@ -226,22 +206,11 @@ export class Motion {
     return attitude.multiply(turnAbout(this.axis, part * spin));
   }
 
-  /** Angles that count their turns as the rows on both sides do. */
-  #anglesBetween(i, part, attitude) {
-    const between = this.#columnsBetween(this.angles, i, part);
-    const [phi, theta, psi] = toAngles(attitude);
-    const upright = Math.sin(theta) < UPRIGHT;
-    return upright
-      ? [between[0], theta, between[2]]
-      : [nearTo(phi, between[0]), theta, nearTo(psi, between[2])];
-  }
-
-  #columnsBetween(columns, i, part) {
-    return columns && columns.map((column) => column[i] + part * (column[i + 1] - column[i]));
-  }
-
-  #vectorBetween(table, i, part) {
-    return table && vectorAt(table, i).lerp(vectorAt(table, i + 1), part);
+  /** The angles of an attitude, which count their turns as those between the rows do. */
+  #anglesNear([phi, theta, psi], attitude) {
+    const found = toAngles(attitude);
+    const isUpright = Math.sin(found[1]) < UPRIGHT;
+    return isUpright ? [phi, found[1], psi] : [nearTo(found[0], phi), found[1], nearTo(found[2], psi)];
   }
 
   /** The axis of an attitude in space, a unit vector. */

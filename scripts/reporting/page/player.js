@@ -1,4 +1,6 @@
-// Time: playing, pausing, going to a row. Knows nothing of the page.
+// Time: playing, pausing, going to an instant. Knows nothing of the page.
+
+const LONGEST = 0.1; // s that a frame may take before an endless motion slows down
 
 /** The speeds to choose from, in seconds of motion a second, and the one to begin with. */
 export function speedsFor(duration) {
@@ -13,34 +15,27 @@ export function speedsFor(duration) {
   return { speeds: usable, initial };
 }
 
-export class Player extends EventTarget {
+export class Player {
   #last = null; // when the last frame was, ms
+  speed = 1; // seconds of motion a second
+  playing = false;
 
-  /** @param motion what is played @param speed seconds of motion a second */
-  constructor(motion, speed) {
-    super();
-    this.motion = motion;
-    this.speed = speed;
-    this.time = motion.start;
-    this.playing = false;
-  }
-
-  #say(what) {
-    this.dispatchEvent(new Event(what));
+  /** @param onChange called when it has begun or ended to play, or gone elsewhere @param isEndless begins again and again */
+  constructor(start, end, onChange, { isEndless = false } = {}) {
+    Object.assign(this, { start, end, onChange, isEndless, time: start });
   }
 
   /** From here on, or from the start again where it has come to its end. */
   play() {
-    if (this.time >= this.motion.end) this.time = this.motion.start;
+    if (this.time >= this.end) this.time = this.start;
     this.playing = true;
     this.#last = null;
-    this.#say("play");
+    this.onChange();
   }
 
   pause() {
-    if (!this.playing) return;
     this.playing = false;
-    this.#say("pause");
+    this.onChange();
   }
 
   toggle() {
@@ -48,27 +43,20 @@ export class Player extends EventTarget {
     else this.play();
   }
 
+  /** Pause at an instant, or at the end that is nearest to it. */
+  seek(time) {
+    this.time = Math.min(Math.max(time, this.start), this.end);
+    this.pause();
+  }
+
   /** A frame of the screen, at a time in ms; moves on by what has passed since the one before. */
   tick(now) {
     if (!this.playing) return;
     const passed = this.#last === null ? 0 : Math.max(0, now - this.#last) / 1000;
     this.#last = now;
-    this.time = Math.min(this.time + passed * this.speed, this.motion.end);
-    this.#say("time");
-    if (this.time >= this.motion.end) this.pause();
-  }
-
-  /** Pauses at a row; one before the first or after the last is the first or the last. */
-  goToRow(row) {
-    this.pause();
-    this.time = this.motion.t[Math.min(Math.max(row, 0), this.motion.count - 1)];
-    this.#say("time");
-  }
-
-  /** Pauses so many rows further on, or back; between rows the next row counts as one. */
-  step(rows) {
-    const row = this.motion.rowBefore(this.time);
-    const isBetween = this.motion.t[row] !== this.time;
-    this.goToRow(row + rows + (isBetween && rows < 0 ? 1 : 0));
+    this.time += (this.isEndless ? Math.min(passed, LONGEST) : passed) * this.speed;
+    if (this.time < this.end) return;
+    if (this.isEndless) this.time = this.start;
+    else this.seek(this.end);
   }
 }

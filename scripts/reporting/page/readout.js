@@ -5,10 +5,11 @@ import { aligned, decimalsFor, inDegrees, inFull, withDecimals } from "./text.js
 
 const ANGLES = ["phi", "theta", "psi"];
 
-/** The largest size of the finite numbers of columns. */
-function sizeOf(columns) {
-  const ends = columns.flatMap((column) => extremesOf(column.filter(Number.isFinite)));
-  return Math.max(0, ...ends.map(Math.abs).filter(Number.isFinite));
+/** Decimals that suit the finite numbers of a table. */
+function decimalsOf(table) {
+  if (!table) return 0;
+  const ends = extremesOf(table.filter(Number.isFinite)).map(Math.abs);
+  return decimalsFor(Math.max(0, ...ends.filter(Number.isFinite)));
 }
 
 export class Readout {
@@ -16,12 +17,7 @@ export class Readout {
   constructor(parts, motion) {
     this.parts = parts;
     this.motion = motion;
-    const decimals = (columns) => (columns ? decimalsFor(sizeOf(columns)) : 0);
-    this.decimals = {
-      rates: decimals(motion.rates),
-      omega: decimals(motion.omega && [motion.omega]),
-      energies: decimals(motion.energies),
-    };
+    this.decimals = Object.fromEntries(["rates", "omega", "energies"].map((name) => [name, decimalsOf(motion[name])]));
     parts.omega_row.hidden = !motion.omega;
     parts.energy_row.hidden = !motion.energies;
   }
@@ -39,7 +35,7 @@ export class Readout {
       const rate = moment.rates ? moment.rates[k] : NaN;
       parts[`${name}_rate`].textContent = withDecimals(rate, decimals.rates);
     });
-    [...(moment.omega ?? [])].forEach((value, k) => {
+    (moment.omega ?? []).forEach((value, k) => {
       parts[`omega${k + 1}`].textContent = withDecimals(value, decimals.omega);
     });
     (moment.energies ?? []).forEach((value, k) => {

@@ -75,7 +75,7 @@ export function minus(text) {
 
 /** What one would see, for those who do not. */
 export function accountOf(motion) {
-  const [phi, , psi] = motion.angles;
+  const [phi, psi] = [0, 2].map((k) => motion.column("angles", k));
   const { theta: [low, high], force, momentum, omega } = motion.extremes;
   const words = [
     `From t = ${inShort(motion.start)} s to ${inShort(motion.end)} s the inclination θ stays between`,

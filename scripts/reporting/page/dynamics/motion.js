@@ -5,6 +5,7 @@
 //     const { angle, rate, omega, quaternion } = motion.at(t);
 
 import { cross, times, toSpace } from "./body.js";
+import { countUpTo, nearTo } from "./numbers.js";
 import { ROWS, Series, loadAt, reachOf, torqueOf, valueAt } from "./series.js";
 
 const STOPPED = 1e-9; // of the rate of the motion: a body with dry friction has stopped
@@ -14,22 +15,9 @@ const PIECES = 4; // of a step, in which the phases of the angles turn by less t
 const FINEST = 12; // halvings of such a piece, at a passage of a pole
 const CLEAR = 0.8; // rad: a phase that turns by less between two instants is known
 const AT_POLE = 1e-12; // closer to a pole, as a sine, phi and psi do not exist apart
-const TURN = 2 * Math.PI;
 
 const norm = (vector) => Math.hypot(...vector);
 const dot = ([a, b, c], [x, y, z]) => a * x + b * y + c * z;
-const nearTo = (angle, other) => angle + TURN * Math.round((other - angle) / TURN);
-
-/** The last place of ascending times that is not later than a time. */
-function placeOf(ascending, time) {
-  let [low, high] = [0, ascending.length - 1];
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (ascending[middle] <= time) low = middle;
-    else high = middle - 1;
-  }
-  return low;
-}
 
 export class Motion {
   #series;
@@ -156,10 +144,10 @@ export class Motion {
   at(t) {
     this.reach(t);
     const { body } = this;
-    const state = this.#stateAt(placeOf(this.#starts, t), t);
+    const state = this.#stateAt(Math.max(countUpTo(this.#starts, t) - 1, 0), t);
     const { quaternion, momentum } = state;
     const omega = times(body.inverse, momentum);
-    const [plus, minus] = this.#phasesAt(state, this.#phases[placeOf(this.#nodes, t)]);
+    const [plus, minus] = this.#phasesAt(state, this.#phases[Math.max(countUpTo(this.#nodes, t) - 1, 0)]);
     const [w, x, y, z] = quaternion;
     const angle = this.isPlane
       ? [0, 2 * plus, 0]

@@ -11,7 +11,7 @@ const ROUNDING = 32 * Number.EPSILON; // of data, in units of their largest term
 const UNSURE = 1e-13; // of k'^2 and of a nutation: closer roots are equal
 
 /** The arithmetic-geometric mean of two numbers; 0 if one is. */
-export function meanOf(a, b) {
+function meanOf(a, b) {
   let [x, y] = [a, b];
   while (x > 0 && y > 0 && Math.abs(x - y) > 1e-8 * x) [x, y] = [(x + y) / 2, Math.sqrt(x * y)];
   return x > 0 && y > 0 ? (x + y) / 2 : 0;
@@ -71,9 +71,6 @@ export function describeNutation(body, { angle: [, theta], omega: [w1, w2, omega
     phiRateMax: largestPhiRate(top),
     /** Whether the axis passes a pole, where the precession is no number. */
     passesPole: !isConstant && (isRounding(top.turn - a * above, a) || isRounding(top.turn + a * below, a)),
-    /** The effective potential at an inclination, J, and the energy that belongs to it. */
-    potential: (inclined) => effectivePotential(body, top, inclined),
-    energy: body.mgl * u + (body.inertia1 * swing) / 2,
   };
 }
 
@@ -106,11 +103,28 @@ function largestPhiRate({ a, turn, y1, y2, above, below }) {
   return Math.abs(rates[0]) > Math.abs(rates[1]) ? rates[0] : rates[1];
 }
 
-/** m g l cos(theta) + I1 (b - a u)^2/(2 sin(theta)^2), J: with I1 theta'^2/2 it is the energy without L3^2/(2 I3). */
-function effectivePotential(body, { a, turn, above, below }, theta) {
-  const [s, c] = [Math.sin(theta / 2), Math.cos(theta / 2)];
-  // b - a u = (b - a) + a (1 - u) = (b + a) - a (1 + u): the form that cancels less.
-  const difference = theta < Math.PI / 2 ? turn - a * above + 2 * a * s * s : turn + a * below - 2 * a * c * c;
-  const barrier = difference === 0 ? 0 : (body.inertia1 * difference ** 2) / (8 * s * s * c * c);
-  return body.mgl * Math.cos(theta) + barrier;
+/**
+ * Rates of steady precession at an inclination for a given axial angular velocity, rad/s: the roots of
+ * I1 cos(theta) p^2 - I3 omega3 p + mgl = 0, slow one first. None below the smallest possible omega3, one
+ * where the fast one is infinite.
+ */
+export function steadyRates(body, theta, omega3) {
+  return precessionRoots(body.inertia1 * Math.cos(theta), body.inertia3 * omega3, body.mgl);
+}
+
+/**
+ * Threshold spin of the sleeping top: the least omega3 at which an upright symmetric top is stable,
+ * sqrt(4 mgl I1)/I3, rad/s.
+ */
+export function criticalOmega3(body) {
+  return (2 * Math.sqrt(body.mgl * body.inertia1)) / body.inertia3;
+}
+
+/** Roots of a p^2 - b p + c = 0 with c >= 0, without cancellation; the one that stays finite for a = 0 first. */
+function precessionRoots(a, b, c) {
+  const discriminant = b ** 2 - 4 * a * c;
+  if (discriminant < 0) return [];
+  const larger = b + (b < 0 ? -1 : 1) * Math.sqrt(discriminant);
+  if (larger === 0) return [];
+  return a === 0 ? [(2 * c) / larger] : [(2 * c) / larger, larger / (2 * a)];
 }

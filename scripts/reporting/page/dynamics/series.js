@@ -9,13 +9,13 @@
 
 import { times, verticalOf } from "./body.js";
 
-export const ORDER = 24;
+const ORDER = 24;
 const COUNT = ORDER + 1;
 const ERROR = 1e-17; // of a step, relative
 
 /** Where the series of q0..q3, L1..L3 begin in a table of coefficients. */
 export const ROWS = { quaternion: [0, 1, 2, 3].map((k) => k * COUNT), momentum: [4, 5, 6].map((k) => k * COUNT) };
-export const SIZE = 7 * COUNT;
+const SIZE = 7 * COUNT;
 
 /** The value of a series at a time from its centre. */
 export function valueAt(table, row, time) {

@@ -57,7 +57,7 @@ export class Grip {
     event.stopPropagation(); // the view shall not turn
     live.stage.element.setPointerCapture(event.pointerId);
     this.wasPlaying = live.clock.playing;
-    live.seek(0);
+    live.clock.seek(0);
     const from = { x: event.clientX, omega3: live.state.omega3 };
     this.#held = part === "tip" ? (next) => this.#tilt(next) : (next) => this.#spin(next, from);
   }
@@ -65,7 +65,7 @@ export class Grip {
   #leave() {
     if (!this.#held) return;
     this.#held = null;
-    if (this.wasPlaying) this.live.play();
+    if (this.wasPlaying) this.live.clock.play();
   }
 
   /** The tilt whose tip is nearest to the pointer. */

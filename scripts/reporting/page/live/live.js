@@ -2,27 +2,24 @@
 // is computed anew and shown in the next frame.
 
 import { Vector3 } from "three";
-import { speedsFor } from "../player.js";
-import { inShort } from "../text.js";
+import { Bar } from "../bar.js";
+import { Player } from "../player.js";
+import { forgetColours } from "../plot.js";
 import { Charts } from "./charts.js";
-import { Clock } from "./clock.js";
-import { Control } from "./controls.js";
+import { Control, suitRanges } from "./controls.js";
 import { Grip } from "./grip.js";
-import { Keeper, STILL } from "./keeper.js";
-import { bindKeys } from "./keys.js";
 import { fillWords, linkOfLanguage, say } from "./language.js";
-import { fillPanel, showMoment } from "./panel.js";
+import { accountOf, fillPanel, showMoment } from "./panel.js";
 import { Picture } from "./picture.js";
 import { FIRST, PRESETS, presetOf } from "./presets.js";
-import { suitRanges } from "./ranges.js";
 import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
 import { Second } from "./second.js";
 import { COARSE, FINE, Track } from "./track.js";
-import { Tour } from "./tour.js";
-import { accountOf } from "./words.js";
 
 const QUIET = 500; // ms without a change before it is announced and the link holds it
-const PLOTS = ["theta", "phi", "psi", "energy", "potential", "portrait"];
+const PLOTS = ["theta", "phi", "psi", "energy"];
+const PARTS = { step: 1 / 200, page: 1 / 10, end: 1 }; // of the span that keys go
+const STILL = [1920, 1080]; // pixels of a picture
 const LABELLED = ["preset", "shape", "precession", "speed", "second_look", "differs"];
 let made = 0;
 
@@ -52,18 +49,25 @@ export class LiveTop {
       [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
     );
     this.isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.clock = new Clock();
+    this.clock = new Player(0, 1, () => {
+      this.bar.show();
+      this.#request();
+    }, { isEndless: true });
     this.picture = new Picture(this.parts, this.isCalm);
     this.stage = this.picture.stage;
-    this.charts = new Charts(Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]])));
+    const panes = Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]]));
+    this.charts = new Charts(panes, (time) => this.clock.seek(time));
+    this.bar = new Bar(section, this.parts, this.clock, this.stage, (how, sign) => {
+      this.clock.seek(this.clock.time + sign * PARTS[how] * this.track.span);
+    });
     this.#makeControls();
     this.#wire();
     const link = ownsLink ? location.hash : "";
     this.load(state ?? stateOfLink(link), { link });
     this.#watch();
     this.#openStage();
-    if (this.isCalm) this.pause();
-    else this.play();
+    if (this.isCalm) this.clock.pause();
+    else this.clock.play();
   }
 
   /** Once the panel and the charts are on the screen: to compile the shaders may take a second. */
@@ -107,12 +111,9 @@ export class LiveTop {
     parts.threshold.addEventListener("click", () => {
       this.set({ omega3: Number(this.track.threshold.toPrecision(12)) });
     });
-    parts.play.addEventListener("click", () => this.toggle());
     parts.time.addEventListener("input", () => {
-      this.seek((Number(parts.time.value) / Number(parts.time.max)) * this.track.span);
+      this.clock.seek((Number(parts.time.value) / Number(parts.time.max)) * this.track.span);
     });
-    parts.speed.addEventListener("change", () => { this.clock.speed = Number(parts.speed.value); });
-    parts.reset.addEventListener("click", () => this.stage.look("reset"));
     parts.screen.hidden = !document.fullscreenEnabled;
     parts.screen.addEventListener("click", () => {
       if (document.fullscreenElement) document.exitFullscreen();
@@ -121,27 +122,28 @@ export class LiveTop {
     document.addEventListener("fullscreenchange", () => {
       parts.screen.textContent = say(document.fullscreenElement ? "screen_leave" : "screen");
     });
-    this.tour = new Tour(this);
-    this.keeper = new Keeper(this);
+    parts.link.hidden = !this.ownsLink;
+    parts.link.addEventListener("click", () => this.#copy(location.href, "copied_link"));
+    parts.copy.addEventListener("click", () => this.#copy(parts.input.textContent, "copied_input"));
+    parts.picture.addEventListener("click", () => {
+      Object.assign(document.createElement("a"), { href: this.stage.still(...STILL), download: "spintop.png" }).click();
+    });
     this.grip = new Grip(this);
-    this.charts.onPick = (time) => this.seek(time);
-    bindKeys(this.section, this);
+  }
+
+  async #copy(text, done) {
+    try {
+      await navigator.clipboard.writeText(text);
+      this.parts.said.textContent = say(done);
+    } catch {
+      this.parts.said.textContent = say("copy_refused");
+    }
   }
 
   #watch() {
-    new ResizeObserver(() => {
-      this.charts.resize();
-      this.redraw();
-    }).observe(this.parts.plots);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      this.#recolour();
-      this.redraw();
-    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#recolour());
     addEventListener("beforeprint", () => this.#putOnPaper());
-    addEventListener("afterprint", () => {
-      this.#recolour();
-      this.redraw();
-    });
+    addEventListener("afterprint", () => this.#recolour());
     if (this.ownsLink) {
       addEventListener("hashchange", () => {
         const link = location.hash;
@@ -152,16 +154,15 @@ export class LiveTop {
   }
 
   #recolour() {
+    forgetColours();
     this.stage.recolour();
-    this.charts.recolour();
+    this.charts.redraw();
   }
 
   /** On paper the stage is a picture, and all is in the colours of paper. */
   #putOnPaper() {
     document.documentElement.dataset.paper = "yes";
     this.#recolour();
-    this.redraw();
-    this.stage.open();
     this.parts.still.src = this.stage.still(...STILL);
     delete document.documentElement.dataset.paper;
     this.stage.recolour();
@@ -188,7 +189,7 @@ export class LiveTop {
     this.second.follow();
     this.clock.time = 0;
     this.#compute();
-    this.#suitSpeed();
+    this.bar.suit(this.track.span);
     this.#request();
   }
 
@@ -215,14 +216,6 @@ export class LiveTop {
     this.parts.preset_words.textContent = key && say(`preset_${key}_words`);
   }
 
-  #suitSpeed() {
-    const { speeds, initial } = speedsFor(this.track.span);
-    this.clock.speed = initial;
-    this.parts.speed.replaceChildren(
-      ...speeds.map((speed) => new Option(`${inShort(speed)} ×`, speed, false, speed === initial)),
-    );
-  }
-
   /** The motion of the state in so many points at most, and all that is drawn of it but the moment. */
   #compute(most = FINE) {
     const began = performance.now();
@@ -230,7 +223,7 @@ export class LiveTop {
     this.track = new Track(this.state, most);
     this.second.compute(most);
     this.#isCoarse = most === COARSE && !(this.track.isComplete && (this.second.track?.isComplete ?? true));
-    this.clock.span = this.track.span;
+    this.clock.end = this.track.span;
     this.clock.time = Math.min(this.clock.time, this.track.span);
     this.#fill();
     this.#settle();
@@ -247,14 +240,8 @@ export class LiveTop {
       tops.push({ state: second.state, track: second.track, ...place });
     }
     this.picture.fill(tops);
-    this.redraw(false);
+    this.charts.draw(track, second.state && second.track);
     fillPanel(this);
-  }
-
-  /** Draw the charts, and the moment. */
-  redraw(isShown = true) {
-    this.charts.draw(this.track, this.second.state && this.second.track);
-    if (isShown) this.#show();
   }
 
   /** Once it is quiet: all points, the words for those who do not see it, the link, and the input. */
@@ -294,8 +281,7 @@ export class LiveTop {
     this.#frame = 0;
     if (this.#isChanged) this.#compute(COARSE);
     const began = performance.now();
-    const isEnd = this.clock.tick(now);
-    if (isEnd) this.keeper.endFilm();
+    this.clock.tick(now);
     this.#show();
     this.section.dispatchEvent(new CustomEvent("frame", { detail: performance.now() - began }));
     if (this.clock.playing) this.#request();
@@ -311,41 +297,5 @@ export class LiveTop {
   /** The axis at the moment that is shown. */
   axisNow() {
     return new Vector3(...this.track.at(this.clock.time).axis);
-  }
-
-  play() {
-    this.clock.play();
-    this.#showPlay();
-    this.#request();
-  }
-
-  pause() {
-    this.clock.pause();
-    this.#showPlay();
-  }
-
-  toggle() {
-    if (this.clock.playing) this.pause();
-    else this.play();
-  }
-
-  #showPlay() {
-    const { play } = this.parts;
-    play.setAttribute("aria-label", say(this.clock.playing ? "pause" : "play"));
-    play.dataset.state = this.clock.playing ? "playing" : "paused";
-  }
-
-  /** Pause at a time. */
-  seek(time) {
-    this.pause();
-    this.clock.time = Math.min(Math.max(time, 0), this.track.span);
-    this.#request();
-  }
-
-  /** A speed faster, or slower. */
-  changeSpeed(by) {
-    const { speed } = this.parts;
-    speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), speed.length - 1);
-    this.clock.speed = Number(speed.value);
   }
 }

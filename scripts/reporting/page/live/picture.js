@@ -1,7 +1,7 @@
 // The picture of a live top: bodies, paths, arrows and cones of its motions, on the stage.
 
-import { Quaternion, Vector3 } from "three";
-import { tipOf } from "../stage/solid.js";
+import { Quaternion } from "three";
+import { measure } from "../stage/body.js";
 import { Stage } from "../stage/stage.js";
 import { unitsOf } from "../stage/view.js";
 import { say } from "./language.js";
@@ -39,7 +39,7 @@ export class Picture {
   /** @param parts of the live top @param calm whether less motion is asked for */
   constructor(parts, calm) {
     this.parts = parts;
-    this.stage = new Stage(parts.stage, { calm, hints: [say("hold_on"), say("hold_off")] });
+    this.stage = new Stage(parts.stage, { calm, words: { release: say("hold_on"), hold: say("hold_off"), lack: say("no_webgl") } });
     for (const name of ["body_shown", "cones", ...PARTS]) parts[name].addEventListener("change", () => this.#showParts());
   }
 
@@ -49,9 +49,9 @@ export class Picture {
     const drawings = tops.map(({ state, track }) => drawingOf(state, track.body));
     const made = tops.map(({ look, pane }, k) => ({ body: drawings[k].body, trace: SPHERE, look, pane }));
     this.#tops = tops;
-    this.#tips = drawings.map(({ body }) => tipOf(body));
+    this.#tips = drawings.map(({ body }) => measure(body).tip);
     const vectors = Object.fromEntries(
-      Object.keys(VECTORS).map((name) => [name, joined(this.#solid().map(({ track }) => track[name]))]),
+      Object.entries(VECTORS).map(([name, key]) => [name, joined(this.#solid().map(({ track }) => track[key]))]),
     );
     this.#unit = unitsOf(made, vectors).omega;
     const key = JSON.stringify(made);
@@ -79,7 +79,7 @@ export class Picture {
         found.push({ points: new Float32Array(track.axis).map((value) => value * tip), colour: "faint", width: 1.4 });
       }
       if (parts.cones.checked) {
-        for (const [table, colour, frame] of [[track.omega, "omega", "space"], [track.omegaBody, "mark", "body"]]) {
+        for (const [table, colour, frame] of [[track.omegaSpace, "omega", "space"], [track.omega, "mark", "body"]]) {
           const [edge, spokes] = coneOf(table, this.#unit);
           found.push({ points: edge, colour, width: 2, frame }, { points: spokes, colour, width: 0.7, frame });
         }
@@ -92,12 +92,6 @@ export class Picture {
   /** How far the tip of the first top is from the pivot, m. */
   get tip() {
     return this.#tips[0];
-  }
-
-  /** Show or hide an arrow, the path, or the cones, as its box does. */
-  check(name, on) {
-    this.parts[name].checked = on;
-    this.#showParts();
   }
 
   #showParts() {
@@ -121,7 +115,7 @@ export class Picture {
       time,
       attitudes: moments.map(({ quaternion: [w, x, y, z] }) => new Quaternion(x, y, z, w)),
       vectors: solid.map((moment) => Object.fromEntries(
-        Object.entries(VECTORS).map(([name, key]) => [name, new Vector3(...moment[key])]),
+        Object.entries(VECTORS).map(([name, key]) => [name, moment[key]]),
       )),
     });
     return moments[0];

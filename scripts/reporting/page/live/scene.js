@@ -2,7 +2,7 @@
 
 import { isPossible, makeBody, startFromAngles } from "../dynamics/body.js";
 import { buildShape } from "../dynamics/shapes.js";
-import { criticalOmega3, steadyRates } from "../dynamics/steady_motion.js";
+import { criticalOmega3, steadyRates } from "../dynamics/nutation.js";
 import { say } from "./language.js";
 
 const DEGREE = Math.PI / 180;

@@ -4,9 +4,9 @@
 import { inShort } from "../text.js";
 import { Control } from "./controls.js";
 import { say } from "./language.js";
+import { classOf } from "./panel.js";
 import { NUMBERS, complete, consequenceOf, numbersOf, refusal } from "./scene.js";
 import { FINE, Track } from "./track.js";
-import { classOf } from "./words.js";
 
 const KEY = "second"; // of the link: the number in which it differs, and its value
 const FIRST_DIFFERENCE = "omega3";

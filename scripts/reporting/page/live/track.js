@@ -13,8 +13,8 @@ const FEWEST = 240;
 /** Points and steps at most: while one changes something, and afterwards. */
 export const COARSE = { points: 300, steps: 1500 };
 export const FINE = { points: 1800, steps: 20000 };
-const COLUMNS = ["t", "phi", "theta", "psi", "kinetic", "potential", "energy", "thetaRate"];
-const VECTORS = ["axis", "omega", "omegaBody", "momentum", "force", "torque", "change"];
+/** Of a moment what is drawn; vectors stand x, y, z side by side. */
+const VECTORS = ["axis", "omega", "omegaSpace", "momentum", "force", "torque", "change"];
 
 export class Track {
   /** @param state as scene.js has it @param most points and steps, `COARSE` or `FINE` */
@@ -41,23 +41,16 @@ export class Track {
 
   #sample(count) {
     this.count = count;
-    for (const name of COLUMNS) this[name] = new Float64Array(count);
-    for (const name of VECTORS) this[name] = new Float64Array(3 * count);
-    for (let i = 0; i < count; i += 1) {
-      const moment = this.at((this.span * i) / (count - 1));
-      this.t[i] = moment.t;
-      [this.phi[i], this.theta[i], this.psi[i]] = moment.angle;
-      this.thetaRate[i] = moment.rate[1];
-      this.kinetic[i] = moment.kinetic;
-      this.potential[i] = moment.potential;
-      this.energy[i] = moment.kinetic + moment.potential;
-      this.axis.set(moment.axis, 3 * i);
-      this.omega.set(moment.omegaSpace, 3 * i);
-      this.omegaBody.set(moment.omega, 3 * i);
-      this.momentum.set(moment.momentum, 3 * i);
-      this.force.set(moment.force, 3 * i);
-      this.torque.set(moment.torque, 3 * i);
-      this.change.set(moment.change, 3 * i);
+    const moments = Array.from({ length: count }, (_, i) => this.at((this.span * i) / (count - 1)));
+    const column = (of) => Float64Array.from(moments, of);
+    this.t = column(({ t }) => t);
+    [this.phi, this.theta, this.psi] = [0, 1, 2].map((k) => column(({ angle }) => angle[k]));
+    this.kinetic = column(({ kinetic }) => kinetic);
+    this.potential = column(({ potential }) => potential);
+    this.energy = column(({ kinetic, potential }) => kinetic + potential);
+    for (const name of VECTORS) {
+      this[name] = new Float64Array(3 * count);
+      moments.forEach((moment, i) => this[name].set(moment[name], 3 * i));
     }
   }
 

@@ -1,15 +1,12 @@
-// How large things are drawn, and which part of space is seen; alike in three dimensions and in two.
+// How large things are drawn, and which part of space is seen.
 
-import { reachOf, rimsOf, tipOf } from "./solid.js";
+import { measure } from "./body.js";
 
 const HEIGHTS = 33; // of a trace that are looked at
 const LONGEST = 0.8; // of the way from the pivot to the tip: the longest arrow of each kind
 
-/** The view to begin with: azimuth and elevation of the eye, rad. */
-export const FIRST_VIEW = { azimuth: -1.05, elevation: 0.32 };
-
 /** The largest magnitude in a table of vectors, x, y, z side by side. */
-export function largestOf(table) {
+function largestOf(table) {
   let square = 0;
   for (let i = 0; i < table.length; i += 3) {
     square = Math.max(square, table[i] ** 2 + table[i + 1] ** 2 + table[i + 2] ** 2);
@@ -17,22 +14,24 @@ export function largestOf(table) {
   return Math.sqrt(square);
 }
 
-/** So many of the least to the largest of the heights of a trace of unit vectors. */
+/** The least and the largest height of a trace of unit vectors. */
 function heightsOf(points) {
   let [low, high] = [1, -1];
   for (let i = 2; i < points.length; i += 3) {
     low = Math.min(low, points[i]);
     high = Math.max(high, points[i]);
   }
-  return Array.from({ length: HEIGHTS }, (_, i) => low + ((high - low) * i) / (HEIGHTS - 1));
+  return [low, high];
 }
 
 /** Calls back with the distance from the vertical and the height of all that is to be seen, m. */
 function visit(tops, vectors, perUnit, tips, see) {
   see(0, 0);
   tops.forEach(({ body, trace: { points } }, k) => {
-    const rims = [[tips[k], 0], ...rimsOf(body)];
-    for (const cosine of heightsOf(points)) {
+    const rims = [[tips[k], 0], ...measure(body).rims];
+    const [low, high] = heightsOf(points);
+    for (let i = 0; i < HEIGHTS; i += 1) {
+      const cosine = low + ((high - low) * i) / (HEIGHTS - 1);
       const sine = Math.sqrt(Math.max(0, 1 - cosine ** 2));
       for (const [height, radius] of rims) {
         for (const side of [radius, -radius]) {
@@ -52,13 +51,8 @@ function visit(tops, vectors, perUnit, tips, see) {
 
 /** The heights between which the tips stay, if they do so on one side of the pivot. */
 function bandOf(tops, tips) {
-  let [low, high] = [Infinity, -Infinity];
-  tops.forEach(({ trace: { points } }, k) => {
-    for (let i = 2; i < points.length; i += 3) {
-      low = Math.min(low, tips[k] * points[i]);
-      high = Math.max(high, tips[k] * points[i]);
-    }
-  });
+  const heights = tops.flatMap(({ trace: { points } }, k) => heightsOf(points).map((height) => tips[k] * height));
+  const [low, high] = [Math.min(...heights), Math.max(...heights)];
   return low > 0 || high < 0 ? [low, high] : null;
 }
 
@@ -79,7 +73,7 @@ export function placePanes(count, width, height) {
 
 /** How long a unit of each vector is drawn, m. */
 export function unitsOf(tops, vectors) {
-  const tip = Math.max(...tops.map(({ body }) => tipOf(body)));
+  const tip = Math.max(...tops.map(({ body }) => measure(body).tip));
   return Object.fromEntries(
     Object.entries(vectors).map(([name, table]) => [
       name,
@@ -89,25 +83,19 @@ export function unitsOf(tops, vectors) {
 }
 
 /**
- * Sizes for tops and the vectors that are drawn with them, m: how far the bodies reach, where their
- * tips are, how long a unit of each vector is; of the part of space to be seen the height of its
- * middle and its radius, so that neither tops nor arrows leave it; and the band of the tips.
+ * Sizes for tops and the vectors that are drawn with them, m: where their tips are; of the part of space to be seen the
+ * height of its middle and its radius, so that neither tops nor arrows leave it; and the band of the tips.
  */
 export function viewOf(tops, vectors) {
-  const tips = tops.map(({ body }) => tipOf(body));
-  const tip = Math.max(...tips);
+  const tips = tops.map(({ body }) => measure(body).tip);
   const perUnit = unitsOf(tops, vectors);
-  let [low, high, aside] = [0, 0, 0];
-  visit(tops, vectors, perUnit, tips, (across, height) => {
-    low = Math.min(low, height);
-    high = Math.max(high, height);
-    aside = Math.max(aside, across);
+  let [low, high, radius] = [0, 0, 0];
+  visit(tops, vectors, perUnit, tips, (_, height) => {
+    [low, high] = [Math.min(low, height), Math.max(high, height)];
   });
   const middle = (low + high) / 2;
-  let radius = 0;
   visit(tops, vectors, perUnit, tips, (across, height) => {
     radius = Math.max(radius, Math.hypot(across, height - middle));
   });
-  const reach = Math.max(tip, ...tops.map(({ body }) => reachOf(body)));
-  return { reach, tips, tip, perUnit, middle, radius, band: bandOf(tops, tips) };
+  return { tips, tip: Math.max(...tips), perUnit, middle, radius, band: bandOf(tops, tips) };
 }

@@ -210,7 +210,6 @@ class Checkout:
         ):
             (self.root / name).mkdir(parents=True, exist_ok=True)
         (self.root / "test/scripts").mkdir()
-        shutil.copy(ROOT / "test/funit/taken_names.txt", self.root / "test/funit")
         self.make_shims()
         venv = self.root / ".venv"
         for group in ("base", "netcdf", "test"):

@@ -2,12 +2,13 @@
 
 `programs/NAME.py` imports what it measures, and has
 
-* VERSIONS, what is used, or versions(), which also makes it ready;
+* VERSIONS, what is used;
 * where it solves initial value problems: METHODS, FORMULATIONS (the equations that it gets) and
   SETTINGS, the cheapest first; solve(problem, method, formulation, setting), an Answer;
 * where it is an engine: STEPPERS, the names of its methods, and prepare(problem, method, step),
   which sets the body up and gives two functions: advance(n) takes n steps, state() gives the
-  attitude and the angular velocity in body axes. A NotImplementedError says why it cannot do it;
+  attitude and the angular velocity in body axes. A NotImplementedError says why it cannot do it.
+  Settings are steps per second, unless OWN_SETTINGS has those of a method, and step() takes them;
 * where it integrates many bodies at once: BATCHES, and solve_batch(t_end, every, method, setting).
 """
 

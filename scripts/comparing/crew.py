@@ -20,7 +20,6 @@ from comparing.program import ROOT
 
 WORKER = Path(__file__).resolve().parent / "worker.py"
 VENV = ROOT / "build/compare/venv"
-LOCK = ROOT / "scripts/requirements.txt"
 START_UP = 600.0
 """Seconds that a program may take to say what it is."""
 PART, LEAST = 0.25, 1.0

@@ -26,8 +26,10 @@ def tell(program: ModuleType) -> dict:
     """What a program is, made ready, and what it can be asked for."""
     lists = ("METHODS", "FORMULATIONS", "SETTINGS", "STEPPERS", "BATCHES")
     about = {name: list(getattr(program, name, ())) for name in lists}
-    about["OWN_SETTINGS"] = getattr(program, "OWN_SETTINGS", {})
-    return about | {"versions": getattr(program, "versions", lambda: program.VERSIONS)()}
+    return about | {
+        "OWN_SETTINGS": getattr(program, "OWN_SETTINGS", {}),
+        "versions": program.VERSIONS,
+    }
 
 
 def answer(program: ModuleType, question: dict) -> Answer:

@@ -54,29 +54,18 @@ def row_of(trial: Trial, problem: Problem, own: pd.DataFrame) -> dict:
     } | {name: found[name] for name in MEASURED if found.get(name) is not None}
 
 
-def is_numeric(column: pd.Series) -> bool:
-    """Whether a column holds numbers."""
-    return pd.api.types.is_numeric_dtype(column)
-
-
-def least(rounds: list[pd.DataFrame], keys: list[str] = KEYS) -> pd.DataFrame:
-    """Each setting of each method and program once, with the least time of all rounds."""
+def least(rounds: list[pd.DataFrame]) -> pd.DataFrame:
+    """Each setting of each method and program once, by time, with the least of all rounds."""
     rows = pd.concat([rows for rows in rounds if len(rows)], ignore_index=True)
     rows = rows.sort_values("time_s", kind="stable", na_position="last", ignore_index=True)
-    return rows.drop_duplicates(keys, ignore_index=True)
+    return rows.drop_duplicates(KEYS, ignore_index=True)
 
 
 def join(parts: list[pd.DataFrame]) -> pd.DataFrame:
-    """All rows, those of a problem by time, without the front of spintop alone."""
+    """The rows of all problems, without the front of spintop alone."""
     rows = pd.concat(parts, ignore_index=True).drop(columns="front", errors="ignore")
-    for name in rows:
-        if not is_numeric(rows[name]):
-            rows[name] = rows[name].fillna("-")
-    order = {name: place for place, name in enumerate(dict.fromkeys(rows["problem"]))}
-    return rows.sort_values(
-        ["problem", "time_s"], key=lambda keys: keys.map(order) if keys.name == "problem" else keys,
-        kind="stable", ignore_index=True,
-    )  # fmt: skip
+    words = rows.select_dtypes(exclude="number").columns
+    return rows.fillna(dict.fromkeys(words, "-"))
 
 
 def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], title: str) -> None:

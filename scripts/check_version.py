@@ -16,8 +16,6 @@ PLACES = {
     "CHANGELOG.md": r"^## (\d\S*)",
     "packaging/conda/recipe/meta.yaml": r'set version = "([^"]+)"',
     "packaging/spack/package.py": r'^    version\("([^"]+)"',
-    "packaging/homebrew/spintop.rb": r"spintop-(\S+)\.tar\.gz",
-    "packaging/modulefiles/spintop.lua": r"Version: ([^\"]+)",
 }
 
 

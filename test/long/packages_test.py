@@ -45,17 +45,8 @@ class PackagesTest(unittest.TestCase):
         self.try_commands(DEBIAN)
 
     def test_container(self) -> None:
-        """The step of both recipes leaves the program, that for MPI, and no compiler."""
+        """The step of the image leaves the program, that for MPI, and no compiler."""
         self.try_commands(CONTAINER)
-
-    def test_recipes(self) -> None:
-        """Docker and Apptainer begin with the same system, and call the same script."""
-        docker = (PACKAGING / "container/Dockerfile").read_text(encoding="utf-8")
-        apptainer = (PACKAGING / "container/spintop.def").read_text(encoding="utf-8")
-        base = re.search(r"^FROM (\S+)", docker, re.MULTILINE)[1]
-        self.assertEqual(re.search(r"^From: (\S+)", apptainer, re.MULTILINE)[1], base)
-        for text in (docker, apptainer):
-            self.assertIn("packaging/container/install", text)
 
     def test_versions(self) -> None:
         """The package has the version of the project, and of the library its number."""

@@ -171,8 +171,17 @@ def test_pip_beside_apt(checkout: Path, broken: str) -> None:
 def test_users_install_no_linters() -> None:
     """What pip installs at set-up, and what scripts/lint adds, have nothing in common."""
     packages, linters = (
-        set(re.findall(r"^[\w-]+(?===)", (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE))
-        for name in ("scripts/requirements.txt", "scripts/requirements_lint.txt")
+        set(re.findall(r"^[\w-]+(?===)", call(ROOT, f"locked {group}").stdout, re.MULTILINE))
+        for group in ("base", "lint")
     )
     assert {"fortitude-lint", "ruff", "clang-format"} <= linters
     assert not packages & linters
+
+
+def test_every_package_is_locked() -> None:
+    """All packages of the groups have a version and hashes in the lock, which has no others."""
+    lock = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
+    locked = re.findall(r"^([\w.-]+)==", lock, re.MULTILINE)
+    assert lock.count("--hash=sha256:") >= len(locked)
+    named = call(ROOT, 'printf "%s\\n" ${packages[@]}').stdout.split()
+    assert set(named) == set(locked)

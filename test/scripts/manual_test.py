@@ -138,7 +138,7 @@ SKIPPED = {
 WITHOUT_TABLE = {"statuses", "parameters uncertainty"}
 """Lists that need none: a summary says what its status means, and radii are those of other keys."""
 
-SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop", "docker", "apptainer")
+SYSTEM_COMMANDS = ("mpirun", "head", "sed", "pip", "cc", "spintop", "docker")
 SYSTEM_COMMANDS += ("python3", "source", "module", "export", "cmake", "gfortran", "node")
 VARYING = re.compile(r"^!? {2,3}(ended|time|parts|memory|cost .* us for the set-up)\b")
 """Lines of summaries that differ from run to run: of these only the first word is compared."""

@@ -6,7 +6,6 @@ import importlib.machinery
 import importlib.util
 import io
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -21,12 +20,7 @@ sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parent.parent.parent
 PACKAGING = ROOT / "packaging"
 META = PACKAGING / "conda" / "recipe" / "meta.yaml"
-RECIPES = (
-    META,
-    PACKAGING / "spack" / "package.py",
-    PACKAGING / "homebrew" / "spintop.rb",
-    next((PACKAGING / "easybuild").glob("*.eb")),
-)
+RECIPES = (META, PACKAGING / "spack" / "package.py")
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 STEP = re.compile(r"^( +)(?:- )?run: (\|\n(?:\1 +.*\n|\n)+|>-\n(?:\1 +.*\n)+|.+\n)", re.MULTILINE)
 EXPRESSION = re.compile(r"\$\{\{.*?\}\}")
@@ -56,21 +50,12 @@ class RecipesTest(unittest.TestCase):
 
     folder: Path
 
-    def check(self, *words: str | Path) -> None:
-        """A program finds nothing wrong; skipped where it is not installed."""
-        if not shutil.which(words[0]):
-            return
-        done = subprocess.run(words, check=False, capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-
     def test_syntax(self) -> None:
-        """Python, Ruby, shell and YAML can be read."""
-        for path in (RECIPES[1], RECIPES[3], PACKAGING / "fill_recipes"):
+        """Python, shell and YAML can be read."""
+        for path in (RECIPES[1], PACKAGING / "fill_recipes"):
             ast.parse(path.read_text(encoding="utf-8"), str(path))
-        self.check("ruby", "-c", RECIPES[2])
-        self.check("luac", "-p", PACKAGING / "modulefiles" / "spintop.lua")
         for path in (META.with_name("build.sh"), PACKAGING / "from_sources"):
-            self.check("bash", "-n", path)
+            subprocess.run(["bash", "-n", path], check=True)
             self.assertTrue(path.stat().st_mode & 0o100, path)
         texts = {path.name: path.read_text(encoding="utf-8") for path in WORKFLOWS}
         texts |= {"meta.yaml": meta(), "citation": (ROOT / "CITATION.cff").read_text("utf-8")}
@@ -100,10 +85,8 @@ class RecipesTest(unittest.TestCase):
     def test_one_release(self) -> None:
         """All recipes take the same sources, and the version of the project."""
         version = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))["version"]
-        self.assertTrue(RECIPES[3].name.startswith(f"spintop-{version}-"))
         for path in RECIPES:
             text = meta() if path == META else path.read_text(encoding="utf-8")
-            text = text.replace("%(version)s", version)
             for part in (
                 f"spintop-{version}.tar.gz",
                 "sundials-7.1.1.tar.gz",
@@ -137,15 +120,12 @@ class RecipesTest(unittest.TestCase):
         target = self.folder / "recipes"
         self.assertEqual(fill("https://a.org/top/", "me", *files, target), (0, ""))
         made = [path for path in target.rglob("*") if path.is_file()]
-        self.assertEqual(len(made), 5)
+        self.assertEqual(len(made), 3)
         for path in made:
             text = path.read_text(encoding="utf-8")
             for word in ("0" * 64, "example.org", "MAINTAINER"):
                 self.assertNotIn(word, text)
         digest = "ca978112ca1bbdcafac231b39a23dc4da786eff8147c4e72b9807785afee48bb"
-        self.assertIn(
-            'url "https://a.org/top/releases', (target / "homebrew/spintop.rb").read_text()
-        )
         self.assertLess(
             (target / "spack/package.py").read_text().index(digest),
             (target / "spack/package.py").read_text().index("resource("),

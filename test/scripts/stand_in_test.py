@@ -37,16 +37,10 @@ class StandInTest(unittest.TestCase):
         return self.call(sys.executable, script, source, self.folder / "suite.f90")
 
     def test_refusals_name_file_and_line(self) -> None:
-        """What pFUnit would take differently, or the stand-in lacks, does not pass silently."""
+        """What the stand-in lacks does not pass silently."""
         refused = {
-            "@assertTrue(.true.) ! why": "ends its line",
-            "if (.true.) @assertTrue(.true.)": "a line of its own",
+            "@assertTrue(.true.) ! why": "on one line",
             "@assertEqual(1, &": "on one line",
-            "@assertEqual(1)": "2 value(s)",
-            "@assertEqual(1.0, 2.0, 0.5)": "not '0.5'",
-            "@assertTrue(.true., tolerance=1.0)": "message=...",
-            "@assertRelativelyEqual(1.0, 2.0)": "tolerance",
-            "@assertEqual(-1, not(0))": "a matcher",
             "@assertIsInfinite(1.0)": "@assertIsInfinite",
             "@disable": "@disable",
             "@test": "subroutine NAME()",
@@ -58,36 +52,6 @@ class StandInTest(unittest.TestCase):
                 self.assertEqual(result.returncode, 1)
                 self.assertRegex(result.stderr, r"suite\.pf:[89]: ")
                 self.assertIn(reason, result.stderr)
-
-    def test_names_that_pfunit_has_are_refused(self) -> None:
-        """An entity of a suite's module cannot have a name that pFUnit's own module brings in."""
-        head = "module suite\nuse funit\n"
-        for line in (
-            "use runs, only: near",
-            "use runs, only: a, run => b",
-            "real, parameter :: t = 0.5",
-            "real :: x(2, 3), Test(4)",
-            "type, extends(thing_t) :: subject",
-        ):
-            with self.subTest(line):
-                result = self.convert(head + line + "\ncontains\n" + a_test("passes") + TAIL)
-                self.assertEqual(result.returncode, 1)
-                self.assertIn("suite.pf:3: pFUnit has a", result.stderr)
-        for first in (
-            "subroutine run(x)",
-            "integer function run(x)",
-            "pure function RUN(x) result(y)",
-        ):
-            with self.subTest(first):
-                body = first + "\nreal, intent(in) :: x\nend subroutine\n"
-                result = self.convert(HEAD + a_test("passes") + body + TAIL)
-                self.assertRegex(result.stderr, r"(?i)suite\.pf:8: pFUnit has a 'run'")
-        # Names inside procedures, types and interfaces, and names that pFUnit would see renamed.
-        own = "interface\nsubroutine f(run)\nreal :: run\nend subroutine\nend interface\n"
-        own += "type :: thing_t\nreal :: t\nend type\nuse runs, only: mine => run\n"
-        inner = a_test("passes", "real :: t", "select type (x)", "type is (real)", "end select")
-        result = self.convert(head + own + "contains\n" + inner + a_test("other") + TAIL)
-        self.assertEqual(result.stderr, "")
 
     def test_failures_are_counted(self) -> None:
         """A failing assert fails its test, ends it, and gives the exit code 1."""

@@ -29,7 +29,6 @@ COPIED = (
         "doc",
         "packaging",
         "fpm.toml",
-        "test/requirements.txt",
     ),
     *("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
 )
@@ -211,12 +210,10 @@ class Checkout:
         ):
             (self.root / name).mkdir(parents=True, exist_ok=True)
         (self.root / "test/scripts").mkdir()
-        shutil.copy(ROOT / "test/funit/taken_names.txt", self.root / "test/funit")
         self.make_shims()
         venv = self.root / ".venv"
-        for name in ("scripts/requirements.txt", "test/requirements.txt"):
-            stem = "test-" if name.startswith("test") else ""
-            shutil.copy(ROOT / name, venv / f"{stem}requirements.txt")
+        for group in ("base", "netcdf", "test"):
+            shutil.copy(ROOT / "scripts/requirements.txt", venv / f"{group}.txt")
         (venv / "bin/activate").write_text("# for bash\n", encoding="utf-8")
         built, _ = self.call(["bash", "-c", "source scripts/setup; build release"], self.root)
         assert built.returncode == 0, built.stderr

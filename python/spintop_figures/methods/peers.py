@@ -18,7 +18,7 @@ from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
-"""Pictures of scripts/compare_peers that doc/figures has, too, by the stems of their files."""
+"""Pictures of scripts/compare that doc/figures has, too, by the stems of their files."""
 OWN = "spintop"
 OWN_METHODS = ("taylor", "splitting_8", "dop853", "ode45")
 """Methods of spintop that are drawn, as in every figure."""
@@ -29,6 +29,8 @@ PEER_MARKERS = {
     "SciPy": "o",
     "MuJoCo": "D",
     "GNU Octave": "X",
+    "Drake": "P",
+    "Exudyn": "v",
 }
 PEER = {"color": GREY, "linewidth": 0.9, "markersize": 4.5, "markerfacecolor": GROUND, "zorder": 2}
 LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
@@ -43,7 +45,7 @@ LEAST_ERROR, LARGEST_ERROR = 1e-17, 3.2
     sparse=True,
 )
 def draw_peers(table: Table) -> Figure:
-    """Error against time of spintop and of other programs (scripts/compare_peers).
+    """Error against time of spintop and of other programs (scripts/compare).
 
     The cheapest way to each error: a line a method of spintop, a grey one each other program.
     """

@@ -11,7 +11,7 @@ COPIES = Path(__file__).parent
 """Where copies of registries are. scripts/manual_tables renews them, and a test compares them."""
 
 OF_PEERS = frozenset({"program"})
-"""Columns of words that scripts/compare_peers adds to those of the program."""
+"""Columns of words that scripts/compare adds to those of the program."""
 
 
 def listed(topic: str) -> dict[str, list]:

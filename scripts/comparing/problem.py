@@ -1,0 +1,136 @@
+"""Motions to compute, as numbers: the body, its start, how long, and where it is on the way."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from comparing.quaternion import angle_between, to_space
+
+ALIKE = 1e-14
+"""Two moments of inertia are the same if they differ by no more than this part."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A rigid body from its start to `t_end`, in SI units and principal axes.
+
+    Inertia is about the fixed point, from which the centre of mass is at `arm`; a body with neither
+    arm nor weight is free. A symmetric top has its axis on body z, but for those of MOTIONS.
+    """
+
+    name: str
+    mass: float
+    gravity: float
+    arm: tuple[float, ...]
+    inertia: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    omega: tuple[float, ...]
+    t_end: float
+    damping: tuple[float, ...] = (0.0, 0.0, 0.0)
+    samples: int = 1
+    """At so many equidistant times attitudes are compared, the last of which is the end."""
+    truth: Sequence[Sequence[float]] = ()
+    """The attitudes at these times."""
+    general: bool = False
+    """Whether no use is to be made of a symmetry."""
+
+    @property
+    def is_top(self) -> bool:
+        """Whether it has a fixed point, and weight."""
+        return any(self.arm)
+
+    @property
+    def weight(self) -> list[float]:
+        """m g times the vector to the centre of mass, N m."""
+        return [self.mass * self.gravity * part for part in self.arm]
+
+    @property
+    def central(self) -> list[list[float]]:
+        """The inertia about the centre of mass, a matrix."""
+        square = sum(x * x for x in self.arm)
+        return [
+            [self.mass * x * y + (self.inertia[i] - self.mass * square if i == j else 0.0)
+             for j, y in enumerate(self.arm)]
+            for i, x in enumerate(self.arm)
+        ]  # fmt: skip
+
+    @property
+    def central_moments(self) -> list[float]:
+        """The moments of inertia about the centre of mass, where that is on a principal axis."""
+        return [self.central[i][i] for i in range(3)]
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether it is an undamped symmetric top about body z."""
+        return (
+            not self.general
+            and math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
+            and not any(self.arm[:2])
+            and not any(self.damping)
+        )
+
+    def judge(self, states: Sequence[Sequence[float]]) -> dict[str, float]:
+        """The largest errors of a run: its attitude, rad, energy and momentum, as parts.
+
+        The momentum of a top is that about the vertical, and its energy a part of the kinetic
+        energy and m g times the arm together. Both are left out without an angular velocity.
+        """
+        names = ("orientation_error", "energy", "momentum")
+        if len(states) < self.samples or not all(math.isfinite(x) for y in states for x in y):
+            return {names[0]: math.inf}
+        states = [[x / math.hypot(*y[:4]) for x in y[:4]] + list(y[4:]) for y in states]
+        error = max(map(angle_between, (y[:4] for y in states), self.truth))
+        if len(states[0]) == len(self.quaternion):
+            return {names[0]: error}
+        first, energy = self.momentum_and_energy([*self.quaternion, *self.omega])
+        length, height = math.hypot(*self.weight), to_space(self.quaternion, self.weight)[2]
+        found = [self.momentum_and_energy(y) for y in states]
+        axes = slice(2, 3) if self.is_top else slice(0, 3)
+        drift = max(abs(value - energy) for _, value in found) / (energy + length - height)
+        turn = max(math.dist(value[axes], first[axes]) for value, _ in found) / math.hypot(*first)
+        return dict(zip(names, (error, drift, turn), strict=True))
+
+    def momentum_and_energy(self, state: Sequence[float]) -> tuple[list[float], float]:
+        """The angular momentum in space axes, about the fixed point, and the energy."""
+        momentum = [i * w for i, w in zip(self.inertia, state[4:], strict=True)]
+        turning = sum(p * w for p, w in zip(momentum, state[4:], strict=True)) / 2
+        return to_space(state[:4], momentum), turning + to_space(state[:4], self.weight)[2]
+
+    def groups(self) -> list[str]:
+        """As the groups of an input of spintop."""
+        body = f"mass = {self.mass} gravity = {self.gravity} inertia = {as_list(self.inertia)}"
+        return [
+            f"&top {body} centre_of_mass = {as_list(self.arm)} /",
+            f"&initial quaternion = {as_list(self.quaternion)} omega = {as_list(self.omega)} /",
+            f"&span t_end = {self.t_end} samples = {self.samples + 1} /",
+        ]
+
+
+def motion(
+    name: str, t_end: float, mass: float, central: tuple[float, ...], arm: tuple[float, ...],
+    omega: tuple[float, ...], quaternion: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0),
+) -> Problem:  # fmt: skip
+    """A motion of the engines, whose inertia is about the centre of mass."""
+    square = sum(x * x for x in arm)
+    inertia = tuple(i + mass * (square - x * x) for i, x in zip(central, arm, strict=True))
+    gravity = 9.81 if any(arm) else 0.0
+    return Problem(name, mass, gravity, arm, inertia, quaternion, omega, t_end, samples=25)
+
+
+FREE = (0.0, 0.0, 0.0)
+MOTIONS = (
+    motion("free_symmetric", 5, 1, (1.0, 1.0, 0.5), FREE, (0.5, 0.5, 1.0)),
+    motion("free_asymmetric", 5, 1, (0.13 / 3, 0.1 / 3, 0.05 / 3), FREE, (1.0, 2.0, 3.0)),
+    motion("intermediate_axis", 10, 0.1, (1e-4, 2e-4, 2.5e-4), FREE, (1e-3, 10.0, 1e-3)),
+    motion("free_needle", 2, 0.12, (1.7231e-4, 6.58e-6, 1.7243e-4), FREE, (30.0, 100.0, 1.0)),
+    motion("slow_top", 7.5, 1, (0.125, 0.125, 0.25), (0.0, 0.0, 0.8660254037844387),
+           (0.0, 0.0, 1.0), (math.cos(math.pi / 32), math.sin(math.pi / 32), 0.0, 0.0)),
+    motion("heavy_top", 2, 15, (0.234375, 0.46875, 0.234375), (0.0, 1.0, 0.0),
+           (0.0, 150.0, -4.61538)),
+)  # fmt: skip
+"""What the engines compute."""
+
+
+def as_list(numbers: Sequence[float]) -> str:
+    """Numbers in a namelist."""
+    return ", ".join(map(repr, numbers))

@@ -1,0 +1,184 @@
+/* Integrates the equations with CVODE or ERKStep of SUNDIALS, and prints the end and the cost.
+ *
+ * usage: sundials FORMULATION METHOD TOLERANCE T_END 1 1 < NUMBERS
+ *
+ * Adams formulas iterate by fixed points, BDF by Newton's method with a dense matrix of differences. A
+ * run sets the integrator up anew as far as that is needed: its memory is kept. */
+#include <arkode/arkode_erkstep.h>
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <string.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "answer.h"
+#include "equations.h"
+
+enum { most_constants = 16, most_states = 16 };
+static const long most_steps = 5000000;
+static const double least_step = 1e-13; /* of the span: a solution that blows up is given up */
+
+typedef void (*rates_t)(const double *, const double *, double *);
+
+static const struct {
+    const char *name;
+    ARKODE_ERKTableID table;
+} erk_tables[] = {
+    {"erkstep_cash_karp", ARKODE_CASH_KARP_6_4_5},
+    {"erkstep_dormand_prince", ARKODE_DORMAND_PRINCE_7_4_5},
+    {"erkstep_verner", ARKODE_VERNER_8_5_6},
+    {"erkstep_fehlberg", ARKODE_FEHLBERG_13_7_8},
+};
+
+static const struct {
+    const char *name;
+    int states, constants;
+    rates_t rates;
+} formulations[] = {
+#define ENTRY(name, states, constants) {#name, states, constants, name},
+    FORMULATIONS(ENTRY)};
+
+struct problem {
+    rates_t rates;
+    double c[most_constants], start[most_states], t_end;
+    int states;
+    N_Vector y;
+    void *cvode, *erkstep;
+};
+
+/* What SUNDIALS returns is zero, or positive with no harm. */
+static void check(int flag, const char *what)
+{
+    if (flag >= 0)
+        return;
+    fprintf(stderr, "%s returns %d\n", what, flag);
+    exit(1);
+}
+
+/* Makes a context. From generation 7 on it is the context that is kept from printing errors, here as
+ * there: what went wrong is in the returns. */
+static void create_context(SUNContext *context)
+{
+#if SUNDIALS_VERSION_MAJOR < 7
+    check(SUNContext_Create(NULL, context), "SUNContext_Create");
+#else
+    check(-abs(SUNContext_Create(SUN_COMM_NULL, context)), "SUNContext_Create");
+    check(-abs(SUNContext_ClearErrHandlers(*context)), "SUNContext_ClearErrHandlers");
+#endif
+}
+
+static int derivative(double t, N_Vector y, N_Vector dy, void *data)
+{
+    const struct problem *const p = data;
+    (void)t;
+    p->rates(p->c, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
+    return 0;
+}
+
+static void run(void *data)
+{
+    struct problem *const p = data;
+    double t = 0;
+    memcpy(N_VGetArrayPointer(p->y), p->start, (size_t)p->states * sizeof(double));
+    if (p->cvode) {
+        check(CVodeReInit(p->cvode, 0, p->y), "CVodeReInit");
+        check(CVodeSetStopTime(p->cvode, p->t_end), "CVodeSetStopTime");
+        check(CVode(p->cvode, p->t_end, p->y, &t, CV_NORMAL), "CVode");
+    } else {
+        check(ERKStepReInit(p->erkstep, derivative, 0, p->y), "ERKStepReInit");
+        check(ERKStepSetStopTime(p->erkstep, p->t_end), "ERKStepSetStopTime");
+        check(ERKStepEvolve(p->erkstep, p->t_end, p->y, &t, ARK_NORMAL), "ERKStepEvolve");
+    }
+}
+
+static void prepare_cvode(struct problem *p, int formula, double tolerance, SUNContext context)
+{
+    p->cvode = CVodeCreate(formula, context);
+    check(CVodeInit(p->cvode, derivative, 0, p->y), "CVodeInit");
+    check(CVodeSStolerances(p->cvode, tolerance, tolerance), "CVodeSStolerances");
+    check(CVodeSetUserData(p->cvode, p), "CVodeSetUserData");
+    check(CVodeSetMaxNumSteps(p->cvode, most_steps), "CVodeSetMaxNumSteps");
+    check(CVodeSetMinStep(p->cvode, least_step * p->t_end), "CVodeSetMinStep");
+#if SUNDIALS_VERSION_MAJOR < 7
+    check(CVodeSetErrFile(p->cvode, NULL), "CVodeSetErrFile");
+#endif
+    if (formula == CV_ADAMS) {
+        SUNNonlinearSolver solver = SUNNonlinSol_FixedPoint(p->y, 0, context);
+        check(CVodeSetNonlinearSolver(p->cvode, solver), "CVodeSetNonlinearSolver");
+    } else {
+        SUNMatrix matrix = SUNDenseMatrix(p->states, p->states, context);
+        SUNLinearSolver solver = SUNLinSol_Dense(p->y, matrix, context);
+        check(CVodeSetLinearSolver(p->cvode, solver, matrix), "CVodeSetLinearSolver");
+    }
+}
+
+static void prepare_erkstep(struct problem *p, ARKODE_ERKTableID table, double tolerance,
+                            SUNContext context)
+{
+    p->erkstep = ERKStepCreate(derivative, 0, p->y, context);
+    check(ERKStepSStolerances(p->erkstep, tolerance, tolerance), "ERKStepSStolerances");
+    check(ERKStepSetUserData(p->erkstep, p), "ERKStepSetUserData");
+    check(ERKStepSetTableNum(p->erkstep, table), "ERKStepSetTableNum");
+    check(ERKStepSetMaxNumSteps(p->erkstep, most_steps), "ERKStepSetMaxNumSteps");
+    check(ERKStepSetMinStep(p->erkstep, least_step * p->t_end), "ERKStepSetMinStep");
+#if SUNDIALS_VERSION_MAJOR < 7
+    check(ERKStepSetErrFile(p->erkstep, NULL), "ERKStepSetErrFile");
+#endif
+}
+
+static void prepare(struct problem *p, const char *method, double tolerance, SUNContext context)
+{
+    if (strcmp(method, "cvode_adams") == 0)
+        prepare_cvode(p, CV_ADAMS, tolerance, context);
+    else if (strcmp(method, "cvode_bdf") == 0)
+        prepare_cvode(p, CV_BDF, tolerance, context);
+    for (size_t i = 0; i < sizeof erk_tables / sizeof *erk_tables; ++i)
+        if (strcmp(method, erk_tables[i].name) == 0)
+            prepare_erkstep(p, erk_tables[i].table, tolerance, context);
+    if (!p->cvode && !p->erkstep)
+        exit(2);
+}
+
+/* Prints what the last run found and took. */
+static void report(const struct problem *p, double time_s)
+{
+    long steps, evaluations, extra = 0, rejected = 0;
+    if (p->cvode) {
+        check(CVodeGetNumSteps(p->cvode, &steps), "CVodeGetNumSteps");
+        check(CVodeGetNumRhsEvals(p->cvode, &evaluations), "CVodeGetNumRhsEvals");
+        check(CVodeGetNumErrTestFails(p->cvode, &rejected), "CVodeGetNumErrTestFails");
+        if (CVodeGetNumLinRhsEvals(p->cvode, &extra) < 0)
+            extra = 0; /* there is no linear solver */
+    } else {
+        check(ERKStepGetNumSteps(p->erkstep, &steps), "ERKStepGetNumSteps");
+        check(ERKStepGetNumRhsEvals(p->erkstep, &evaluations), "ERKStepGetNumRhsEvals");
+        check(ERKStepGetNumErrTestFails(p->erkstep, &rejected), "ERKStepGetNumErrTestFails");
+    }
+    print_state(N_VGetArrayPointer(p->y), p->states, 1, 1);
+    print_costs(time_s, steps, rejected, evaluations + extra);
+}
+
+int main(int count, char **argument)
+{
+    struct problem p = {0};
+    SUNContext context;
+    size_t constants = 0, states;
+    for (size_t i = 0; count == 7 && i < sizeof formulations / sizeof *formulations; ++i)
+        if (strcmp(argument[1], formulations[i].name) == 0) {
+            p.rates = formulations[i].rates;
+            p.states = formulations[i].states;
+            constants = (size_t)formulations[i].constants;
+        }
+    states = (size_t)p.states;
+    if (!p.rates || fread(p.c, sizeof(double), constants, stdin) != constants ||
+        fread(p.start, sizeof(double), states, stdin) != states)
+        return 2;
+    p.t_end = atof(argument[4]);
+    create_context(&context);
+    p.y = N_VNew_Serial(p.states, context);
+    memcpy(N_VGetArrayPointer(p.y), p.start, states * sizeof(double));
+    prepare(&p, argument[2], atof(argument[3]), context);
+    report(&p, least_time(run, &p, CLOCK_MONOTONIC));
+    return 0;
+}

@@ -1,0 +1,38 @@
+"""SUNDIALS from C: CVODE by Adams and BDF formulas, ARKODE's ERKStep with several tables."""
+
+from comparing.answer import DECADES, Answer
+from comparing.compiled import ask, define, make, version_of
+from comparing.problem import Problem
+
+METHODS = (
+    "cvode_adams",
+    "cvode_bdf",
+    "erkstep_cash_karp",
+    "erkstep_dormand_prince",
+    "erkstep_verner",
+    "erkstep_fehlberg",
+)
+FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
+SETTINGS = DECADES[::2]
+LIBRARIES = ("arkode", "cvode", "sunnonlinsolfixedpoint", "nvecserial")
+HEADER = "sundials/sundials_context.h"
+
+
+def find() -> tuple[str, str]:
+    """The version, and the compiler that finds the headers: MPI's where they include mpi.h."""
+    try:
+        return define("gcc", HEADER, "SUNDIALS_VERSION"), "gcc"
+    except OSError:
+        return define("mpicc", HEADER, "SUNDIALS_VERSION"), "mpicc"
+
+
+NUMBER, COMPILER = find()
+FLAGS = [f"-lsundials_{name}" for name in LIBRARIES]
+FLAGS.append("-lsundials_generic" if NUMBER.startswith("6.") else "-lsundials_core")
+PROGRAM = make(COMPILER, "sundials.c", [*FLAGS, "-lm"])
+VERSIONS = f"SUNDIALS {NUMBER}, {version_of(COMPILER)}"
+
+
+def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:
+    """Solve to a tolerance, absolute and relative."""
+    return ask(PROGRAM, [problem], 1, method, formulation, setting)

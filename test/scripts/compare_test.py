@@ -1,0 +1,368 @@
+"""scripts/compare: equations and motions that programs get, how they are run, tables, figures."""
+
+import dataclasses
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
+
+import pandas as pd  # noqa: E402
+
+from comparing import ENGINES, SOLVERS, bodies, crew, table  # noqa: E402
+from comparing.equations import EQUATIONS, python_rates  # noqa: E402
+from comparing.problem import MOTIONS, Problem  # noqa: E402
+from comparing.program import RunError  # noqa: E402
+from comparing.scene import pose, read_scene, with_truth  # noqa: E402
+from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+SHORT = """\
+&study kind = 'trajectory' title = 'A short motion' /
+&top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.8660254037844387 {more} /
+&initial theta = 0.5 omega3 = 3 /
+&span t_end = 1 /
+"""
+PROGRAMS = {program.module: program for program in (*SOLVERS, *ENGINES)}
+SEQUENCE = tuple(range(2, 18, 2))
+"""Numbers of midpoint steps that are extrapolated, to order 16."""
+
+
+def extrapolate(rates: Callable, y: list[float], t_end: float, steps: int) -> list[float]:
+    """Integrate by Gragg's extrapolated midpoint rule, with a fixed step size."""
+    size = t_end / steps
+    for _ in range(steps):
+        table: list[list[float]] = []
+        for k, count in enumerate(SEQUENCE):
+            row = midpoint(rates, y, size, count)
+            for j in range(k):
+                factor = (count / SEQUENCE[k - 1 - j]) ** 2 - 1
+                older, table[j] = table[j], row
+                row = [a + (a - b) / factor for a, b in zip(row, older, strict=True)]
+            table.append(row)
+        y = table[-1]
+    return y
+
+
+def midpoint(rates: Callable, y: list[float], size: float, count: int) -> list[float]:
+    """Midpoint steps with Gragg's start."""
+    h = size / count
+    old, new = y, [a + h * f for a, f in zip(y, rates(0.0, y), strict=True)]
+    for _ in range(count - 1):
+        old, new = new, [a + 2 * h * f for a, f in zip(old, rates(0.0, new), strict=True)]
+    return new
+
+
+class CompareCase(unittest.TestCase):
+    """Works in a folder that goes away."""
+
+    def setUp(self) -> None:
+        """Make the folder."""
+        folder = tempfile.TemporaryDirectory(prefix="compare test ")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def put(self, more: str = "") -> Path:
+        """An input of a short motion."""
+        path = self.folder / "short.nml"
+        path.write_text(SHORT.format(more=more))
+        return path
+
+    def pose(self, path: Path, *overrides: str) -> Problem:
+        """The problem of an input."""
+        return pose(read_scene(path.stem, path, list(overrides)), self.folder)
+
+    def compare(self, *arguments: object, **environment: str) -> subprocess.CompletedProcess:
+        """Run the script."""
+        command = [sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments]
+        return subprocess.run(
+            list(map(str, command)),
+            capture_output=True,
+            text=True,
+            timeout=1200,
+            check=False,
+            env=os.environ | environment,
+        )
+
+
+class EquationsTest(CompareCase):
+    """The peers solve the motion of spintop."""
+
+    def check(self, problem: Problem, count: int, steps: int) -> None:
+        """All equations that suit the problem end where spintop does."""
+        suited = [form for form in EQUATIONS.values() if form.suits(problem)]
+        self.assertEqual(len(suited), count)
+        for form in suited:
+            with self.subTest(form.name):
+                constants, start = form.start(problem)
+                y = extrapolate(python_rates(form, constants), start, problem.t_end, steps)
+                found = problem.judge([form.attitude(problem, y)])
+                self.assertLess(found["orientation_error"], 1e-12)
+
+    def test_symmetric(self) -> None:
+        """A symmetric top, whose body spintop gives."""
+        problem = self.pose(self.put())
+        self.assertEqual(problem.inertia, (0.875, 0.875, 0.25))
+        self.assertEqual(problem.weight[:2], [0, 0])
+        self.assertAlmostEqual(problem.weight[2], 9.81 * 0.8660254037844387, delta=2e-15)
+        self.check(problem, 3, 16)
+
+    def test_other_axis(self) -> None:
+        """A top whose axis is body y, given about its centre of mass: its axes are renamed."""
+        problem = self.pose(ROOT / "input/heavy_top_benchmark.nml", "span.t_end=0.1")
+        self.assertEqual(problem.inertia, (15.234375, 15.234375, 0.46875))
+        self.check(problem, 3, 16)
+
+    def test_any_body(self) -> None:
+        """A damped body without symmetry, its centre of mass off the axes."""
+        more = "damping = 0.1, 0.2, 0.05"
+        path = self.put(more)
+        path.write_text(
+            path.read_text()
+            .replace("0.875, 0.875", "0.9, 0.7")
+            .replace("length = 0.8660254037844387", "centre_of_mass = 0.1, 0.2, 0.5")
+        )
+        problem = self.pose(path)
+        self.assertFalse(problem.is_symmetric)
+        self.check(problem, 1, 16)
+
+    def test_symmetry_is_not_used(self) -> None:
+        """A symmetric top as any other body has one form of equations, with the same end."""
+        problem = self.pose(self.put())
+        general = dataclasses.replace(problem, general=True)
+        self.assertFalse(general.is_symmetric)
+        self.check(general, 1, 16)
+
+    def test_sweep(self) -> None:
+        """A sweep is no problem."""
+        with self.assertRaisesRegex(RunError, "sweep"):
+            self.pose(ROOT / "input/map_spin_tilt.nml")
+
+
+class CrewTest(CompareCase):
+    """Programs do their work, or are found out."""
+
+    def start(self, name: str) -> crew.Worker:
+        """A program, where it is there."""
+        worker = crew.Worker(PROGRAMS[name])
+        self.addCleanup(worker.stop)
+        if absence := worker.absence():
+            self.skipTest(absence)
+        return worker
+
+    def solve(self, name: str, setting: float, limit: float) -> None:
+        """A solver comes close to the motion with each method under all equations."""
+        worker, problem = self.start(name), self.pose(self.put())
+        for method in worker.about["METHODS"]:
+            for form in worker.about["FORMULATIONS"]:
+                with self.subTest(f"{method}/{form}"):
+                    trial = crew.try_one(worker, problem, method, form, setting, 60)
+                    self.assertEqual(trial.status, "ok", trial.remark)
+                    error = problem.judge(trial.answer["states"])["orientation_error"]
+                    self.assertLess(error, limit)
+                    self.assertGreater(trial.answer["time_s"], 0)
+
+    def step(self, name: str, rate: float, limit: float) -> None:
+        """The best method of an engine comes close to a free body, and a top if it has tops."""
+        worker = self.start(name)
+        for problem in (MOTIONS[1], MOTIONS[4]):
+            problem = with_truth(problem, problem.groups(), self.folder)
+            found = []
+            for method in worker.about["STEPPERS"]:
+                trial = crew.try_one(worker, problem, method, "-", rate, 60)
+                self.assertIn(trial.status, ("ok", "refused"), trial.remark)
+                if trial.answer:
+                    found.append(problem.judge(trial.answer["states"]))
+            best = min(found, key=lambda errors: errors["orientation_error"])
+            for what in ("orientation_error", "energy", "momentum"):
+                self.assertLess(best[what], limit, what)
+
+    def test_solvers(self) -> None:
+        """Each, where it is there: SUNDIALS from C always is."""
+        for name, setting, limit in (
+            ("sundials", 1e-10, 1e-5), ("odeint", 1e-10, 1e-6), ("scipy", 1e-10, 1e-6),
+            ("heyoka", 1e-10, 1e-8), ("octave", 1e-8, 1e-5), ("mujoco", 10000, 1e-2),
+        ):  # fmt: skip
+            with self.subTest(name):
+                self.solve(name, setting, limit)
+
+    def test_engines(self) -> None:
+        """Each, where it is there."""
+        for name, setting, limit in (
+            ("spintop", 1e-12, 1e-10), ("scipy", 200, 1e-9), ("mujoco", 500, 1e-6),
+            ("drake", 500, 1e-6), ("exudyn", 500, 1e-1),
+        ):  # fmt: skip
+            with self.subTest(name):
+                self.step(name, setting, limit)
+
+    def test_many_bodies(self) -> None:
+        """The ends of a few bodies are those of spintop in quadruple precision."""
+        right = bodies.run_reference(self.folder, 1.0, 2500)
+        self.assertEqual(len(right), 4)
+        scene = bodies.write_scene(self.folder, "few_bodies", 2500)
+        found = {"lanes": bodies.run(scene, 1, 1.0, 1e-12)[0]}
+        for name in ("odeint", "heyoka"):
+            with self.subTest(name):
+                worker = self.start(name)
+                for method in worker.about["BATCHES"]:
+                    question = {"t_end": 1.0, "every": 2500, "method": method, "setting": 1e-12}
+                    answer = worker.ask(question, 300)
+                    self.assertNotIn("failure", answer)
+                    found[method] = answer["states"]
+        for method, ends in found.items():
+            errors = bodies.judge(ends, right)
+            self.assertLess(errors["largest"], 1e-9, method)
+            self.assertLessEqual(errors["median"], errors["most"])
+
+    def fail_with(self, script: str) -> crew.Trial:
+        """The trial of a peer whose process says that it is there, and then does this."""
+        path = self.folder / "worker.py"
+        path.write_text('print(\'{"versions": ""}\', flush=True)\n' + script)
+        problem = self.pose(self.put())
+        with unittest.mock.patch.object(crew, "WORKER", path):
+            worker = crew.Worker(PROGRAMS["scipy"])
+            self.addCleanup(worker.stop)
+            self.assertEqual(worker.absence(), "")
+            return crew.try_one(worker, problem, "scipy_rk45", "space_frame", 1e-3, 1.0)
+
+    def test_hanging_and_crashing(self) -> None:
+        """A peer that hangs is stopped, one that dies is seen to, one that fails says why."""
+        self.assertEqual(self.fail_with("import time\ntime.sleep(60)").status, "out_of_time")
+        crash = "import os\ninput()\nos.kill(os.getpid(), 11)"
+        self.assertEqual(self.fail_with(crash).status, "crashed")
+        self.assertEqual(self.fail_with("").status, "crashed")
+        trial = self.fail_with('input()\nprint(\'{"failure": "a pole"}\', flush=True)')
+        self.assertEqual((trial.status, trial.remark, trial.answer), ("failed", "a pole", {}))
+
+
+class TableTest(unittest.TestCase):
+    """Errors, orders, summaries."""
+
+    def test_errors(self) -> None:
+        """An attitude that is off, at any norm, and a run that was lost."""
+        motion = MOTIONS[0]
+        problem = dataclasses.replace(motion, truth=[[1.0, 0.0, 0.0, 0.0]] * motion.samples)
+        still = [2.0, 0.0, 0.0, 0.0, *motion.omega]
+        last = [2 * math.cos(0.05), 0.0, 0.0, 2 * math.sin(0.05), *motion.omega]
+        states = [still] * (motion.samples - 1) + [last]
+        found = problem.judge(states)
+        self.assertAlmostEqual(found["orientation_error"], 0.1, delta=1e-14)
+        self.assertLess(found["energy"], 1e-15)
+        self.assertGreater(found["momentum"], 0.01)
+        for lost in (states[1:], [*states[1:], [math.nan] * 7]):
+            self.assertEqual(problem.judge(lost), {"orientation_error": math.inf})
+
+    def test_inertia(self) -> None:
+        """About the centre of mass and about the fixed point of a top."""
+        self.assertEqual(MOTIONS[5].inertia, (15.234375, 0.46875, 15.234375))
+        self.assertEqual(MOTIONS[5].central_moments, [0.234375, 0.46875, 0.234375])
+
+    def test_engines(self) -> None:
+        """The order of made errors, and the page of the manual has all engines."""
+        rows = pd.DataFrame(
+            {"problem": name, "program": engine.name, "method": "m", "status": "ok", "rate": rate,
+             "orientation_error": 100 / rate**2, "energy": 0.0, "momentum": 0.0,
+             "time_s": rate * 5e-6}
+            for engine in ENGINES for name in table.NAMES for rate in (100.0, 1000.0, 10000.0)
+        )  # fmt: skip
+        text = table.tell_engines(rows)
+        self.assertIn("| MuJoCo | m | 2.0 | 0.0e+00 | 0.0e+00 | 1 | 1.0e-03 |", text)
+        page = (ROOT / "doc/engines.md").read_text(encoding="utf-8")
+        first = page[page.index("| engine | method |") :].split("\n\n")[0].splitlines()[2:]
+        told = dict.fromkeys(line.strip("| ").split(" | ")[0] for line in first)
+        self.assertEqual(list(told), [engine.name for engine in ENGINES])
+
+    def test_bodies(self) -> None:
+        """At an error a program has the rate of its fastest setting that is good enough."""
+        names = ["problem", "program", "method", "setting", "median", "most", "largest", "time_s"]
+        rows = pd.DataFrame(
+            [
+                ["bodies to 7 s", "spintop", "lanes", 1e-11, 1e-12, 9e-9, 1e-7, 0.1],
+                ["bodies to 7 s", "spintop", "lanes", 1e-12, 1e-13, 9e-11, 1e-8, 0.2],
+                ["bodies to 7 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 8e-11, 1e-8, 0.25],
+                ["bodies to 4 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 1e-9, 1e-8, 0.25],
+            ],
+            columns=names,
+        )
+        lines = table.tell_bodies(rows).split("\n\n")[1].splitlines()[2:]
+        none = table.NONE
+        expected = [["100,000", "40,000", "2.50 |"], ["50,000", "40,000", "1.25 |"]]
+        expected += [[none, none, f"{none} |"]]
+        self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
+
+    def test_times_in_words(self) -> None:
+        """Three digits and a unit."""
+        texts = {2.5e-7: "0.250 us", 9.996e-4: "1.00 ms", 0.0123: "12.3 ms", 123.4: "123 s"}
+        for seconds, text in texts.items():
+            self.assertEqual(table.as_time(seconds), text)
+
+
+class ScriptTest(CompareCase):
+    """Runs the script."""
+
+    def test_comparison(self) -> None:
+        """The table has all rows, can be read and drawn, and has a summary."""
+        result = self.compare("--quick", "--budget", 200, "--programs", "SUNDIALS", self.put())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        whole = read_table(self.folder / "peers.csv")
+        self.assertEqual(whole.kind, "work_precision")
+        rows = whole.rows
+        self.assertEqual(set(rows["problem"]), {"short"})
+        self.assertIn("SUNDIALS", whole.header["peer sundials"])
+        for program in ("spintop", "SUNDIALS"):
+            mine = rows[(rows["program"] == program) & (rows["status"] == "ok")]
+            self.assertGreater(len(mine), 5)
+            self.assertLess(mine["orientation_error"].min(), 1e-6)
+            self.assertTrue((mine["time_s"] > 0).all())
+        exact = rows[rows["method"] == "exact"].iloc[0]
+        self.assertLess(exact["orientation_error"], 1e-14)
+        (kind,) = (kind for kind in FIGURES if kind.name == "peers")
+        self.assertEqual(kind.refusal(whole), "")
+        self.assertGreater((self.folder / "peers_short.png").stat().st_size, 10_000)
+        self.assertIn("| 1e-06 |", result.stdout)
+        self.assertIn("| SUNDIALS, relative to that |", result.stdout)
+        good = table.cheapest(rows[rows["program"] == "SUNDIALS"], 1e-3)
+        self.assertLessEqual(good["orientation_error"], 1e-3)
+        self.assertIsNone(table.cheapest(rows, 0.0))
+
+    def test_nothing_is_there(self) -> None:
+        """Without compilers and Octave their peers are left out, and spintop is measured."""
+        names = "Boost.odeint,GNU Octave,SUNDIALS"
+        result = self.compare("--quick", "--programs", names, self.put(), PATH=str(self.folder))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for name in ("Boost.odeint", "GNU Octave", "SUNDIALS"):
+            self.assertIn(f"{name} is left out: ", result.stderr)
+        rows = read_table(self.folder / "peers.csv").rows
+        self.assertEqual(set(rows["program"]), {"spintop"})
+
+    def test_complaints(self) -> None:
+        """An error has a message of one line, and nothing is written."""
+        for arguments, message in (
+            (["--programs", "scipi"], "there is no program scipi; there are SciPy, heyoka"),
+            (["--engines", "--programs", "Mujoco"], "no program Mujoco; there are spintop"),
+            (["--set", "span.t_end=1"], "--set and --general need an input"),
+            (["--bodies", self.put()], "--bodies takes no input"),
+            ([ROOT / "input/map_spin_tilt.nml"], "has a sweep"),
+            ([self.folder / "missing.nml"], "missing.nml"),
+        ):
+            with self.subTest(message):
+                result = self.compare("--quick", *arguments)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(message, result.stderr)
+                self.assertFalse((self.folder / "peers.csv").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from conftest import largest, output
+from mechanics import product, rotation
 
 INERTIA, CENTRE = np.array([0.9, 1.0, 0.3]), np.array([0.02, -0.03, 0.5])
 VECTORS = {
@@ -31,25 +32,6 @@ TENSOR = "inertia_tensor(1,:) = {}  inertia_tensor(2,2:3) = {}  inertia_tensor(3
 def words(values):
     """Numbers of an input."""
     return ", ".join(repr(float(value)) for value in np.ravel(values))
-
-
-def rotation(p):
-    """The matrix of v -> p v conj(p)."""
-    w, x, y, z = p
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def product(a, b):
-    """The product of two quaternions."""
-    return np.concatenate(
-        [[a[0] * b[0] - a[1:] @ b[1:]], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])]
-    )
 
 
 def move(spin, p, effects):

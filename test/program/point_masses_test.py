@@ -9,6 +9,8 @@ the points where they are. The textbook's equations give the same motion.
 
 import numpy as np
 
+from mechanics import runge_kutta
+
 MASSES = np.array([0.3, 0.3, 0.3, 0.1])
 POINTS = np.array([[0.4, 0, 0.5], [-0.2, 0.12**0.5, 0.5], [-0.2, -(0.12**0.5), 0.5], [0, 0, 1.1]])
 THETA, PHI, PSI = 0.7, 0.4, -1.1
@@ -31,10 +33,11 @@ def inertia(points):
     return squares * np.eye(3) - (MASSES[:, np.newaxis] * points).T @ points
 
 
-def slope(points, momentum):
+def slope(_, state):
     """The velocities of the points, and the torque of their weights."""
-    omega = np.linalg.solve(inertia(points), momentum)
-    return np.cross(omega, points), np.cross(MASSES @ points, GRAVITY)
+    points = state[:12].reshape(4, 3)
+    omega = np.linalg.solve(inertia(points), state[12:])
+    return np.append(np.cross(omega, points), np.cross(MASSES @ points, GRAVITY))
 
 
 def test_points_move_as_the_top_does(spin):
@@ -43,15 +46,7 @@ def test_points_move_as_the_top_does(spin):
     points = POINTS @ turn.T
     omega = RATE * np.array([0, 0, 1.0]) + SPIN * turn[:, 2]
     momentum = inertia(points) @ omega
-    h = END / STEPS
-    for _ in range(STEPS):
-        p1, m1 = slope(points, momentum)
-        p2, m2 = slope(points + h / 2 * p1, momentum + h / 2 * m1)
-        p3, m3 = slope(points + h / 2 * p2, momentum + h / 2 * m2)
-        p4, m4 = slope(points + h * p3, momentum + h * m3)
-        points = points + h / 6 * (p1 + 2 * p2 + 2 * p3 + p4)
-        momentum = momentum + h / 6 * (m1 + 2 * m2 + 2 * m3 + m4)
-
+    points = runge_kutta(slope, np.append(points, momentum), END, STEPS)[:12].reshape(4, 3)
     moments = np.diag(inertia(POINTS))
     assert np.allclose(inertia(POINTS), np.diag(moments), atol=1e-15)
     text = f"&top mass = 1  inertia = {moments[0]}, {moments[0]}, {moments[2]}  length = 0.56 /\n"

@@ -5,9 +5,12 @@ A test with the argument `spin` runs an input with `spin(TEXT, "group.key=value"
 
 import json
 import os
+import shutil
 import subprocess
 import tempfile
-from collections.abc import Generator, Iterable, Iterator
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +25,27 @@ pytest_plugins = ["fortran_suites"]
 # scripts/test names the program to test; a bare pytest takes the release build.
 EXE = Path(os.environ.setdefault("SPINTOP_EXE", str(ROOT / "build/release/spintop"))).resolve()
 KIND = os.environ.get("SPINTOP_TEST_KIND", "release")
+
+MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
+MPI = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    "PRTE_MCA_hwloc_default_binding_policy": "none",
+}
+"""By default Open MPI starts nothing as root, and no more ranks than cores."""
+needs_mpi = pytest.mark.skipif(
+    not (shutil.which("mpirun") and Path(MPI_EXE).is_file()),
+    reason="no MPI: scripts/setup --mpi installs and builds what it takes",
+)
+
+
+def under(ranks: int) -> tuple[str, ...]:
+    """The command that starts so many ranks."""
+    return ("mpirun", "-np", str(ranks), MPI_EXE)
+
 
 GOOD = """\
 &top
@@ -71,6 +95,11 @@ def read(path: Path, **options: object) -> pd.DataFrame:
     return pd.read_csv(path, comment="#", keep_default_na=False, **options)
 
 
+def texts(path: Path) -> pd.DataFrame:
+    """The rows of a table as they stand there."""
+    return read(path, dtype=str, na_values=[])
+
+
 @dataclass(frozen=True)
 class Run:
     """What a run gave: its exit code, what it said, and its tables."""
@@ -97,7 +126,7 @@ class Run:
     @property
     def texts(self) -> pd.DataFrame:
         """The same, as they stand there."""
-        return read(self.path, dtype=str, na_values=[])
+        return texts(self.path)
 
     @property
     def comments(self) -> list[str]:
@@ -179,6 +208,35 @@ class Spin:
         path = f"{folder}/{Path(scene).stem}.csv"
         return self.call(scene, *options, code=code, path=path, environment=environment)
 
+    @contextmanager
+    def start(
+        self,
+        *words: str | Path,
+        command: tuple[str | Path, ...] = (EXE,),
+        environment: dict[str, str] | None = None,
+    ) -> Iterator[subprocess.Popen]:
+        """Start the program, and do not wait for it; at the end it is killed."""
+        run = subprocess.Popen(
+            [*command, *words],
+            cwd=self.folder,
+            env=os.environ | (environment or {}),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            yield run
+        finally:
+            run.kill()
+            run.wait()
+
+    def journalled(self, table: str) -> int:
+        """The rows that the journal of a table has; -1 if there is no journal."""
+        try:
+            lines = (self.folder / f"{table}.journal").read_text(encoding="ascii").splitlines()
+        except FileNotFoundError:
+            return -1
+        return next(sum(map(int, line.split()[1:])) for line in lines if line.startswith("rows: "))
+
     def produced(self) -> set[str]:
         """All files and folders but inputs."""
         paths = self.folder.rglob("*")
@@ -201,6 +259,14 @@ class Spin:
 def spin(folder: Path) -> Spin:
     """The program in a new folder."""
     return Spin(folder)
+
+
+def wait_until(seen: Callable[[], bool], limit: float = 300) -> None:
+    """Wait until something is seen, which fails after a limit (s)."""
+    deadline = time.monotonic() + limit
+    while not seen():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
 
 
 def listed(topic: str) -> list[dict]:

@@ -194,10 +194,7 @@ def test_draws_out_of_range_are_failed_cases(spin):
             "none of the first 64 cases can be computed, the first because top.mass must be > 0",
         ),
         ("sweep.distribution(2)=uniform", "axis 2 has no values"),
-        (
-            "sweep.distribution(2)=spherical",
-            "expected one of: uniform, normal, lognormal, sphere",
-        ),
+        ("sweep.distribution(2)=spherical", "expected one of: uniform, normal, lognormal, sphere"),
         ("sweep.deviation=0", "deviation(1) is out of range"),
         ("sweep.cases=1e3", "a whole number is written 1000"),
         ("sweep.cases=9007199254740992", "is too large"),
@@ -279,10 +276,7 @@ def test_check_forecasts(spin):
         ),
         (
             "spinning_wheel_sweep",
-            (
-                "20 cases: all combinations",
-                "20 listed values; first case 0.1, last case 10\n",
-            ),
+            ("20 cases: all combinations", "20 listed values; first case 0.1, last case 10\n"),
         ),
     ],
 )

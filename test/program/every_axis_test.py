@@ -44,13 +44,7 @@ def numbers():
 
 @pytest.mark.parametrize(
     "scene",
-    [
-        BODY + ANGLES,
-        BODY + VECTORS,
-        SYMMETRIC + ANGLES,
-        PARTS + ANGLES,
-        BODY + ANGLES + EFFECTS,
-    ],
+    [BODY + ANGLES, BODY + VECTORS, SYMMETRIC + ANGLES, PARTS + ANGLES, BODY + ANGLES + EFFECTS],
 )
 def test_no_axis_is_ignored(spin, scene):
     """With two values of a number the motions end differently, or the sweep is refused."""

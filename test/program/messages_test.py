@@ -86,22 +86,10 @@ QUOTES = "a number with its unit is in quotes, as '20 deg'"
         ),
         (GOOD, ["output.columns=t,theta_degr"], ["there is no column 'theta_degr'"]),
         (GOOD, ["output.columns=t,q0_deg"], ["a number without a unit is wanted"]),
-        (
-            GOOD,
-            ["output.columns=t,theta_deg,theta_deg"],
-            ["column 'theta_deg' is named twice"],
-        ),
-        (
-            GOOD,
-            ["initial.theta=20 rpm"],
-            ["rpm is no unit of a quantity in rad", UNITS],
-        ),
+        (GOOD, ["output.columns=t,theta_deg,theta_deg"], ["column 'theta_deg' is named twice"]),
+        (GOOD, ["initial.theta=20 rpm"], ["rpm is no unit of a quantity in rad", UNITS]),
         (GOOD, ["initial.theta=20 dge"], ["'dge' is not a unit", UNITS]),
-        (
-            GOOD,
-            ["initial.theta=20 kg m^2/s"],
-            ["kg m^2/s is no unit of a quantity in rad", UNITS],
-        ),
+        (GOOD, ["initial.theta=20 kg m^2/s"], ["kg m^2/s is no unit of a quantity in rad", UNITS]),
         (GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"), [], [QUOTES]),
         (GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"), [], [QUOTES]),
         (
@@ -122,11 +110,7 @@ QUOTES = "a number with its unit is in quotes, as '20 deg'"
             ["the logarithm of initial.phi_rate: a number without a unit"],
         ),
         # Keys and columns that are elsewhere, or need something.
-        (
-            GOOD,
-            ["span.rtol=1e-9"],
-            ["did you mean 'relative_tolerance' in group &integration?"],
-        ),
+        (GOOD, ["span.rtol=1e-9"], ["did you mean 'relative_tolerance' in group &integration?"]),
         (
             GOOD,
             ["output.columns=t,lyapunov_exponent"],

@@ -205,10 +205,7 @@ def test_a_disk_that_fills_up(spin, slow, reference):
 
 @pytest.mark.parametrize(
     ("words", "said"),
-    [
-        (["bad.nml"], r"(?m)^1 error$"),
-        (["slow.nml", "--thread", "1"], "unknown option"),
-    ],
+    [(["bad.nml"], r"(?m)^1 error$"), (["slow.nml", "--thread", "1"], "unknown option")],
 )
 def test_wrong_input_and_usage(spin, slow, words, said):
     """An error has one message, with the same exit code as without MPI; nothing is computed."""

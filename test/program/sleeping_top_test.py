@@ -30,10 +30,7 @@ def test_an_upright_start(spin, start, warns):
 
 @pytest.mark.parametrize(
     ("length", "start"),
-    [
-        ("0.866", "theta = 0  omega3 = 21"),
-        ("-0.866", "quaternion = 0, 1, 0, 0  omega = 0, 0, 21"),
-    ],
+    [("0.866", "theta = 0  omega3 = 21"), ("-0.866", "quaternion = 0, 1, 0, 0  omega = 0, 0, 21")],
 )
 def test_damped(spin, length, start):
     """Damping holds no top upright; one with its centre of mass at -z is upright too."""

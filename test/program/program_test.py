@@ -11,8 +11,12 @@ import pytest
 
 from conftest import CLOSED, GOOD, KIND, ROOT, largest, output, read
 from program_case import (  # noqa: F401 - the other names are for suites that use its classes
+    COMPARISONS,
+    FAILING,
     INPUTS,
     IS_OPTIMISED,
+    LARGEST,
+    NEEDS_FLINT,
     PROGRAM,
     ProgramCase,
     Table,

@@ -1,10 +1,21 @@
-"""Shared by the Python suites: the program under test, scratch folders, and their counts."""
+"""Shared by the Python suites: the one way to run the program, scratch folders, and their counts.
 
+A test with the argument `spin` runs an input with `spin(TEXT, "group.key=value", "--option")`.
+"""
+
+import json
 import os
+import shutil
+import subprocess
 import tempfile
-from collections.abc import Generator, Iterator
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -12,7 +23,255 @@ ROOT = Path(__file__).resolve().parent.parent
 pytest_plugins = ["fortran_suites"]
 
 # scripts/test names the program to test; a bare pytest takes the release build.
-os.environ.setdefault("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+EXE = Path(os.environ.setdefault("SPINTOP_EXE", str(ROOT / "build/release/spintop"))).resolve()
+KIND = os.environ.get("SPINTOP_TEST_KIND", "release")
+
+MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
+MPI = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    "PRTE_MCA_hwloc_default_binding_policy": "none",
+}
+"""By default Open MPI starts nothing as root, and no more ranks than cores."""
+needs_mpi = pytest.mark.skipif(
+    not (shutil.which("mpirun") and Path(MPI_EXE).is_file()),
+    reason="no MPI: scripts/setup --mpi installs and builds what it takes",
+)
+
+
+def under(ranks: int) -> tuple[str, ...]:
+    """The command that starts so many ranks."""
+    return ("mpirun", "-np", str(ranks), MPI_EXE)
+
+
+GOOD = """\
+&top
+    mass = 1.0
+    inertia = 0.875, 0.875, 0.25
+    length = 0.8660254037844387
+/
+&initial
+    theta = 0.19634954084936207
+    psi_rate = 1.0
+/
+&span
+    t_end = 0.5
+/
+&integration
+    formulation = 'lagrange'
+    method = 'rk4'
+    steps = 10
+/
+&output
+    columns = 't', 'theta', 'R4'
+/
+"""
+"""An input for suites that need any; they replace parts of it."""
+CLOSED = GOOD[: GOOD.index("&integration")]
+"""Its body, start and span: a motion in closed form."""
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Names as an input has them."""
+    return ", ".join(f"'{name}'" for name in names)
+
+
+def output(*names: str) -> str:
+    """The group that names the columns of a table."""
+    return f"&output columns = {quoted(names)} /\n"
+
+
+def largest(numbers: Iterable[float]) -> float:
+    """The largest size of numbers; nan if one is nan."""
+    return float(np.abs(np.asarray(numbers, dtype=float)).max())
+
+
+def read(path: Path, **options: object) -> pd.DataFrame:
+    """The rows of a table to their last digit: numbers are floats or integers, words are texts."""
+    options = {"na_values": ["nan"]} | options
+    return pd.read_csv(path, comment="#", keep_default_na=False, **options)
+
+
+def texts(path: Path) -> pd.DataFrame:
+    """The rows of a table as they stand there."""
+    return read(path, dtype=str, na_values=[])
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run gave: its exit code, what it said, and its tables."""
+
+    code: int
+    out: str
+    stderr: str
+    path: Path
+
+    @property
+    def err(self) -> str:
+        """What was said on standard error, in one line."""
+        return " ".join(self.stderr.split())
+
+    def table(self, kind: str = "") -> pd.DataFrame:
+        """The table of the input, or one beside it: events, residuals, statistics ..."""
+        return read(self.path.with_name(f"{self.path.stem}{kind and '.'}{kind}.csv"))
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of the table of the input."""
+        return self.table()
+
+    @property
+    def texts(self) -> pd.DataFrame:
+        """The same, as they stand there."""
+        return texts(self.path)
+
+    @property
+    def comments(self) -> list[str]:
+        """The comments of the table, from its header to its end."""
+        lines = self.path.read_text(encoding="utf-8").splitlines()
+        return [line[2:] for line in lines if line.startswith("#")]
+
+    @property
+    def head(self) -> str:
+        """The resolved input in the header of the table."""
+        lines = self.comments
+        begin, end = lines.index("input:") + 1, lines.index("columns:")
+        return "\n".join(lines[begin:end]) + "\n"
+
+    @property
+    def status(self) -> str:
+        """The status at the end of a trajectory, with its time unless it is ok."""
+        return self.comments[-2].removeprefix("status: ")
+
+
+class Spin:
+    """Runs the program in a folder, which has its tables in the folder `output`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def write(self, text: str | bytes, name: str = "scene.nml") -> str:
+        """Write a file; return its name."""
+        data = text if isinstance(text, bytes) else text.encode()
+        (self.folder / name).write_bytes(data)
+        return name
+
+    def call(
+        self,
+        *words: str | Path,
+        code: int | tuple[int, ...] = 0,
+        path: str = "output/scene.csv",
+        command: tuple[str | Path, ...] = (EXE,),
+        environment: dict[str, str] | None = None,
+        **options: object,
+    ) -> Run:
+        """Call the program, whose exit code is `code` or one of them, and whose table is `path`."""
+        done = subprocess.run(
+            [*command, *words],
+            cwd=self.folder,
+            env=os.environ | (environment or {}),
+            capture_output=True,
+            text=True,
+            check=False,
+            **options,
+        )
+        wanted = code if isinstance(code, tuple) else (code,)
+        assert done.returncode in wanted, (words, done.returncode, done.stdout + done.stderr)
+        return Run(done.returncode, done.stdout, done.stderr, self.folder / path)
+
+    def __call__(
+        self,
+        given: str | Path,
+        *words: str,
+        code: int | tuple[int, ...] = 0,
+        name: str = "scene",
+        environment: dict[str, str] | None = None,
+        **files: str,
+    ) -> Run:
+        """Run a text, a file .nml, or an input of the folder `input`, with settings and options.
+
+        An option has its value behind "=". Tables are written beside the text: FILE.csv for each
+        `FILE=TEXT`.
+        """
+        scene = given
+        if isinstance(given, str) and not given.endswith(".nml"):
+            is_text = "&" in given or "\n" in given or not given
+            scene = self.write(given, f"{name}.nml") if is_text else ROOT / f"input/{given}.nml"
+        for file, text in files.items():
+            self.write(text, f"{file}.csv")
+        options = [word if word.startswith("-") else f"--set={word}" for word in words]
+        folders = [word for word in words if word.startswith("--output=")]
+        folder = folders[-1].removeprefix("--output=") if folders else "output"
+        path = f"{folder}/{Path(scene).stem}.csv"
+        return self.call(scene, *options, code=code, path=path, environment=environment)
+
+    @contextmanager
+    def start(
+        self,
+        *words: str | Path,
+        command: tuple[str | Path, ...] = (EXE,),
+        environment: dict[str, str] | None = None,
+    ) -> Iterator[subprocess.Popen]:
+        """Start the program, and do not wait for it; at the end it is killed."""
+        run = subprocess.Popen(
+            [*command, *words],
+            cwd=self.folder,
+            env=os.environ | (environment or {}),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            yield run
+        finally:
+            run.kill()
+            run.wait()
+
+    def journalled(self, table: str) -> int:
+        """The rows that the journal of a table has; -1 if there is no journal."""
+        try:
+            lines = (self.folder / f"{table}.journal").read_text(encoding="ascii").splitlines()
+        except FileNotFoundError:
+            return -1
+        return next(sum(map(int, line.split()[1:])) for line in lines if line.startswith("rows: "))
+
+    def produced(self) -> set[str]:
+        """All files and folders but inputs."""
+        paths = self.folder.rglob("*")
+        return {str(p.relative_to(self.folder)) for p in paths if p.suffix != ".nml"}
+
+    def refuse(self, given: str | Path, *words: str, **files: str) -> str:
+        """What is said of an input that is refused, for which nothing is made or printed."""
+        before = self.produced() | {f"{file}.csv" for file in files}
+        run = self(given, *words, code=2, **files)
+        assert run.out == ""
+        assert self.produced() == before
+        return run.stderr
+
+    def listed(self, topic: str) -> list[dict]:
+        """The entries of a list of the program."""
+        return json.loads(self.call("list", topic, "--json").out)[topic]
+
+
+@pytest.fixture
+def spin(folder: Path) -> Spin:
+    """The program in a new folder."""
+    return Spin(folder)
+
+
+def wait_until(seen: Callable[[], bool], limit: float = 300) -> None:
+    """Wait until something is seen, which fails after a limit (s)."""
+    deadline = time.monotonic() + limit
+    while not seen():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def listed(topic: str) -> list[dict]:
+    """The entries of a list of the program, for parameters of tests."""
+    return Spin(ROOT).listed(topic)
 
 
 @pytest.fixture

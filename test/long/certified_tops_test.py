@@ -2,17 +2,13 @@
 
 import math
 import os
-import sys
-import unittest
 from collections.abc import Iterator
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TESTS))
+from conftest import read
+from proof_test import needs_flint
+from random_tops import CLASSES, Start, draw_top
 
-from batch_case import BatchCase  # noqa: E402
-from random_tops import CLASSES, Start, draw_top  # noqa: E402
+pytestmark = needs_flint
 
 TOPS = int(os.environ.get("SPINTOP_LONG_CASES", "5000"))
 SEED = 20124
@@ -80,54 +76,37 @@ def ratios(row: dict[str, float], start: Start) -> Iterator[tuple[str, float]]:
             yield name, row[f"{name}_bound"] / (2 * claim / least + math.ulp(row[name]))
 
 
-class CertifiedTopsTest(BatchCase):
-    """Bounds of the errors of the exact solution."""
-
-    def test_all_classes(self) -> None:
-        """Three instants of each top; the worst of each class is listed."""
-        worst: dict[tuple[str, str], tuple[float, int, float]] = {}
-        for first in range(0, TOPS, BATCH):
-            self.look_at(range(first, min(first + BATCH, TOPS)), worst)
-        listed = [
-            f"{kind:12s} {name:9s} {ratio:8.3f} of its claim, number {number} at t = {time!r}"
-            for (kind, name), (ratio, number, time) in sorted(worst.items())
-        ]
-        print("\n".join(listed))
-        self.assertEqual({kind for kind, _ in worst}, set(CLASSES))
-        faults = [
-            line for line, key in zip(listed, sorted(worst), strict=True) if worst[key][0] > 1
-        ]
-        self.assertEqual(
-            faults, [], "numbers outside their claims, or unproved:\n" + "\n".join(faults)
-        )
-
-    def test_too_many_steps(self) -> None:
-        """The work is bounded: far away nothing is proved, and what comes before it is."""
-        _, start, _ = draw_top(0, SEED)
-        text = INPUT.format(**vars(start), key="psi_rate", span=2e6).replace(
-            "'t',", "'t', 'proof',"
-        )
-        rows = self.compute({"far": text})["far"]
-        self.assertEqual([row["proof"] for row in rows], ["proved", "unproved", "unproved"])
-
-    def look_at(
-        self, numbers: range, worst: dict[tuple[str, str], tuple[float, int, float]]
-    ) -> None:
-        """Compute some tops."""
-        drawn = {number: shortened(*draw_top(number, SEED)) for number in numbers}
-        texts = {
-            str(number): INPUT.format(
-                **vars(start), key="omega3" if start.spin_is_omega3 else "psi_rate", span=span
-            )
-            for number, (_, start, span) in drawn.items()
-        }
-        for name, rows in self.compute(texts).items():
-            kind, start, _ = drawn[int(name)]
-            for row in ({key: float(text) for key, text in row.items()} for row in rows):
-                for quantity, ratio in ratios(row, start):
-                    if ratio > worst.get((kind, quantity), (-1.0,))[0]:
-                        worst[kind, quantity] = ratio, int(name), row["t"]
+def test_all_classes(spin):
+    """Three instants of each top; the worst of each class is listed."""
+    worst = {}
+    for first in range(0, TOPS, BATCH):
+        look_at(spin, range(first, min(first + BATCH, TOPS)), worst)
+    listed = [
+        f"{kind:12s} {name:9s} {ratio:8.3f} of its claim, number {number} at t = {time!r}"
+        for (kind, name), (ratio, number, time) in sorted(worst.items())
+    ]
+    print("\n".join(listed))
+    assert {kind for kind, _ in worst} == set(CLASSES)
+    faults = [line for line, key in zip(listed, sorted(worst), strict=True) if worst[key][0] > 1]
+    assert not faults, "numbers outside their claims, or unproved:\n" + "\n".join(faults)
 
 
-if __name__ == "__main__":
-    unittest.main()
+def test_too_many_steps(spin):
+    """The work is bounded: far away nothing is proved, and what comes before it is."""
+    _, start, _ = draw_top(0, SEED)
+    text = INPUT.format(**vars(start), key="psi_rate", span=2e6).replace("'t',", "'t', 'proof',")
+    assert list(spin(text).rows.proof) == ["proved", "unproved", "unproved"]
+
+
+def look_at(spin, numbers, worst):
+    """Compute some tops at once."""
+    drawn = {number: shortened(*draw_top(number, SEED)) for number in numbers}
+    for number, (_, start, span) in drawn.items():
+        key = "omega3" if start.spin_is_omega3 else "psi_rate"
+        spin.write(INPUT.format(**vars(start), key=key, span=span), f"{number}.nml")
+    spin.call("--quiet", *(f"{number}.nml" for number in drawn))
+    for number, (kind, start, _) in drawn.items():
+        for _, row in read(spin.folder / f"output/{number}.csv").iterrows():
+            for quantity, ratio in ratios(row, start):
+                if ratio > worst.get((kind, quantity), (-1.0,))[0]:
+                    worst[kind, quantity] = ratio, number, row["t"]

@@ -1,15 +1,12 @@
 """A row of a sweep has the same bytes beside any others: in any order, block, shard and thread."""
 
 import itertools
-import json
-import os
 import random
-import subprocess
-from pathlib import Path
 
 import pytest
 
-PROGRAM = os.environ.get("SPINTOP_EXE", "build/release/spintop")
+from conftest import listed, output
+
 CASES = 97
 BLOCKS = 5
 VECTORS = ("drag_moment", "vibration_amplitude", "torque_space", "torque_body")
@@ -25,12 +22,12 @@ STOPS = ("", "stop_at = 'turning_points'  stop_after = 2", "stop_at = 'psi = 0.3
 STOPS += ("stop_at = 'omega3 = 0.5'",)
 
 
-def named(name: str, values: list[float]) -> dict[str, float]:
+def named(name, values):
     """The components of a vector."""
     return {f"{name}({i})": value for i, value in enumerate(values, 1)}
 
 
-def draw_body(rng: random.Random) -> dict[str, float]:
+def draw_body(rng):
     """A body: without symmetry, symmetric, a sphere, free; damped or not."""
     inertia = [rng.uniform(0.6, 1) for _ in range(3)]
     centre = [rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), rng.uniform(0.2, 0.8)]
@@ -49,7 +46,7 @@ def draw_body(rng: random.Random) -> dict[str, float]:
     )
 
 
-def draw_start(rng: random.Random) -> dict[str, float]:
+def draw_start(rng):
     """A start: fast, slow, at rest, next to a pole; of which some end soon, or fail soon."""
     theta = rng.uniform(0, 3.14)
     omega = [rng.gauss(0, 1), rng.gauss(0, 1), rng.gauss(0, 8)]
@@ -70,7 +67,7 @@ def draw_start(rng: random.Random) -> dict[str, float]:
     }
 
 
-def draw_effects(rng: random.Random) -> dict[str, float]:
+def draw_effects(rng):
     """Up to three effects."""
     drag = [rng.choice([1e-3, 2e-2])] * 3
     if rng.random() < 0.5:
@@ -91,75 +88,64 @@ def draw_effects(rng: random.Random) -> dict[str, float]:
     return EFFECTS | {name: value for effect in chosen for name, value in effect.items()}
 
 
-def sweep_columns() -> list[str]:
-    """All columns of a sweep but proofs, which are of one case each."""
-    done = subprocess.run([PROGRAM, "list", "columns", "--json"], capture_output=True, check=True)
-    columns = [one for one in json.loads(done.stdout)["columns"] if one["study"] == "sweep"]
-    return [one["name"] for one in columns if one["group"] != "proof"]
+COLUMNS = [
+    one["name"]
+    for one in listed("columns")
+    if one["study"] == "sweep" and one["group"] != "proof"  # which is of one case each
+]
 
 
 class Sweep:
     """Sweeps over tables of cases."""
 
-    def __init__(self, folder: Path, columns: list[str], span: str, effects: str) -> None:
+    def __init__(self, spin, columns, span, effects):
         """The same columns, span and further effects of all."""
-        self.folder = folder
-        names = ", ".join(f"'{name}'" for name in columns)
+        self.spin = spin
         self.text = (
             "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n&top mass = 1 /\n"
             f"&initial psi = 0.1 /\n&span t_end = 1  {span} /\n&effects {effects} /\n"
-            f"&integration relative_tolerance = 1e-5 /\n&output columns = {names} /\n"
+            "&integration relative_tolerance = 1e-5 /\n" + output(*columns)
         )
 
-    def run(self, *arguments: str) -> None:
-        """Run the program."""
-        command = [PROGRAM, *arguments]
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
-        assert done.returncode in (0, 3), done.stderr
-
-    def rows(self, cases: list[dict], *options: str) -> list[str]:
+    def rows(self, cases, threads=1):
         """The rows of cases, without their numbers."""
         lines = [",".join(f'"{name}"' for name in cases[0])]
         lines += [",".join(repr(float(value)) for value in case.values()) for case in cases]
-        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        (self.folder / "a.nml").write_text(self.text, encoding="utf-8")
-        self.run("--quiet", "--restart", "-o", "out", *options, "a.nml")
-        return self.read("a.csv")
+        table = "\n".join(lines) + "\n"
+        run = self.spin(self.text, "--restart", f"--threads={threads}", code=(0, 3), cases=table)
+        return rows_of(run.path)
 
-    def shards(self, parts: int) -> list[str]:
+    def shards(self, parts):
         """The rows of the cases of the last run in as many shards."""
-        for i in range(parts):
-            self.run("--quiet", "--restart", "-o", "out", "--shard", f"{i + 1}/{parts}", "a.nml")
-        names = [str(path) for path in sorted((self.folder / "out").glob(f"a.*of*{parts}*.csv"))]
-        assert len(names) == parts, sorted((self.folder / "out").iterdir())
-        self.run("merge", "out/merged.csv", *names)
-        return self.read("merged.csv")
+        for i in range(1, parts + 1):
+            self.spin(self.text, "--restart", f"--shard={i}/{parts}", code=(0, 3))
+        names = [f"output/scene.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
+        merged = self.spin.call("merge", "merged.csv", *names, path="merged.csv", code=(0, 3))
+        return rows_of(merged.path)
 
-    def read(self, name: str) -> list[str]:
-        """The rows of a table."""
-        lines = (self.folder / "out" / name).read_text(encoding="utf-8").splitlines()
-        table = [line for line in lines if not line.startswith("#")]
-        self.head = table[0]
-        return [line.split(",", 1)[1] for line in table[1:]]
+
+def rows_of(path):
+    """The rows of a table, without the first cell of each."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line.split(",", 1)[1] for line in lines if not line.startswith("#")][1:]
 
 
 @pytest.mark.parametrize(("affected", "span"), list(itertools.product((False, True), STOPS)))
-def test_any_neighbour(tmp_path: Path, affected: bool, span: str) -> None:
+def test_any_neighbour(spin, affected, span):
     """All columns that a body in lanes can have, of bodies of all kinds."""
     rng = random.Random(6)
     cases = [
         draw_body(rng) | draw_start(rng) | (draw_effects(rng) if affected else {})
         for _ in range(CASES)
     ]
-    columns = [name for name in sweep_columns() if not (affected and name in NEEDS_PLAIN)]
-    sweep = Sweep(tmp_path, columns, span, "latitude = 0.5" if affected else "")
-    known = sweep.rows(cases, "--threads", "1")
+    columns = [name for name in COLUMNS if not (affected and name in NEEDS_PLAIN)]
+    sweep = Sweep(spin, columns, span, "latitude = 0.5" if affected else "")
+    known = sweep.rows(cases)
     assert len(known) == CASES
     assert sum(",ok," in row for row in known) > CASES / 2
-    for threads in ("2", "3"):
-        assert sweep.rows(cases, "--threads", threads) == known
+    for threads in (2, 3):
+        assert sweep.rows(cases, threads) == known
     assert sweep.shards(3) == known
     for size in [CASES, *(rng.randint(1, 64) for _ in range(BLOCKS))]:
         order = rng.sample(range(CASES), size)
-        rows = sweep.rows([cases[i] for i in order], "--threads", "1")
-        assert rows == [known[i] for i in order], sweep.head
+        assert sweep.rows([cases[i] for i in order]) == [known[i] for i in order]

@@ -1,9 +1,6 @@
 """One budget, `max_steps`, for all work of a case."""
 
 import re
-import unittest
-
-from program_test import ProgramCase
 
 STOPPED = """\
 &study kind = 'trajectory' /
@@ -15,23 +12,11 @@ STOPPED = """\
 """
 
 
-class BudgetTest(ProgramCase):
-    """Work that is done twice counts twice."""
-
-    def test_a_motion_computed_again(self) -> None:
-        """The rows of a motion that ended at an event come from a second computation."""
-        scene = self.write(STOPPED)
-        run = self.run_program(scene)
-        self.assertEqual(run.returncode, 0, run.stderr)
-        steps, rejected = map(int, re.search(r"(\d+) steps, (\d+) rejected", run.stdout).groups())
-        # Those of both computations; the looks for events in the first are fewer than half of them.
-        both = steps + rejected
-        run = self.run_program(scene, "--set", f"integration.max_steps={both}")
-        self.assertEqual(run.returncode, 3, run.stdout + run.stderr)
-        self.assertIn("step_limit at t = ", run.stdout)
-        run = self.run_program(scene, "--set", f"integration.max_steps={both * 8}")
-        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()
+def test_a_motion_computed_again(spin):
+    """The rows of a motion that ended at an event come from a second computation: it counts too."""
+    steps, rejected = re.search(r"(\d+) steps, (\d+) rejected", spin(STOPPED).out).groups()
+    # Those of both computations; the looks for events in the first are fewer than half of them.
+    both = int(steps) + int(rejected)
+    run = spin(STOPPED, f"integration.max_steps={both}", code=3)
+    assert "step_limit at t = " in run.out
+    spin(STOPPED, f"integration.max_steps={both * 8}")

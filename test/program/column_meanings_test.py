@@ -1,8 +1,8 @@
 """What columns of errors say is true whatever computes them."""
 
-import unittest
+import pytest
 
-from program_test import ProgramCase
+from conftest import largest, output
 
 TOP = "&top mass = 1.2, inertia = 0.8, 0.8, 0.3, length = 0.6 /\n"
 STARTS = {
@@ -11,78 +11,45 @@ STARTS = {
     "pole": "&initial theta = 0, omega = 0.8, 0.3, 9 /\n",
 }
 SPANS = (1.3, 2.9, 4.4, 7.1, 9.2, 12.5)
+SWEEP = "&study kind = 'sweep' /\n&sweep parameter = '{}', values(1,:) = {} /\n"
 ROUNDING = 1e-15
 """Of the difference of two energies, each of about five rounded factors."""
 
 
-class EnergyErrorTest(ProgramCase):
-    """`energy_error_max`: the largest error at the ends of steps."""
-
-    def test_the_exact_solution_is_one_step(self) -> None:
-        """Its error is that of the end, in vector lanes and by itself."""
-        spans = ", ".join(map(str, SPANS))
-        for name, start in STARTS.items():
-            swept = self.compute(
-                self.write(
-                    f"{TOP}{start}&study kind = 'sweep' /\n"
-                    f"&sweep parameter = 'span.t_end', values(1,:) = {spans} /\n"
-                    "&output columns = 'energy_error_max', 'theta_end' /\n"
-                )
-            ).column("energy_error_max")
-            for span, error in zip(SPANS, swept, strict=True):
-                moved = self.compute(
-                    self.write(
-                        f"{TOP}{start}&span t_end = {span}, samples = 2 /\n"
-                        "&output columns = 'energy_error' /\n"
-                    )
-                ).column("energy_error")
-                self.assertAlmostEqual(error, abs(moved[-1]), delta=ROUNDING, msg=f"{name} {span}")
-
-    def test_steps_of_fixed_size(self) -> None:
-        """The largest over the rows of a trajectory, which are the steps."""
-        integration = "&integration method = 'splitting_2', steps = 300 /\n&span t_end = 4 /\n"
-        for start in STARTS.values():
-            swept = self.compute(
-                self.write(
-                    f"{TOP}{start}{integration}&study kind = 'sweep' /\n"
-                    "&sweep parameter = 'top.gravity', values(1,:) = 9.81 /\n"
-                    "&output columns = 'energy_error_max' /\n"
-                )
-            ).column("energy_error_max")
-            moved = self.compute(
-                self.write(f"{TOP}{start}{integration}&output columns = 'energy_error' /\n")
-            )
-            self.assertAlmostEqual(swept[0], moved.largest("energy_error"), delta=1e-14)
+@pytest.mark.parametrize("start", STARTS)
+def test_the_exact_solution_is_one_step(spin, start):
+    """The largest error is that of the end, in vector lanes and by itself."""
+    scene = TOP + STARTS[start]
+    sweep = scene + SWEEP.format("span.t_end", ", ".join(map(str, SPANS)))
+    swept = spin(sweep + output("energy_error_max", "theta_end")).rows.energy_error_max
+    for span, error in zip(SPANS, swept, strict=True):
+        text = f"{scene}&span t_end = {span}, samples = 2 /\n" + output("energy_error")
+        moved = spin(text).rows.energy_error
+        assert error == pytest.approx(abs(moved.iloc[-1]), abs=ROUNDING), span
 
 
-class LargestErrorTest(ProgramCase):
-    """The largest errors of the stability study."""
-
-    def test_every_step_counts(self) -> None:
-        """They are the largest of all steps, where there are no more than a thousand."""
-        scene = TOP + STARTS["anywhere"] + "&span t_end = 5 /\n"
-        names = ("orientation_error", "tip_error", "energy_error")
-        for method, steps in (("splitting_2", 1000), ("rk4", 800), ("gauss_4", 240)):
-            study = self.compute(
-                self.write(
-                    f"{scene}&study kind = 'stability' /\n"
-                    f"&stability cases = 'input', methods = '{method}' /\n"
-                    f"&integration steps = {steps} /\n"
-                )
-            )
-            columns = ", ".join(f"'{name}'" for name in names)
-            moved = self.compute(
-                self.write(
-                    f"{scene}&integration method = '{method}', steps = {steps} /\n"
-                    f"&output columns = {columns} /\n"
-                )
-            )
-            for name in names:
-                largest = moved.largest(name)
-                self.assertAlmostEqual(
-                    study.column(name)[0], largest, delta=1e-6 * largest + 1e-14, msg=method
-                )
+@pytest.mark.parametrize("start", STARTS)
+def test_steps_of_fixed_size(spin, start):
+    """The largest over the rows of a trajectory, which are the steps."""
+    scene = f"{TOP}{STARTS[start]}&span t_end = 4 /\n"
+    scene += "&integration method = 'splitting_2', steps = 300 /\n"
+    sweep = scene + SWEEP.format("top.gravity", 9.81) + output("energy_error_max")
+    (swept,) = spin(sweep).rows.energy_error_max
+    moved = spin(scene + output("energy_error")).rows.energy_error
+    assert swept == pytest.approx(largest(moved), abs=1e-14)
 
 
-if __name__ == "__main__":
-    unittest.main()
+@pytest.mark.parametrize(
+    ("method", "steps"), [("splitting_2", 1000), ("rk4", 800), ("gauss_4", 240)]
+)
+def test_every_step_counts(spin, method, steps):
+    """Errors of a stability study are the largest of all steps, where they are no thousand."""
+    scene = f"{TOP}{STARTS['anywhere']}&span t_end = 5 /\n"
+    study = "&study kind = 'stability' /\n&stability cases = 'input', methods = "
+    found = spin(f"{scene}{study}'{method}' /\n&integration steps = {steps} /\n").rows
+    names = ("orientation_error", "tip_error", "energy_error")
+    integration = f"&integration method = '{method}', steps = {steps} /\n"
+    moved = spin(scene + integration + output(*names)).rows
+    for name in names:
+        most = largest(moved[name])
+        assert found[name][0] == pytest.approx(most, abs=1e-6 * most + 1e-14)

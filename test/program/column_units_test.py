@@ -1,13 +1,11 @@
 """Columns, measurements and axes in other units: the same numbers, and what says so."""
 
-import itertools
 import math
-import unittest
-from pathlib import Path
 
 import numpy as np
+import pytest
 
-from program_test import ProgramCase, Table
+from conftest import output
 
 TOP = """\
 &top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.85 /
@@ -34,242 +32,208 @@ QUANTITIES = {
 }
 
 
-def chosen(names: object) -> str:
-    """A group that names columns."""
-    return "&output columns = " + ", ".join(f"'{name}'" for name in names) + " /\n"
+def check(run, sizes):
+    """Each column is that in its own unit, divided by the size of the other one."""
+    rows = run.rows
+    for name, (own, size, unit) in sizes.items():
+        assert any(f" {name} [{unit}]: " in line for line in run.comments)
+        np.testing.assert_array_equal(rows[name], rows[own] / size)
 
 
-class UnitsCase(ProgramCase):
-    """Numbers in other units."""
-
-    def check(self, table: Table, sizes: dict[str, tuple[str, float, str]]) -> None:
-        """Each column is that in its own unit, divided by the size of the other one."""
-        for name, (own, size, unit) in sizes.items():
-            with self.subTest(name):
-                self.assertTrue(any(f" {name} [{unit}]: " in line for line in table.header))
-                expected = np.array(table.column(own)) / size
-                np.testing.assert_array_equal(table.column(name), expected)
+DERIVATIVES = [f"{name}__initial.psi_rate" for name in ("theta_deg", "theta")]
 
 
-class ColumnsTest(UnitsCase):
-    """Columns of tables."""
-
-    def test_trajectory(self) -> None:
-        """By the exact solution, by an integrator, of a table with derivatives."""
-        names = [*SIZES, *(own for own, _, _ in SIZES.values())]
-        key = "initial.psi_rate"
-        derivatives = {f"{name}__{key}": name for name in ("theta_deg", "theta")}
-        for columns, setting in itertools.product(
-            (names, [*names, *derivatives]), ("exact", "rk4")
-        ):
-            table = self.compute(
-                self.write(TOP + SPAN + chosen(columns)),
-                f"integration.method={setting}",
-                *(["integration.steps=300"] if setting == "rk4" else []),
-            )
-            self.check(table, SIZES)
-        degrees, radians = (np.array(table.column(name)) for name in derivatives)
-        errors = np.array(table.column(f"theta_deg__{key}_error"))
-        self.assertTrue((abs(degrees - np.degrees(radians)) <= 2 * errors + 1e-12).all())
-        unit = next(line for line in table.header if f"theta_deg__{key} [" in line)
-        self.assertIn("[deg/(rad/s)]", unit)
-
-    def test_events(self) -> None:
-        """The level of an event, and the columns of its table."""
-        table = self.compute(
-            self.write(TOP + SPAN + chosen(["t_ms", "t", "theta_deg"])),
-            "output.events=theta_deg = 36 rising",
-            "span.stop_at=t_ms = 2500",
-        )
-        self.assertEqual(table.column("t_ms")[-1], 2500)
-        events = self.table("scene.events")
-        self.assertGreater(len(events.rows), 1)
-        for theta in events.column("theta_deg"):
-            self.assertAlmostEqual(theta, 36, delta=1e-9)
-
-    def test_sweep(self) -> None:
-        """Quantities, those of the list in degrees, derivatives."""
-        names = [*QUANTITIES, *(own for own, _, _ in QUANTITIES.values())]
-        table = self.compute(self.write(SWEEP + AXIS + chosen(names)))
-        self.check(table, QUANTITIES)
-        key = "initial.theta"
-        names = [f"{name}__{key}" for name in ("theta_max_deg", "theta_max")]
-        table = self.compute(self.write(SWEEP + AXIS + chosen(names)))
-        degrees, radians = (np.array(table.column(name)) for name in names)
-        np.testing.assert_allclose(degrees, np.degrees(radians), rtol=1e-8)
-
-    def test_statistics(self) -> None:
-        """With rows, without, and bins whose ends have units."""
-        statistics = (
-            "&statistics columns = 'theta_max_deg', 'theta_max' over = 'nutation_period_ms'"
-        )
-        bins = " bins = 3 from = '0.1 s' to = 900 /\n"
-        columns = chosen(["theta_max", "theta_max_deg", "nutation_period_ms"])
-        found = []
-        for text in (columns, "&output rows = 'none' /\n"):
-            self.run_program(self.write(SWEEP + AXIS + text + statistics + bins))
-            table = self.table("scene.statistics")
-            self.assertEqual(table.column("nutation_period_ms_from")[1:], [100, 1100 / 3, 1900 / 3])
-            means = [table.column(f"{name}_mean")[0] for name in ("theta_max_deg", "theta_max")]
-            self.assertAlmostEqual(means[0], math.degrees(means[1]), delta=1e-12)
-            found.append([table.column(name) for name in table.names if "theta" in name])
-        np.testing.assert_array_equal(*found)
-
-    def test_beside_all(self) -> None:
-        """Columns that `all` does not have may follow; what it has, or nobody, is refused."""
-        names = ["all", "theta_deg", "theta__initial.psi_rate"]
-        table = self.compute(self.write(TOP + SPAN + chosen(names)))
-        for name in ("theta", *names[1:]):
-            self.assertIn(name, table.names)
-        for name, problem in (("theta", "is named twice"), ("nonsense", "there is no column")):
-            scene = self.write(TOP + SPAN + chosen(["all", name]))
-            self.assertIn(problem, self.refuse(scene))
-
-    def test_proved_numbers(self) -> None:
-        """Bounds and certified numbers are proved in their own units only."""
-        for column, settings in (("theta_bound_deg", ()), ("theta_deg", ("output.certified=t",))):
-            scene = self.write(TOP + SPAN + chosen(["t", column]))
-            overrides = [part for setting in settings for part in ("--set", setting)]
-            self.assertIn(
-                "is proved in the unit of the column only", self.refuse(scene, *overrides)
-            )
+@pytest.mark.parametrize("more", [[], DERIVATIVES])
+@pytest.mark.parametrize("how", [["method=exact"], ["method=rk4", "steps=300"]])
+def test_trajectory(spin, more, how):
+    """By the exact solution, by an integrator, of a table with derivatives."""
+    names = [*SIZES, *(own for own, _, _ in SIZES.values()), *more]
+    run = spin(TOP + SPAN + output(*names), *(f"integration.{setting}" for setting in how))
+    check(run, SIZES)
+    if more:
+        degrees, radians = (run.rows[name] for name in more)
+        errors = run.rows[f"{more[0]}_error"]
+        assert (abs(degrees - np.degrees(radians)) <= 2 * errors + 1e-12).all()
+        unit = next(line for line in run.comments if f"{more[0]} [" in line)
+        assert "[deg/(rad/s)]" in unit
 
 
-class AxesTest(UnitsCase):
-    """Axes of sweeps, and overrides."""
-
-    def test_axes(self) -> None:
-        """Ends and values with units are those without, wherever the parameter is named."""
-        axes = [
-            "from(1) = '-60 rpm', to(1) = '600 rpm', count(1) = 12",
-            "parameter(1) = 'initial.psi_rate'",
-            "parameter(2) = 'initial.phi', values(2,:) = '10 deg', 0.5, '0.25 turn'",
-        ]
-        table = self.compute(self.write(SWEEP + f"&sweep {' '.join(axes)} /\n"))
-        rates = np.linspace(-2 * math.pi, 20 * math.pi, 12)
-        np.testing.assert_allclose(table.column("initial.psi_rate")[::3], rates, atol=1e-13)
-        values = [math.radians(10), 0.5, math.pi / 2]
-        np.testing.assert_allclose(table.column("initial.phi")[:3], values, rtol=1e-15)
-        self.assertIn(f"from = {-2 * math.pi!r}", "\n".join(table.header).replace("(1)", ""))
-
-    def test_table_of_cases(self) -> None:
-        """The names of its columns may end in units."""
-        lines = ["initial.psi_rate_rpm,initial.phi,top.length_cm", "60,0.1,85", "-30,0.2,90"]
-        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        scene = self.write(SWEEP + "&sweep table = 'cases.csv' /\n")
-        table = self.compute(scene)
-        rates = table.column("initial.psi_rate")
-        np.testing.assert_allclose(rates, [2 * math.pi, -math.pi], rtol=1e-15)
-        self.assertEqual(table.column("initial.phi"), [0.1, 0.2])
-        np.testing.assert_allclose(table.column("top.length"), [0.85, 0.9], rtol=1e-15)
-        lines[0] = lines[0].replace("cm", "deg")
-        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        said = " ".join(self.refuse(scene).split())
-        self.assertIn("unknown parameter 'top.length_deg'", said)
-        self.assertIn("top.length is in m; units are m, cm, mm", said)
-
-    def test_overrides(self) -> None:
-        """A number with its unit in an override, with quotes and without."""
-        scene = self.write(TOP + SPAN)
-        for setting in ("12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm"):
-            table = self.compute(scene, f"initial.psi_rate={setting}")
-            self.assertAlmostEqual(table.column("psi_rate")[0], 0.4 * math.pi, delta=1e-15)
-        table = self.compute(scene, "top.inertia=8750 kg cm^2, 0.875, '2500 kg cm^2'")
-        self.assertIn("inertia = 0.875, 0.875, 0.25", "\n".join(table.header))
-        sweep = self.write(SWEEP + AXIS)
-        table = self.compute(sweep, "sweep.from(1)=60 rpm", "sweep.to(1)=20")
-        self.assertAlmostEqual(table.column("initial.psi_rate")[0], 2 * math.pi, delta=1e-15)
-        # A later number has no unit again.
-        table = self.compute(sweep, "sweep.from(1)=60 rpm", "sweep.from(1)=6")
-        self.assertEqual(table.column("initial.psi_rate")[0], 6)
+def test_events(spin):
+    """The level of an event, and the columns of its table."""
+    settings = "output.events=theta_deg = 36 rising", "span.stop_at=t_ms = 2500"
+    run = spin(TOP + SPAN + output("t_ms", "t", "theta_deg"), *settings)
+    assert run.rows.t_ms.iloc[-1] == 2500
+    angles = list(run.table("events").theta_deg)
+    assert len(angles) > 1
+    assert angles == pytest.approx([36] * len(angles), abs=1e-9)
 
 
-class FitTest(UnitsCase):
-    """Measurements in other units."""
-
-    FIT = (
-        "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.inertia(1)', "
-        "'initial.psi_rate', 'offset.{0}', from(2) = {1}, to(2) = 15, sigma = {2} /\n"
-    )
-
-    def measure(self, names: list[str], noise: dict[str, float]) -> Path:
-        """Write measurements with these columns."""
-        table = self.compute(self.write(TOP + SPAN + chosen(names), "truth.nml"))
-        source = np.random.default_rng(1)
-        cells = np.array([[float(cell) for cell in row] for row in table.rows])
-        for i, name in enumerate(names):
-            cells[:, i] += noise.get(name, 0) * source.normal(size=len(cells))
-        path = self.folder / "data.csv"
-        lines = [",".join(names), *(",".join(map(repr, row)) for row in cells.tolist())]
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return path
-
-    def test_same_fit(self) -> None:
-        """Estimates and their errors do not depend on the units; residuals are in those."""
-        sizes = (1.0, math.degrees(1))
-        found, offsets, residuals = [], [], []
-        for names, size, low, sigma in (
-            (["t", "theta", "omega1"], sizes[0], "13", "0.001, 0.002"),
-            (["t_ms", "theta_deg", "omega1_rpm"], sizes[1], "'130 rpm'", "'1 mrad', '0.002 rad/s'"),
-        ):
-            turns = 1 if size == 1 else 30 / math.pi
-            noise = {names[1]: 1e-3 * size, names[2]: 2e-3 * turns}
-            self.measure(names, noise)
-            fit = self.FIT.format(names[1], low, sigma)
-            if size > 1:
-                fit = fit.replace(", sigma", f", columns = '{names[1]}', '{names[2]}', sigma")
-            table = self.compute(self.write(TOP.replace("14", "14.1") + fit))
-            self.assertEqual(table.texts("unit")[2], "rad" if size == 1 else "deg")
-            numbers = np.array([table.column("estimate"), table.column("standard_error")])
-            found.append(numbers[:, :2])
-            offsets.append(numbers[:, 2] / size)
-            rest = self.table("scene.residuals")
-            self.assertEqual(rest.names[0], names[0])
-            residuals.append(np.array(rest.column(f"{names[1]}_residual")) / size)
-            self.assertEqual(len(rest.names), 7)
-        np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
-        np.testing.assert_allclose(offsets[1], offsets[0], rtol=1e-4)
-        np.testing.assert_allclose(residuals[1], residuals[0], atol=1e-9)
-
-    def test_wrapped_and_deviations(self) -> None:
-        """Turns of 360 degrees, and a standard deviation in each row."""
-        path = self.measure(["t", "psi_deg"], {})
-        lines = path.read_text(encoding="utf-8").splitlines()
-        rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
-        text = "t,psi_deg,psi_deg_sigma\n"
-        text += "".join(f"{t!r},{psi % 360!r},0.1\n" for t, psi in rows)
-        path.write_text(text, encoding="utf-8")
-        fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'initial.psi_rate' /\n"
-        start = TOP.replace("14", "14.02") + fit
-        self.assertIn("fit.wrapped = 'psi_deg'", self.refuse(self.write(start)))
-        for name in ("psi", "psi_deg"):
-            table = self.compute(self.write(start.replace("unk", f"wrapped = '{name}', unk")))
-            self.assertAlmostEqual(table.column("estimate")[0], 14, delta=1e-8)
-        path.write_text(text.replace("psi_deg_s", "psi_s"), encoding="utf-8")
-        said = self.refuse(self.write(start))
-        self.assertIn("the table has psi_sigma, but no column psi", said)
-
-    def test_mounting(self) -> None:
-        """The components of a rotated vector may have units of their own."""
-        self.measure(["t", "omega1_deg", "omega2", "omega3_rpm"], {})
-        fit = "&study kind = 'fit' /\n&fit data = 'data.csv', mounting = '1 deg', 0, 0\n"
-        fit += "    unknown = 'mounting(1)', 'top.inertia(1)' /\n"
-        table = self.compute(self.write(TOP.replace("0.875, 0.875", "0.87, 0.87") + fit))
-        np.testing.assert_allclose(table.column("estimate"), [0, 0.875], atol=1e-8)
-
-    def test_refusals(self) -> None:
-        """Two columns of one quantity, and a unit of another one."""
-        fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'initial.psi_rate' /\n"
-        for head, message in (
-            ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
-            ("t,t_ms,theta", "two columns of the table are the time"),
-            ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
-            ("t_m,theta,psi", "there is no column t"),
-        ):
-            rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))
-            (self.folder / "data.csv").write_text(f"{head}\n{rows}", encoding="utf-8")
-            self.assertIn(message, " ".join(self.refuse(self.write(TOP + fit)).split()))
+def test_sweep(spin):
+    """Quantities, those of the list in degrees, derivatives."""
+    names = [*QUANTITIES, *(own for own, _, _ in QUANTITIES.values())]
+    check(spin(SWEEP + AXIS + output(*names)), QUANTITIES)
+    names = [f"{name}__initial.theta" for name in ("theta_max_deg", "theta_max")]
+    rows = spin(SWEEP + AXIS + output(*names)).rows
+    np.testing.assert_allclose(rows[names[0]], np.degrees(rows[names[1]]), rtol=1e-8)
 
 
-if __name__ == "__main__":
-    unittest.main()
+def test_statistics(spin):
+    """With rows, without, and bins whose ends have units."""
+    text = "&statistics columns = 'theta_max_deg', 'theta_max' over = 'nutation_period_ms'"
+    text += " bins = 3 from = '0.1 s' to = 900 /\n"
+    columns = output("theta_max", "theta_max_deg", "nutation_period_ms")
+    found = []
+    for rows in (columns, "&output rows = 'none' /\n"):
+        table = spin(SWEEP + AXIS + rows + text, code=(0, 3)).table("statistics")
+        assert list(table.nutation_period_ms_from[1:]) == [100, 1100 / 3, 1900 / 3]
+        mean = table.theta_max_deg_mean[0]
+        assert mean == pytest.approx(math.degrees(table.theta_max_mean[0]), abs=1e-12)
+        found.append(table.filter(like="theta"))
+    np.testing.assert_array_equal(*found)
+
+
+def test_beside_all(spin):
+    """Columns that `all` does not have may follow; what it has, or nobody, is refused."""
+    names = ["all", "theta_deg", "theta__initial.psi_rate"]
+    assert {"theta", *names[1:]} < set(spin(TOP + SPAN + output(*names)).rows)
+    for name, problem in (("theta", "is named twice"), ("nonsense", "there is no column")):
+        assert problem in spin.refuse(TOP + SPAN + output("all", name))
+
+
+@pytest.mark.parametrize(
+    ("column", "settings"), [("theta_bound_deg", []), ("theta_deg", ["output.certified=t"])]
+)
+def test_proved_numbers(spin, column, settings):
+    """Bounds and certified numbers are proved in their own units only."""
+    error = spin.refuse(TOP + SPAN + output("t", column), *settings)
+    assert "is proved in the unit of the column only" in error
+
+
+def test_axes(spin):
+    """Ends and values with units are those without, wherever the parameter is named."""
+    axes = "from(1) = '-60 rpm', to(1) = '600 rpm', count(1) = 12"
+    axes += " parameter(1) = 'initial.psi_rate'"
+    axes += " parameter(2) = 'initial.phi', values(2,:) = '10 deg', 0.5, '0.25 turn'"
+    run = spin(f"{SWEEP}&sweep {axes} /\n")
+    rates = np.linspace(-2 * math.pi, 20 * math.pi, 12)
+    np.testing.assert_allclose(run.rows["initial.psi_rate"][::3], rates, rtol=1e-7, atol=1e-13)
+    values = [math.radians(10), 0.5, math.pi / 2]
+    np.testing.assert_allclose(run.rows["initial.phi"][:3], values, rtol=1e-15)
+    assert f"from = {-2 * math.pi!r}" in run.head.replace("(1)", "")
+
+
+def test_table_of_cases(spin):
+    """The names of its columns may end in units."""
+    text = "initial.psi_rate_rpm,initial.phi,top.length_cm\n60,0.1,85\n-30,0.2,90\n"
+    scene = SWEEP + "&sweep table = 'cases.csv' /\n"
+    rows = spin(scene, cases=text).rows
+    expected = [2 * math.pi, -math.pi]
+    np.testing.assert_allclose(rows["initial.psi_rate"], expected, rtol=1e-15)
+    assert list(rows["initial.phi"]) == [0.1, 0.2]
+    np.testing.assert_allclose(rows["top.length"], [0.85, 0.9], rtol=1e-15)
+    said = " ".join(spin.refuse(scene, cases=text.replace("cm", "deg")).split())
+    assert "unknown parameter 'top.length_deg'" in said
+    assert "top.length is in m; units are m, cm, mm" in said
+
+
+@pytest.mark.parametrize("value", ["12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm"])
+def test_overrides(spin, value):
+    """A number with its unit in an override, with quotes and without."""
+    row = spin(TOP + SPAN, f"initial.psi_rate={value}").rows.iloc[0]
+    assert row.psi_rate == pytest.approx(0.4 * math.pi, abs=1e-15)
+
+
+def test_overrides_of_lists_and_axes(spin):
+    """Each number may have a unit; a later number has no unit again."""
+    run = spin(TOP + SPAN, "top.inertia=8750 kg cm^2, 0.875, '2500 kg cm^2'")
+    assert "inertia = 0.875, 0.875, 0.25" in run.head
+    rates = spin(SWEEP + AXIS, "sweep.from(1)=60 rpm", "sweep.to(1)=20").rows["initial.psi_rate"]
+    assert rates[0] == pytest.approx(2 * math.pi, abs=1e-15)
+    rates = spin(SWEEP + AXIS, "sweep.from(1)=60 rpm", "sweep.from(1)=6").rows["initial.psi_rate"]
+    assert rates[0] == 6
+
+
+FIT = (
+    "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.inertia(1)', "
+    "'initial.psi_rate', 'offset.{0}', from(2) = {1}, to(2) = 15, sigma = {2} /\n"
+)
+RATE = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'initial.psi_rate' /\n"
+
+
+def measured(spin, names, noise=None):
+    """Measurements with these columns, as a table of numbers."""
+    rows = spin(TOP + SPAN + output(*names)).rows
+    source = np.random.default_rng(1)
+    for name in names:
+        rows[name] += (noise or {}).get(name, 0) * source.normal(size=len(rows))
+    return rows
+
+
+def test_same_fit(spin):
+    """Estimates and their errors do not depend on the units; residuals are in those."""
+    found, offsets, residuals = [], [], []
+    for names, size, turns, low, sigma in (
+        (["t", "theta", "omega1"], 1, 1, "13", "0.001, 0.002"),
+        (
+            ["t_ms", "theta_deg", "omega1_rpm"],
+            math.degrees(1),
+            30 / math.pi,
+            "'130 rpm'",
+            "'1 mrad', '0.002 rad/s'",
+        ),
+    ):
+        data = measured(spin, names, {names[1]: 1e-3 * size, names[2]: 2e-3 * turns})
+        fit = FIT.format(names[1], low, sigma)
+        if size > 1:
+            fit = fit.replace(", sigma", f", columns = '{names[1]}', '{names[2]}', sigma")
+        run = spin(TOP.replace("14", "14.1") + fit, data=data.to_csv(index=False))
+        assert run.rows.unit[2] == ("rad" if size == 1 else "deg")
+        numbers = run.rows[["estimate", "standard_error"]].to_numpy().T
+        found.append(numbers[:, :2])
+        offsets.append(numbers[:, 2] / size)
+        rest = run.table("residuals")
+        assert rest.columns[0] == names[0]
+        residuals.append(rest[f"{names[1]}_residual"] / size)
+        assert len(rest.columns) == 7
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
+    np.testing.assert_allclose(offsets[1], offsets[0], rtol=1e-4)
+    np.testing.assert_allclose(residuals[1], residuals[0], rtol=1e-7, atol=1e-9)
+
+
+def test_wrapped_and_deviations(spin):
+    """Turns of 360 degrees, and a standard deviation in each row."""
+    data = measured(spin, ["t", "psi_deg"])
+    data.psi_deg %= 360
+    data["psi_deg_sigma"] = 0.1
+    text = data.to_csv(index=False)
+    start = TOP.replace("14", "14.02") + RATE
+    assert "fit.wrapped = 'psi_deg'" in spin.refuse(start, data=text)
+    for name in ("psi", "psi_deg"):
+        (found,) = spin(start.replace("unk", f"wrapped = '{name}', unk")).rows.estimate
+        assert found == pytest.approx(14, abs=1e-8)
+    said = spin.refuse(start, data=text.replace("psi_deg_s", "psi_s"))
+    assert "the table has psi_sigma, but no column psi" in said
+
+
+def test_mounting(spin):
+    """The components of a rotated vector may have units of their own."""
+    data = measured(spin, ["t", "omega1_deg", "omega2", "omega3_rpm"]).to_csv(index=False)
+    fit = "&study kind = 'fit' /\n&fit data = 'data.csv', mounting = '1 deg', 0, 0\n"
+    fit += "    unknown = 'mounting(1)', 'top.inertia(1)' /\n"
+    rows = spin(TOP.replace("0.875, 0.875", "0.87, 0.87") + fit, data=data).rows
+    np.testing.assert_allclose(rows.estimate, [0, 0.875], rtol=1e-7, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("head", "message"),
+    [
+        ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
+        ("t,t_ms,theta", "two columns of the table are the time"),
+        ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
+        ("t_m,theta,psi", "there is no column t"),
+    ],
+)
+def test_refusals(spin, head, message):
+    """Two columns of one quantity, and a unit of another one."""
+    rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))
+    assert message in " ".join(spin.refuse(TOP + RATE, data=f"{head}\n{rows}").split())

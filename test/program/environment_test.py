@@ -2,10 +2,11 @@
 
 import re
 import subprocess
-import unittest
 from pathlib import Path
 
-from program_test import GOOD, ProgramCase
+import pytest
+
+from conftest import GOOD
 
 SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
@@ -15,17 +16,22 @@ MEASURED = re.compile(
     r"^(!? +(cost|time|ended|parts|memory|columns +with) |# date:).*\n", re.MULTILINE
 )
 """Lines of a summary and of a header that differ from run to run."""
-
-
 DOCUMENTED = (
     "STDIN_UNIT STDOUT_UNIT STDERR_UNIT UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS"
     " OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT ERROR_BACKTRACE FORMATTED_BUFFER_SIZE"
     " UNFORMATTED_BUFFER_SIZE"
 )
 """The variables of the manual of gfortran, without their prefix."""
+CALLS = {
+    "trajectory": ("motion.nml",),
+    "sweep": ("sweep.nml",),
+    "check": ("sweep.nml", "--check"),
+    "list": ("list", "methods", "--json"),
+    "refusal": ("sweep.nml", "--set", "top.mass=-1"),
+}
 
 
-def variables() -> list[str]:
+def variables():
     """The documented variables, and what else looks like one in the library of this compiler."""
     names = {f"GFORTRAN_{name}" for name in DOCUMENTED.split()}
     asked = ["gfortran", "-print-file-name=libgfortran.so"]
@@ -36,45 +42,29 @@ def variables() -> list[str]:
     return sorted(names)
 
 
-class EnvironmentTest(ProgramCase):
-    """Each variable of the library, switched on."""
-
-    def outputs(self, **environment: str) -> dict[str, str | int]:
-        """What the program writes with these variables: tables, streams and codes."""
-        found: dict[str, str | int] = {}
-        folder = f"output {len(list(self.folder.iterdir()))}"
-        calls = {
-            "trajectory": (self.scene, "-o", folder),
-            "sweep": (self.sweep, "-o", folder),
-            "check": (self.sweep, "--check"),
-            "list": ("list", "methods", "--json"),
-            "refusal": (self.sweep, "--set", "top.mass=-1"),
-        }
-        for call, arguments in calls.items():
-            result = self.run_program(*arguments, environment=environment)
-            text = MEASURED.sub("", result.stdout + result.stderr)
-            found[call] = f"{result.returncode}\n{text.replace(folder, 'output')}"
-        for path in sorted((self.folder / folder).glob("*.csv")):
-            found[path.name] = MEASURED.sub("", path.read_text(encoding="utf-8"))
-        return found
-
-    def setUp(self) -> None:
-        """A trajectory and a sweep."""
-        super().setUp()
-        self.scene = self.write(GOOD, "motion.nml")
-        self.sweep = self.write(SWEEP, "sweep.nml")
-
-    def test_variables_of_the_library(self) -> None:
-        """The same bytes with each of them, and with all."""
-        expected = self.outputs()
-        self.assertEqual({text.split("\n")[0] for text in expected.values()} & {"5", "-11"}, set())
-        self.assertIn("sweep.csv", expected)
-        names = variables()
-        settings = [{name: value} for name in names for value in ("y", "6")]
-        for setting in [*settings, dict.fromkeys(names, "y"), dict.fromkeys(names, "1")]:
-            with self.subTest(setting):
-                self.assertEqual(self.outputs(**setting), expected)
+NAMES = variables()
+SETTINGS = [{name: value} for name in NAMES for value in ("y", "6")]
+SETTINGS += [dict.fromkeys(NAMES, "y"), dict.fromkeys(NAMES, "1")]
 
 
-if __name__ == "__main__":
-    unittest.main()
+def outputs(spin, environment):
+    """What the program writes with these variables: codes, streams and tables."""
+    found = {}
+    for call, words in CALLS.items():
+        run = spin.call(*words, code=tuple(range(-20, 256)), environment=environment)
+        found[call] = run.code, MEASURED.sub("", run.out + run.stderr)
+    for path in sorted((spin.folder / "output").glob("*.csv")):
+        found[path.name] = MEASURED.sub("", path.read_text(encoding="utf-8"))
+        path.unlink()
+    return found
+
+
+@pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
+def test_variables_of_the_library(spin, setting):
+    """The same bytes with each of them, and with all."""
+    spin.write(GOOD, "motion.nml")
+    spin.write(SWEEP, "sweep.nml")
+    expected = outputs(spin, {})
+    assert [expected[call][0] for call in CALLS] == [0, 0, 0, 0, 2]
+    assert {"motion.csv", "sweep.csv"} < set(expected)
+    assert outputs(spin, setting) == expected

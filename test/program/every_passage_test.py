@@ -8,19 +8,14 @@ such an instant and the next passage. So are those that the rows do not resolve:
 before the second row, and where friction or a table bends the quantity near its level.
 """
 
-import csv
 import math
-import os
 import random
-import subprocess
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 COLUMNS = (
     "omega1", "omega2", "theta_rate", "axis_z_rate", "phi_rate", "psi_rate", "force_x", "force_n",
     "com_x", "axis_y", "gamma1", "gamma2", "omega_x", "theta", "omega3",
@@ -55,11 +50,11 @@ class Scene:
     effects: list[str]
 
 
-def draw(seed: int) -> Scene:
+def draw(seed):
     """A scene of this number."""
     dice = random.Random(seed)
 
-    def number(low: float, high: float) -> str:
+    def number(low, high):
         return f"{dice.uniform(low, high):.4g}"
 
     symmetric = dice.random() < 0.4
@@ -83,7 +78,7 @@ def draw(seed: int) -> Scene:
     return Scene(text, levels, symmetric, effects)
 
 
-def draw_start(dice: random.Random, effects: list[str]) -> tuple[str, float, float]:
+def draw_start(dice, effects):
     """A start: a fast spin, at rest, hanging, or any."""
     kind = dice.choice(["fast", "fast", "rest", "hanging", "any"])
     theta, spin = dice.uniform(0.3, 2.8), dice.uniform(5, 20) * dice.choice([1, -1])
@@ -99,7 +94,7 @@ def draw_start(dice: random.Random, effects: list[str]) -> tuple[str, float, flo
     return f"theta = {theta:.3g}  omega = " + ", ".join(f"{x:.4g}" for x in omega), theta, omega[2]
 
 
-def force(dice: random.Random, effect: str) -> str:
+def force(dice, effect):
     """The keys of an effect."""
     x, y, z = (f"{dice.uniform(-1, 1):.3g}" for _ in range(3))
     return {
@@ -116,19 +111,19 @@ def force(dice: random.Random, effect: str) -> str:
     }[effect]
 
 
-def methods_for(scene: Scene) -> list[str]:
+def methods_for(scene):
     """The methods that a scene can have."""
     exact = scene.is_symmetric and not scene.effects
     return [name for name in METHODS if name != "exact" or exact]
 
 
-def columns_of(scene: Scene) -> list[str]:
+def columns_of(scene):
     """The columns to look at: forces jump where friction or a table does."""
     jumps = any(effect in ("dry", "table") for effect in scene.effects)
     return [name for name in COLUMNS if not (jumps and name in BY_FORCE)]
 
 
-def input_of(scene: Scene, method: str) -> str:
+def input_of(scene, method):
     """The text of the input."""
     columns = columns_of(scene)
     events = ["turning_points"] + [f"{name} = {scene.levels.get(name, 0.0)!r}" for name in columns]
@@ -144,30 +139,18 @@ def input_of(scene: Scene, method: str) -> str:
     return f"{scene.text}{span}&integration {keys} /\n{output}"
 
 
-def compute(folder: Path, text: str) -> bool:
-    """Run an input; whether it could."""
-    (folder / "scene.nml").write_text(text)
-    (folder / "torque.csv").write_text(TABLE)
-    command = [EXE, "--quiet", "-o", folder, folder / "scene.nml"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
-
-
-def lines_of(path: Path) -> list[str]:
-    """The lines of a table."""
-    return [line for line in path.read_text().splitlines() if not line.startswith("#")]
-
-
-def run(folder: Path, scene: Scene, method: str) -> tuple[np.ndarray, dict[str, list[float]]]:
+def run(spin, scene, method):
     """The rows, and the times of the events by their columns; none if the method cannot."""
-    found: dict[str, list[float]] = {}
-    if not compute(folder, input_of(scene, method)):
+    found = {}
+    done = spin(input_of(scene, method), code=tuple(range(256)), torque=TABLE)
+    if done.code != 0:
         return np.zeros((0, 0)), found
-    rows = [line.split(",") for line in lines_of(folder / "scene.csv")[1:]]
-    for row in csv.DictReader(lines_of(folder / "scene.events.csv")):
-        name = row["event"].split(" ")[0].split("=")[0]
+    events = done.table("events")
+    for event, t in zip(events.event, events.t, strict=True):
+        name = event.split(" ")[0].split("=")[0]
         name = "turning_points" if name.endswith("turning_point") else name
-        found.setdefault(name, []).append(float(row["t"]))
-    return np.array(rows, dtype=float), found
+        found.setdefault(name, []).append(t)
+    return done.rows.to_numpy(dtype=float), found
 
 
 @dataclass
@@ -179,15 +162,13 @@ class Passages:
 
 
 @cache
-def weights(place: int, step: int) -> np.ndarray:
+def weights(place, step):
     """What values at 0, STEP, ... 6 contribute to those around a place, by a polynomial."""
     at = np.arange(0, 7, step) - place
     return np.linalg.solve(np.vander(at.astype(float)).T, np.vander(REACH, len(at)).T).T
 
 
-def denser(
-    t: np.ndarray, v: np.ndarray, least: float, *, is_smooth: bool
-) -> tuple[np.ndarray, np.ndarray, list[Span]]:
+def denser(t, v, least, *, is_smooth):
     """More points where the distance from the level is least, and where the rows do not suffice."""
     size = np.abs(v)
     bend = np.abs(v[:-2] - 2 * v[1:-1] + v[2:])
@@ -214,7 +195,7 @@ def denser(
     return times[order], values[order], unclear
 
 
-def passages(t: np.ndarray, v: np.ndarray, share: float, *, is_smooth: bool) -> Passages:
+def passages(t, v, share, *, is_smooth):
     """The passages of zero by a quantity."""
     found = Passages()
     least = share * np.max(np.abs(v[np.isfinite(v)]), initial=1)
@@ -233,9 +214,7 @@ def passages(t: np.ndarray, v: np.ndarray, share: float, *, is_smooth: bool) -> 
     return found
 
 
-def compare(
-    t: np.ndarray, v: np.ndarray, events: list[float], share: float, *, is_smooth: bool
-) -> tuple[list[Span], list[float], int]:
+def compare(t, v, events, share, *, is_smooth):
     """Passages without an event, events without a passage, and the number of sure passages."""
     truth = passages(t, v, share, is_smooth=is_smooth)
     slack = 0.02 * (t[1] - t[0])  # of the polynomials
@@ -257,10 +236,10 @@ def compare(
     return missed, invented, looked
 
 
-def faults(folder: Path, seed: int, method: str) -> tuple[list[str], int, int, int]:
+def faults(spin, seed, method):
     """What is wrong with the events of a scene: texts; how many missed, invented, and right."""
     scene = draw(seed)
-    table, found = run(folder, scene, method)
+    table, found = run(spin, scene, method)
     if table.size == 0:
         return [], 0, 0, 0
     share = CLEAR * max(METHODS[method], LEAST) if METHODS[method] > 0 else FIXED
@@ -284,18 +263,18 @@ def faults(folder: Path, seed: int, method: str) -> tuple[list[str], int, int, i
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_passage_is_an_event(folder: Path, method: str) -> None:
+def test_every_passage_is_an_event(spin, method):
     """Of random scenes with and without effects: none is missed, and none invented."""
     scenes = [seed for seed in range(SCENES) if method in methods_for(draw(seed))]
-    results = [faults(folder, seed, method) for seed in scenes]
+    results = [faults(spin, seed, method) for seed in scenes]
     assert [text for told, *_ in results for text in told] == []
     assert sum(total for *_, total in results) > 40 * len(scenes)
 
 
-def times_of(folder: Path, text: str, event: str) -> list[float]:
+def times_of(spin, text, event):
     """The times of an event of a trajectory."""
-    assert compute(folder, f"{text}\n&output columns = 't'  events = '{event}' /\n")
-    return [float(row["t"]) for row in csv.DictReader(lines_of(folder / "scene.events.csv"))]
+    text += f"\n&output columns = 't'  events = '{event}' /\n"
+    return list(spin(text, torque=TABLE).table("events").t)
 
 
 HANGING = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0.5 /\n&initial theta_deg = 180 /\n"
@@ -348,27 +327,27 @@ KNOWN = {
 
 @pytest.mark.parametrize("method", ["taylor", "dop853", "ode45", "taylor_quadruple"])
 @pytest.mark.parametrize("name", KNOWN)
-def test_known_times(folder: Path, name: str, method: str) -> None:
+def test_known_times(spin, name, method):
     """Pairs of passages, and those after a start at rest or at the level."""
     text, event, times = KNOWN[name]
     keys = f"method = '{method}'  relative_tolerance = 1e-11  absolute_tolerance = 1e-12"
-    found = times_of(folder, f"{text}\n&integration {keys} /", event)
+    found = times_of(spin, f"{text}\n&integration {keys} /", event)
     assert found == pytest.approx(times, abs=2e-5)
 
 
 @pytest.mark.parametrize("method", ["taylor", "dop853", "ode45", "exact"])
-def test_a_cusp_touches_zero(folder: Path, method: str) -> None:
+def test_a_cusp_touches_zero(spin, method):
     """Precession from rest stops in each cusp; by errors of the method it turns there and back."""
-    for spin in 30, 60, 200, 1000:
+    for omega3 in 30, 60, 200, 1000:
         text = (
             "&top mass = 1  inertia = 0.9, 0.9, 0.6  length = 0.5 /\n"
-            f"&initial phi = 0.1  theta = 2.3  psi = 1.9  omega3 = {spin} /\n"
-            f"&span t_end = {50 / spin} /\n&integration method = '{method}' /"
+            f"&initial phi = 0.1  theta = 2.3  psi = 1.9  omega3 = {omega3} /\n"
+            f"&span t_end = {50 / omega3} /\n&integration method = '{method}' /"
         )
-        times = times_of(folder, text, "phi_rate = 0")
-        assert len(times) % 2 == 0, spin
+        times = times_of(spin, text, "phi_rate = 0")
+        assert len(times) % 2 == 0, omega3
         pairs = zip(times[::2], times[1::2], strict=True)
-        assert all(last - first < 1e-2 / spin for first, last in pairs), spin
+        assert all(last - first < 1e-2 / omega3 for first, last in pairs), omega3
         assert times == [] or method != "exact", spin
 
 
@@ -380,16 +359,15 @@ SWEEP = (
 
 @pytest.mark.parametrize("method", ["auto", "taylor", "dop853", "gauss_8"])
 @pytest.mark.parametrize("after", [1, 4])
-def test_sweeps_end_there(folder: Path, method: str, after: int) -> None:
+def test_sweeps_end_there(spin, method, after):
     """A sweep ends its cases at the events of their motions."""
     keys = f"method = '{method}'" + ("  steps = 3000" if method == "gauss_8" else "")
     ends, expected = [], []
     for seed in range(8):
-        for event in "omega1 = 0", "turning_points", "com_x = 0":
+        for event in ("omega1 = 0", "turning_points", "com_x = 0"):
             text = f"{draw(seed).text}&integration {keys} /\n"
-            times = times_of(folder, f"{text}&span t_end = {T_END} /", event)
+            times = times_of(spin, f"{text}&span t_end = {T_END} /", event)
             expected.append(times[after - 1] if len(times) >= after else T_END)
             span = f"&span t_end = {T_END}  stop_at = '{event}'  stop_after = {after} /\n"
-            assert compute(folder, text + span + SWEEP)
-            ends.append(float(next(csv.DictReader(lines_of(folder / "scene.csv")))["t_end"]))
+            ends.append(spin(text + span + SWEEP, torque=TABLE).rows.t_end[0])
     assert ends == pytest.approx(expected, abs=1e-6)

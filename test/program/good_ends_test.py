@@ -5,17 +5,10 @@ do not suffice half way. The code of a run is that of its cases, with one of the
 and where nothing is left to compute. `python_ends_test` has the kinds of Python and of the scripts.
 """
 
-import csv
-import json
-import math
-import os
-import re
-import subprocess
-from pathlib import Path
-
+import numpy as np
 import pytest
 
-PROGRAM = os.environ["SPINTOP_EXE"]
+from conftest import listed
 
 TOP = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.8660254037844387 /\n"
 SCENE = (
@@ -32,151 +25,106 @@ COLUMNS = "&output columns = 'theta_end', 't_stuck'"
 STATISTICS = "&statistics columns = 'theta_end', 't_stuck' /\n"
 WITH_ROWS, WITHOUT_ROWS = COLUMNS + " /\n", "&output rows = 'none' /\n"
 FAILED = 3
-NETCDF = ("--set", "output.format=netcdf")
+NETCDF = "output.format=netcdf"
+GOOD_ENDS = {entry["name"] for entry in listed("statuses") if entry["good"]}
 
 
-def run(folder: Path, text: str, *options: str) -> int:
-    """The exit code of the program with an input, whose tables are in the folder."""
-    scene = folder / "scene.nml"
-    scene.write_text(text)
-    command = [PROGRAM, "--quiet", *options, "-o", folder, scene]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode in (0, FAILED), done.stderr
-    return done.returncode
+def formats(spin):
+    """The options of the formats that this build writes, without and with --resume."""
+    has_netcdf = spin(SWEEP, "--check", NETCDF, code=(0, 2)).code == 0
+    ways = [[], [NETCDF]] if has_netcdf else [[]]
+    return [[*way, *more] for way in ways for more in ([], ["--resume"])]
 
 
-def rows_of(folder: Path, name: str = "scene") -> list[dict[str, str]]:
-    """The rows of a table."""
-    lines = (folder / f"{name}.csv").read_text().splitlines()
-    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
-
-
-def good_ends() -> set[str]:
-    """The statuses of good ends, as the program lists them."""
-    command = [PROGRAM, "list", "statuses", "--json"]
-    listed = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
-    return {entry["name"] for entry in listed["statuses"] if entry["good"]}
-
-
-def formats(folder: Path) -> list[tuple[str, ...]]:
-    """The options of the formats that this build writes."""
-    scene = folder / "scene.nml"
-    scene.write_text(SWEEP)
-    done = subprocess.run([PROGRAM, "--check", scene, *NETCDF], capture_output=True, check=False)
-    return [(), NETCDF] if done.returncode == 0 else [()]
-
-
-def test_list() -> None:
+def test_list():
     """The flag says which statuses are those of motions that were computed to their end."""
-    assert good_ends() == {"ok", "at_rest"}
+    assert {"ok", "at_rest"} == GOOD_ENDS
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
-def test_trajectory(folder: Path, keys: str, good: bool) -> None:
+def test_trajectory(spin, keys, good):
     """The rows go on at rest; the code is the same where nothing is left to compute."""
-    code = 0 if good else FAILED
-    for options in formats(folder):
-        assert run(folder, SCENE + keys, "--set", "span.samples=101", *options) == code
-        assert run(folder, SCENE + keys, "--set", "span.samples=101", "--resume", *options) == code
-    assert (len(rows_of(folder)) == 101) is good
-    said = re.findall(r"^# status: (\w+)", (folder / "scene.csv").read_text(), re.MULTILINE)
-    assert [word in good_ends() for word in said] == [good]
+    for options in formats(spin):
+        run = spin(SCENE + keys, "span.samples=101", *options, code=0 if good else FAILED)
+    assert (len(run.rows) == 101) is good
+    (said,) = (line for line in run.comments if line.startswith("status: "))
+    assert (said.split()[1] in GOOD_ENDS) is good
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
-def test_sweep(folder: Path, keys: str, good: bool) -> None:
+def test_sweep(spin, keys, good):
     """A sweep fails if a case does; the code is the same where nothing is left to compute."""
-    code = 0 if good else FAILED
-    for options in formats(folder):
-        assert run(folder, SWEEP + WITH_ROWS + keys, *options) == code
-        assert run(folder, SWEEP + WITH_ROWS + keys, "--resume", *options) == code
-    rows = rows_of(folder)
-    assert [row["status"] in good_ends() for row in rows] == [True, True, good]
-    assert [math.isfinite(float(row["t_stuck"])) for row in rows] == [True, True, good]
+    for options in formats(spin):
+        run = spin(SWEEP + WITH_ROWS + keys, *options, code=0 if good else FAILED)
+    assert list(run.rows.status.isin(GOOD_ENDS)) == [True, True, good]
+    assert list(np.isfinite(run.rows.t_stuck)) == [True, True, good]
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
 @pytest.mark.parametrize("output", [WITH_ROWS, WITHOUT_ROWS], ids=["rows", "no rows"])
-def test_statistics(folder: Path, keys: str, good: bool, output: str) -> None:
+def test_statistics(spin, keys, good, output):
     """Cases at rest are in the statistics: t_stuck has a mean."""
-    code = 0 if good else FAILED
-    text = SWEEP + STATISTICS + output + keys
-    for options in formats(folder):
-        assert run(folder, text, *options) == code
-        assert run(folder, text, "--resume", *options) == code
-    row = rows_of(folder, "scene.statistics")[0]
-    assert [int(row[name]) for name in ("cases", "failed", "t_stuck_count")] == [
-        *(3, 0 if good else 1, 3 if good else 2)
-    ]
-    assert 0 < float(row["t_stuck_mean"]) < 2
+    for options in formats(spin):
+        run = spin(SWEEP + STATISTICS + output + keys, *options, code=0 if good else FAILED)
+    row = run.table("statistics").iloc[0]
+    assert list(row[["cases", "failed", "t_stuck_count"]]) == [3, not good, 3 if good else 2]
+    assert 0 < row.t_stuck_mean < 2
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
 @pytest.mark.parametrize("output", [WITH_ROWS, STATISTICS + WITHOUT_ROWS], ids=["rows", "no rows"])
-def test_parts(folder: Path, keys: str, good: bool, output: str) -> None:
+def test_parts(spin, keys, good, output):
     """Each part of a sweep has the code of its own cases."""
     for options in ([], ["--resume"]):
-        codes = [
-            run(folder, SWEEP + output + keys, "--shard", f"{part}/3", *options)
-            for part in (1, 2, 3)
-        ]
-        assert codes == [0, 0, 0 if good else FAILED]
+        for part, code in ((1, 0), (2, 0), (3, 0 if good else FAILED)):
+            spin(SWEEP + output + keys, f"--shard={part}/3", *options, code=code)
 
 
 @pytest.mark.parametrize(
     ("method", "step"),
     [("taylor", 0), ("dop853", 0), ("ode45", 0), ("rk4", 1e-3), ("gauss_8", 1e-3)],
 )
-def test_stop_at_rest(folder: Path, method: str, step: float) -> None:
+def test_stop_at_rest(spin, method, step):
     """A motion that ends when it comes to rest has that time as t_stuck; fixed steps a step off."""
     control = f"step = {step}" if step else "relative_tolerance = 1e-9"
     text = SWEEP.replace("t_end = 2", "t_end = 2  stop_at = 'stuck'")
     text += f"{COLUMNS}, 't_end' /\n&integration method = '{method}'  {control} /\n"
-    assert run(folder, text) == 0
-    for row in rows_of(folder):
-        assert row["status"] in good_ends()
-        assert float(row["t_stuck"]) == pytest.approx(float(row["t_end"]), rel=0, abs=step)
-        assert row["notes"] == ""
+    rows = spin(text).rows
+    assert rows.status.isin(GOOD_ENDS).all()
+    assert list(rows.t_stuck) == pytest.approx(list(rows.t_end), rel=0, abs=step)
+    assert (rows.notes == "").all()
 
 
-def test_body_that_moves_again(folder: Path) -> None:
+def test_body_that_moves_again(spin):
     """A motion that ends with a departure is not at rest: t_stuck is that of the end."""
     text = SWEEP.replace("9 /", "9  vibration_amplitude = 0, 0, 0.05  vibration_rate = 30 /")
     text = text.replace("t_end = 2", "t_end = 2  stop_at = 'slip'")
-    assert run(folder, text + WITH_ROWS) == 0
-    for row in rows_of(folder):
-        left = "stop_at did not occur in the span" not in row["notes"]
-        assert math.isnan(float(row["t_stuck"])) is left
-        assert ("not stopped by dry friction" in row["notes"]) is left
+    rows = spin(text + WITH_ROWS).rows
+    left = ~rows.notes.str.contains("stop_at did not occur in the span")
+    assert (rows.t_stuck.isna() == left).all()
+    assert (rows.notes.str.contains("not stopped by dry friction") == left).all()
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
-def test_fit(folder: Path, keys: str, good: bool) -> None:
+def test_fit(spin, keys, good):
     """The friction is found from a motion that comes to rest, if its model does to its end."""
     truth = SCENE + "&output columns = 't', 'phi', 'theta', 'psi' /\n"
-    assert run(folder, truth, "--set", "span.samples=41") == 0
-    (folder / "scene.csv").rename(folder / "measured.csv")
-    text = (
-        "&study kind = 'fit' /\n"
-        + SCENE.replace("torque = 9", "torque = 8.7")
-        + (f"&fit data = '{folder / 'measured.csv'}'  unknown = 'effects.friction_torque' /\n")
-    )
-    assert run(folder, text + keys) == (0 if good else FAILED)
-    if good:
-        assert float(rows_of(folder)[0]["estimate"]) == pytest.approx(9, rel=1e-6)
+    measured = spin(truth, "span.samples=41").path.read_text()
+    text = "&study kind = 'fit' /\n" + SCENE.replace("torque = 9", "torque = 8.7")
+    text += "&fit data = 'measured.csv'  unknown = 'effects.friction_torque' /\n"
+    run = spin(text + keys, code=0 if good else FAILED, measured=measured)
+    assert not good or run.rows.estimate[0] == pytest.approx(9, rel=1e-6)
 
 
-def test_comparisons_of_methods(folder: Path) -> None:
+@pytest.mark.parametrize(
+    ("kind", "keys"),
+    [("stability", "cases = 'input'"), ("work_precision", "repeats = 1  tolerances = 1e-6")],
+)
+def test_comparisons_of_methods(spin, kind, keys):
     """Methods are compared on motions at rest too; the failure of one is a result."""
-    for kind, keys in {
-        "stability": "cases = 'input'",
-        "work_precision": "repeats = 1  tolerances = 1e-6",
-    }.items():
-        text = f"&study kind = '{kind}' /\n{SCENE}&{kind} methods = 'taylor', 'dop853'  {keys} /\n"
-        assert run(folder, text) == 0
-        rows = rows_of(folder)
-        assert len(rows) == 2
-        for row in rows:
-            assert row["status"] in good_ends()
-            assert float(row["orientation_error"]) < 1e-5
-            assert row.get("verdict", "accurate") in ("accurate", "drifts")
+    text = f"&study kind = '{kind}' /\n{SCENE}&{kind} methods = 'taylor', 'dop853'  {keys} /\n"
+    rows = spin(text).rows
+    assert len(rows) == 2
+    assert rows.status.isin(GOOD_ENDS).all()
+    assert (rows.orientation_error < 1e-5).all()
+    assert kind != "stability" or rows.verdict.isin(["accurate", "drifts"]).all()

@@ -1,22 +1,15 @@
 """Sobol' indices of sweeps: known ones, the same bytes, hostile input, the figure."""
 
 import itertools
-import sys
-import unittest
-import unittest.mock
-from collections.abc import Callable
-from pathlib import Path
+import re
 
 import numpy as np
+import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
-
-from mpi_test import ENVIRONMENT, MPI_PROGRAM, under
-from program_test import Table
+from conftest import KIND, MPI, needs_mpi, under, wait_until
 from spintop_figures.registry import FIGURES
 from spintop_figures.sweeps.statistics import indices_of
 from spintop_figures.tables.table import read_table
-from statistics_test import SLOW, KilledCase, StatisticsCase
 
 # Released at rest, so that maximum inclination and period of precession have formulas.
 KNOWN = """\
@@ -62,7 +55,7 @@ STUDENT = 2.131449545559323
 RESULT = ("statistics.csv", "histogram.csv", "indices.csv")
 
 
-def jansen(groups: np.ndarray) -> np.ndarray:
+def jansen(groups):
     """First-order and total index of each factor from rows of A, B and the others."""
     a, b, others = groups[:, :1], groups[:, 1:2], groups[:, 2:]
     variance = np.var(groups[:, :2])
@@ -70,7 +63,7 @@ def jansen(groups: np.ndarray) -> np.ndarray:
     return np.array([first, np.mean((a - others) ** 2, axis=0) / (2 * variance)])
 
 
-def with_errors(groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def with_errors(groups):
     """The indices of groups that all have values, and half the widths of their intervals."""
     part = np.arange(len(groups)) // -(-len(groups) // PARTS)
     used = np.unique(part)
@@ -79,14 +72,14 @@ def with_errors(groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return jansen(groups), STUDENT * np.sqrt(spread * (len(used) - 1) / len(used))
 
 
-def by_quadrature(function: Callable, ends: list[tuple[float, float]]) -> np.ndarray:
+def by_quadrature(function, ends):
     """The indices of a smooth function of independent uniform factors, by Gauss' quadrature."""
     nodes, weights = np.polynomial.legendre.leggauss(24)
     points = [low + (high - low) * (nodes + 1) / 2 for low, high in ends]
     values = function(*np.meshgrid(*points, indexing="ij"))
     share = weights / 2
 
-    def mean(cells: np.ndarray, axes: set[int]) -> np.ndarray:
+    def mean(cells, axes):
         for axis in sorted(axes, reverse=True):
             cells = np.tensordot(cells, share, axes=(axis, 0))
         return cells
@@ -104,279 +97,272 @@ def by_quadrature(function: Callable, ends: list[tuple[float, float]]) -> np.nda
     return found / variance
 
 
-def theta_max(theta_deg: np.ndarray, psi_rate: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+def theta_max(theta_deg, psi_rate, gravity):
     """The maximum inclination of a top released at rest: a root of a quadratic."""
     start = np.cos(np.radians(theta_deg))
     half = (0.25 * psi_rate) ** 2 / (4 * 0.875 * gravity * 0.85)
     return np.arccos(half - np.sqrt(half**2 - 2 * half * start + 1))
 
 
-def precession_period(_: np.ndarray, psi_rate: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+def precession_period(_, psi_rate, gravity):
     """That of a fast top, which does not depend on the inclination."""
     return 2 * np.pi * 0.25 * psi_rate / (gravity * 0.85)
 
 
-class IndicesCase(StatisticsCase):
-    """Runs with Sobol' indices."""
-
-    def results(self, folder: str, name: str = "map") -> list[bytes]:
-        """The tables of the statistics in a folder."""
-        return [(self.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
-
-    def found(self, column: str, name: str = "map") -> tuple[list[str], np.ndarray]:
-        """The factors of a column, and its numbers by factor."""
-        table = Table(self.folder / f"output/{name}.indices.csv")
-        rows = [row for row in table.rows if row[0] == column]
-        return [row[1] for row in rows], np.array([row[2:] for row in rows], dtype=float)
-
-
-class KnownTest(IndicesCase):
-    """Indices that are known otherwise."""
-
-    def test_formulas(self) -> None:
-        """Those of quadrature lie in the intervals, or within a few thousandths."""
-        self.run_well(self.write_input(KNOWN))
-        ends = [(20, 60), (10, 40), (5, 15)]
-        for name, function in (("theta_max", theta_max), ("precession_period", precession_period)):
-            expected = by_quadrature(function, ends)
-            factors, found = self.found(name)
-            self.assertEqual(factors, list(FACTORS))
-            np.testing.assert_allclose(found[:, 0], expected[0], atol=0.01, err_msg=name)
-            np.testing.assert_allclose(found[:, 3], expected[1], atol=0.01, err_msg=name)
-            for at, index in ((0, 0), (3, 1)):
-                self.assertTrue((found[:, at + 1] <= expected[index] + 1e-9).all(), name)
-                self.assertTrue((found[:, at + 2] >= expected[index] - 1e-9).all(), name)
-            self.assertTrue((found[:, 2] - found[:, 1] < 0.15).all())
-            self.assertTrue((found[:, 6] == 2048).all() and (found[:, 7] == 0).all())
-        # A factor decides itself, and nothing else does.
-        _, found = self.found("initial.psi_rate")
-        self.assertEqual(found[:, 3].tolist()[::2], [0, 0])
-        self.assertEqual(found[1, 0], 1)
-        _, found = self.found("precession_period")
-        self.assertEqual(found[0, 3], 0)
-
-    def test_estimators_of_the_rows(self) -> None:
-        """Estimates and intervals are those that follow from the rows."""
-        self.run_well(self.write_input(KNOWN))
-        rows = Table(self.folder / "output/map.csv")
-        for name in ("theta_max", "precession_period"):
-            groups = np.array(rows.column(name)).reshape(-1, 5)
-            expected, errors = with_errors(groups)
-            _, found = self.found(name)
-            for at, index in ((0, 0), (3, 1)):
-                value, error = expected[index], errors[index]
-                np.testing.assert_allclose(found[:, at], value, atol=1e-12)
-                np.testing.assert_allclose(found[:, at + 1], value - error, atol=1e-12)
-                np.testing.assert_allclose(found[:, at + 2], value + error, atol=1e-12)
-
-    def test_groups_without_values(self) -> None:
-        """Those with a case that failed, or has no value, are counted apart and do not enter."""
-        self.run_well(self.write_input(FAILING))
-        rows = Table(self.folder / "output/map.csv")
-        good = np.array(rows.texts("status")) == "ok"
-        some = set()
-        for name in ("theta_max", "precession_period", "theta_end"):
-            values = np.where(good, np.array(rows.column(name)), np.nan).reshape(-1, 5)
-            whole = np.isfinite(values).all(axis=1)
-            _, found = self.found(name)
-            self.assertEqual(set(found[:, 6]), {whole.sum()})
-            self.assertEqual(set(found[:, 7]), {(~whole).sum()})
-            some.add(int((~whole).sum()))
-            expected = jansen(values[whole])
-            np.testing.assert_allclose(found[:, 0], expected[0], atol=1e-12)
-            np.testing.assert_allclose(found[:, 3], expected[1], atol=1e-12)
-        self.assertGreater(len(some), 1)
-        self.assertGreater(min(some), 0)
-        self.assertLess(max(some), 80)
-
-    def test_vector(self) -> None:
-        """The components of a vector are one factor."""
-        self.run_well(self.write_input(VECTOR))
-        factors, found = self.found("theta_end")
-        self.assertEqual(factors, ["initial.quaternion", "initial.omega3"])
-        self.assertTrue((found[:, 6] == 16).all())
-
-    def test_nothing_varies(self) -> None:
-        """A column that does not vary has no indices; a single group has no intervals."""
-        text = VECTOR.replace("'theta_end'", "'evaluations', 'theta_end'")
-        self.run_well(self.write_input(text.replace("cases = 64", "cases = 4")))
-        self.assertTrue(np.isnan(self.found("evaluations")[1][:, :6]).all())
-        _, found = self.found("theta_end")
-        self.assertTrue(np.isfinite(found[:, [0, 3]]).all())
-        self.assertTrue(np.isnan(found[:, [1, 2, 4, 5]]).all())
-
-
-class SameIndicesTest(IndicesCase):
-    """However a sweep is divided, also inside a group."""
-
-    def test_threads_rows_and_parts(self) -> None:
-        """One and two threads, with rows and without, parts that cut groups, in any order."""
-        path = self.write_input(FAILING)
-        self.run_well(path, "--threads", "1", "-o", "one")
-        self.run_well(path, "--threads", "2", "-o", "two")
-        self.assertEqual(self.results("one"), self.results("two"))
-        for part in range(1, 8):
-            self.run_well(path, "--shard", f"{part}/7", "-o", "parts")
-        tables = [f"parts/map.{part}-of-7.csv" for part in (3, 7, 1, 2, 6, 4, 5)]
-        self.run_well("merge", "parts/map.csv", *tables)
-        self.assertEqual(self.results("one"), self.results("parts"))
-
-    def test_parts_shorter_than_groups(self) -> None:
-        """A group may lie in three parts, and a part may be empty."""
-        path = self.write_input(VECTOR.replace("cases = 64", "cases = 12"))
-        self.run_well(path, "-o", "one")
-        for parts in (7, 13):
-            for part in range(1, parts + 1):
-                self.run_well(path, "--shard", f"{part}/{parts}", "-o", "parts")
-            states = [f"parts/map.{k}-of-{parts}.statistics.state" for k in range(parts, 0, -1)]
-            self.run_well("merge", "parts/map.statistics.csv", *states)
-            self.assertEqual(self.results("one"), self.results("parts"))
-
-    @unittest.skipUnless(Path(MPI_PROGRAM).is_file(), "no MPI")
-    def test_ranks(self) -> None:
-        """Three ranks."""
-        path = self.write_input(FAILING)
-        self.run_well(path, "-o", "one")
-        with unittest.mock.patch.dict("os.environ", ENVIRONMENT):
-            self.command = under(3)
-            self.run_well(path, "--threads", "1", "-o", "ranks")
-        self.assertEqual(self.results("one"), self.results("ranks"))
-
-    def test_netcdf(self) -> None:
-        """Bit for bit the numbers of the CSV."""
-        path = self.write_input(
-            FAILING.replace("&output columns", "&output format = 'netcdf' columns")
-        )
-        result = self.run_program(path)
-        if "this build has no NetCDF" in result.stderr:
-            self.skipTest("no NetCDF")
-        self.run_well(self.write_input(FAILING))
-        found = indices_of(read_table(self.folder / "output/map.statistics.nc"))
-        expected = indices_of(read_table(self.folder / "output/map.statistics.csv"))
-        self.assertEqual(list(found), list(expected))
-        for name in found:
-            self.assertEqual(found[name].tolist(), expected[name].tolist(), name)
-
-
-class KilledTest(KilledCase):
-    """A run that is killed inside a group is resumed to the same bytes."""
-
-    start = SLOW.index("&sweep")
-    text = (
-        SLOW[:start]
-        + """&sweep combine = 'saltelli'  cases = 1000
+# A run of seconds, without rows.
+STEPS = "steps = 2000" if KIND == "release" else "steps = 600"
+SLOW = f"""\
+&study kind = 'sweep' /
+&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
+&initial theta_deg = 20 /
+&span t_end = 2 /
+&integration formulation = 'lagrange', method = 'rk4', {STEPS} /
+&sweep combine = 'saltelli'  cases = 1000
        parameter(1) = 'initial.psi_rate'  from(1) = 1  to(1) = 100
        parameter(2) = 'initial.phi_rate'  from(2) = 0  to(2) = 1
        parameter(3) = 'top.gravity'  from(3) = 9  to(3) = 10 /
 &statistics columns = 'theta_max', 'theta_end'  indices = 'sobol' /
 &output rows = 'none' /
 """
+
+
+def compute(spin, text, *options):
+    """Run an input; cases may fail."""
+    return spin(text, *options, code=(0, 3))
+
+
+def results(spin, folder, name="scene"):
+    """The tables of the statistics in a folder."""
+    return [(spin.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
+
+
+def found(run, column):
+    """The factors of a column, and its numbers by factor."""
+    rows = run.table("indices")
+    rows = rows[rows.iloc[:, 0] == column]
+    return list(rows.iloc[:, 1]), rows.iloc[:, 2:].to_numpy(dtype=float)
+
+
+def test_formulas(spin):
+    """Those of quadrature lie in the intervals, or within a few thousandths."""
+    run = compute(spin, KNOWN)
+    for name, function in (("theta_max", theta_max), ("precession_period", precession_period)):
+        expected = by_quadrature(function, [(20, 60), (10, 40), (5, 15)])
+        factors, numbers = found(run, name)
+        assert factors == list(FACTORS)
+        for at, values in ((0, expected[0]), (3, expected[1])):
+            np.testing.assert_allclose(numbers[:, at], values, rtol=1e-7, atol=0.01)
+            assert (numbers[:, at + 1] <= values + 1e-9).all()
+            assert (numbers[:, at + 2] >= values - 1e-9).all()
+        assert (numbers[:, 2] - numbers[:, 1] < 0.15).all()
+        assert (numbers[:, 6:8] == [2048, 0]).all()
+    # A factor decides itself, and nothing else does.
+    _, numbers = found(run, "initial.psi_rate")
+    assert numbers[:, 3].tolist()[::2] == [0, 0]
+    assert numbers[1, 0] == 1
+    _, numbers = found(run, "precession_period")
+    assert numbers[0, 3] == 0
+
+
+def test_estimators_of_the_rows(spin):
+    """Estimates and intervals are those that follow from the rows."""
+    run = compute(spin, KNOWN)
+    for name in ("theta_max", "precession_period"):
+        expected, errors = with_errors(run.rows[name].to_numpy().reshape(-1, 5))
+        _, numbers = found(run, name)
+        for at, value, error in zip((0, 3), expected, errors, strict=True):
+            for place, number in enumerate((value, value - error, value + error)):
+                np.testing.assert_allclose(numbers[:, at + place], number, rtol=1e-7, atol=1e-12)
+
+
+def test_groups_without_values(spin):
+    """Those with a case that failed, or has no value, are counted apart and do not enter."""
+    run = compute(spin, FAILING)
+    rows, some = run.rows, set()
+    for name in ("theta_max", "precession_period", "theta_end"):
+        values = rows[name].where(rows.status == "ok").to_numpy().reshape(-1, 5)
+        whole = np.isfinite(values).all(axis=1)
+        _, numbers = found(run, name)
+        assert (numbers[:, 6:8] == [whole.sum(), (~whole).sum()]).all()
+        some.add(int((~whole).sum()))
+        np.testing.assert_allclose(numbers[:, [0, 3]].T, jansen(values[whole]), atol=1e-12)
+    assert len(some) > 1
+    assert 0 < min(some) <= max(some) < 80
+
+
+def test_vector(spin):
+    """The components of a vector are one factor."""
+    factors, numbers = found(compute(spin, VECTOR), "theta_end")
+    assert factors == ["initial.quaternion", "initial.omega3"]
+    assert (numbers[:, 6] == 16).all()
+
+
+def test_nothing_varies(spin):
+    """A column that does not vary has no indices; a single group has no intervals."""
+    text = VECTOR.replace("'theta_end'", "'evaluations', 'theta_end'")
+    run = compute(spin, text.replace("cases = 64", "cases = 4"))
+    assert np.isnan(found(run, "evaluations")[1][:, :6]).all()
+    _, numbers = found(run, "theta_end")
+    assert np.isfinite(numbers[:, [0, 3]]).all()
+    assert np.isnan(numbers[:, [1, 2, 4, 5]]).all()
+
+
+def test_threads_rows_and_parts(spin):
+    """One and two threads, with rows and without, parts that cut groups, in any order."""
+    compute(spin, FAILING, "--threads=1", "--output=one")
+    compute(spin, FAILING, "--threads=2", "--output=two")
+    assert results(spin, "one") == results(spin, "two")
+    for part in range(1, 8):
+        compute(spin, FAILING, f"--shard={part}/7", "--output=parts")
+    tables = [f"parts/scene.{part}-of-7.csv" for part in (3, 7, 1, 2, 6, 4, 5)]
+    spin.call("merge", "parts/scene.csv", *tables, code=(0, 3))
+    assert results(spin, "one") == results(spin, "parts")
+
+
+@pytest.mark.parametrize("parts", [7, 13])
+def test_parts_shorter_than_groups(spin, parts):
+    """A group may lie in three parts, and a part may be empty."""
+    text = VECTOR.replace("cases = 64", "cases = 12")
+    compute(spin, text, "--output=one")
+    for part in range(1, parts + 1):
+        compute(spin, text, f"--shard={part}/{parts}", "--output=parts")
+    states = [f"parts/scene.{k}-of-{parts}.statistics.state" for k in range(parts, 0, -1)]
+    spin.call("merge", "parts/scene.statistics.csv", *states, code=(0, 3))
+    assert results(spin, "one") == results(spin, "parts")
+
+
+@needs_mpi
+def test_ranks(spin):
+    """Three ranks."""
+    compute(spin, FAILING, "--output=one")
+    words = ("scene.nml", "--threads", "1", "-o", "ranks")
+    spin.call(*words, command=under(3), environment=MPI, code=(0, 3))
+    assert results(spin, "one") == results(spin, "ranks")
+
+
+def test_netcdf(spin):
+    """Bit for bit the numbers of the CSV."""
+    text = FAILING.replace("&output columns", "&output format = 'netcdf' columns")
+    if "this build has no NetCDF" in spin(text, code=(0, 2, 3)).stderr:
+        pytest.skip("no NetCDF")
+    path = compute(spin, FAILING).path
+    one, other = (
+        indices_of(read_table(path.with_name(f"scene.statistics.{kind}"))) for kind in ("nc", "csv")
     )
-
-    def results(self, folder: str, name: str = "map") -> list[bytes]:
-        """The tables of the statistics in a folder."""
-        return [(self.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
-
-    def test_killed_without_rows(self) -> None:
-        self.check_killed(self.text, "map.statistics.csv")
-
-    def test_killed_with_rows(self) -> None:
-        rows = "columns = 'theta_max', 'theta_end'"
-        self.check_killed(self.text.replace("rows = 'none'", rows), "map.csv")
+    assert list(one) == list(other)
+    for name in one:
+        assert one[name].tolist() == other[name].tolist(), name
 
 
-class RefusedTest(IndicesCase):
-    """Hostile input: what is wrong, and what would be right."""
-
-    def refuse(self, text: str, *words: str) -> None:
-        """The input is refused with these words."""
-        result = self.run_program(self.write_input(text))
-        self.assertEqual(result.returncode, 2, result.stdout)
-        self.assertRegex(result.stderr, r"(?m)^\S.*map\.nml:\d+:\d+: error: ")
-        for word in words:
-            self.assertIn(word, result.stderr)
-        self.assertFalse((self.folder / "output").exists())
-
-    def test_design(self) -> None:
-        """The message names the design and the number of cases that it needs."""
-        for other in ("random", "sobol", "latin_hypercube"):
-            self.refuse(
-                KNOWN.replace("'saltelli'", f"'{other}'"),
-                "Sobol' indices need the cases of Saltelli's design",
-                "sweep.combine = 'saltelli'",
-                "a multiple of 5",
+@pytest.mark.parametrize(
+    ("rows", "table"),
+    [("rows = 'none'", "statistics.csv"), ("columns = 'theta_max', 'theta_end'", "csv")],
+)
+def test_killed(spin, rows, table):
+    """A run that is killed inside a group, at several points, is resumed to the same bytes."""
+    text = SLOW.replace("rows = 'none'", rows)
+    compute(spin, text, "--output=whole")
+    kept, kills = 0, 0
+    for _ in range(6):
+        with spin.start("scene.nml", "--resume", "--threads", "1") as run:
+            wait_until(
+                lambda run=run, kept=kept: (
+                    run.poll() is not None or spin.journalled(f"output/scene.{table}") > kept
+                )
             )
-        self.refuse(SLOW.replace("bins = 20", "indices = 'sobol'"), "a multiple of 3")
-        self.refuse(KNOWN.replace("cases = 10240", "cases = 10241"), "groups of 5 cases")
-        self.refuse(VECTOR.replace("'saltelli'", "'random'"), "a multiple of 4")
-
-    def test_words(self) -> None:
-        """Words have no indices, and there is one kind of indices."""
-        columns = "columns = 'theta_max', 'precession_period', 'initial.psi_rate', 'status'"
-        self.assertIn(columns, KNOWN)
-        self.refuse(KNOWN.replace(columns, "columns = 'status'"), "no column of numbers")
-        self.refuse(KNOWN.replace(columns, ""), "there are no columns of which statistics")
-        self.refuse(KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), "one of: sobol")
-        single = KNOWN.replace(KNOWN[KNOWN.index("&sweep") : KNOWN.index("&output")], "")
-        single = single.replace("'sweep'", "'trajectory'")
-        single = single[: single.index("&output")] + "&statistics indices = 'sobol' /\n"
-        self.refuse(single, "a trajectory has no statistics")
-
-    def test_check(self) -> None:
-        """--check tells factors and groups, and its namelist is complete."""
-        said = self.run_well("--check", self.write_input(KNOWN))
-        self.assertIn("Sobol' indices of 3 factors from 2048 groups of 5 cases", said)
-        self.assertIn("indices = 'sobol'", said[said.index("&study") :])
-        again = self.write_input(said[said.index("&study") :], "again.nml")
-        self.assertEqual(self.run_program("--check", again).returncode, 0)
-
-    def test_damaged_parts(self) -> None:
-        """A part of which the sums or an unfinished group were changed is refused."""
-        path = self.write_input(VECTOR)
-        for part in ("1/3", "2/3", "3/3"):
-            self.run_well(path, "--shard", part)
-        states = [f"output/map.{part}-of-3.statistics.state" for part in (1, 2, 3)]
-        whole = (self.folder / states[1]).read_bytes()
-        begin = whole.index(b"spintop statistics 2")
-        for place in itertools.chain(range(begin, begin + 900, 97), range(-3000, -1, 331)):
-            damage = bytearray(whole)
-            damage[place] ^= 129
-            (self.folder / states[1]).write_bytes(bytes(damage))
-            result = self.run_program("merge", "output/all.statistics.csv", *states)
-            self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
-            self.assertFalse((self.folder / "output/all.indices.csv").exists())
+            kills += run.poll() is None
+        if "output/scene.statistics.csv" in spin.produced():
+            break
+        before, kept = kept, max(spin.journalled(f"output/scene.{table}"), 0)
+        assert kept >= before
+    assert kills > 0
+    compute(spin, text, "--resume", "--threads=1")
+    assert results(spin, "output") == results(spin, "whole")
+    left, whole = ({p.name for p in (spin.folder / f).iterdir()} for f in ("output", "whole"))
+    assert left == whole
 
 
-class FigureTest(IndicesCase):
-    """The dots of the indices."""
-
-    kind = next(kind for kind in FIGURES if kind.name == "indices")
-
-    def test_dots(self) -> None:
-        """A dot for each index, with its interval, and the groups that were left out."""
-        self.run_well(self.write_input(FAILING))
-        table = read_table(self.folder / "output/map.statistics.csv")
-        self.assertEqual(self.kind.refusal(table), "")
-        figure = self.kind.draw(table)
-        panels = figure.axes
-        self.assertEqual(len(panels), 3)
-        expected = indices_of(table)
-        for column, axes in zip(expected["column"].unique(), panels, strict=True):
-            rows = expected[expected["column"] == column]
-            for label, index in (("first order", "first_order"), ("total", "total")):
-                (dots,) = [line for line in axes.lines if line.get_label() == label]
-                np.testing.assert_array_equal(dots.get_xdata(), rows[index])
-            self.assertIn("groups left out", axes.get_title(loc="right"))
-        (self.folder / "output/map.indices.csv").unlink()
-        self.assertIn("has no map.indices.csv beside it", self.kind.refusal(table))
-
-    def test_other_statistics(self) -> None:
-        """Statistics without indices have no such figure, though an older table is there."""
-        self.run_well(self.write_input(FAILING))
-        self.run_well(self.write_input(FAILING.replace("indices = 'sobol'", "")))
-        table = read_table(self.folder / "output/map.statistics.csv")
-        self.assertIn("has no Sobol' indices", self.kind.refusal(table))
+ONE_AXIS = SLOW[: SLOW.index("&sweep")] + SLOW[SLOW.index("&statistics") :]
+ONE_AXIS += "&sweep parameter = 'initial.psi_rate', from = 1, to = 100, count = 1000 /\n"
+COLUMNS = "columns = 'theta_max', 'precession_period', 'initial.psi_rate', 'status'"
+SALTELLI = "Sobol' indices need the cases of Saltelli's design", "sweep.combine = 'saltelli'"
+SINGLE = KNOWN.replace(KNOWN[KNOWN.index("&sweep") : KNOWN.index("&output")], "")
+SINGLE = SINGLE[: SINGLE.index("&output")].replace("'sweep'", "'trajectory'")
 
 
-if __name__ == "__main__":
-    unittest.main()
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        *(
+            (KNOWN.replace("'saltelli'", f"'{other}'"), [*SALTELLI, "a multiple of 5"])
+            for other in ("random", "sobol", "latin_hypercube")
+        ),
+        (ONE_AXIS, ["a multiple of 3"]),
+        (KNOWN.replace("cases = 10240", "cases = 10241"), ["groups of 5 cases"]),
+        (VECTOR.replace("'saltelli'", "'random'"), ["a multiple of 4"]),
+        (KNOWN.replace(COLUMNS, "columns = 'status'"), ["no column of numbers"]),
+        (KNOWN.replace(COLUMNS, ""), ["there are no columns of which statistics"]),
+        (KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), ["one of: sobol"]),
+        (SINGLE + "&statistics indices = 'sobol' /\n", ["a trajectory has no statistics"]),
+    ],
+)
+def test_refusals(spin, text, words):
+    """Designs and words without indices: what is wrong, and what would be right."""
+    assert text not in (KNOWN, VECTOR)
+    error = spin.refuse(text)
+    assert re.search(r"(?m)^\S*scene\.nml:\d+:\d+: error: ", error)
+    for word in words:
+        assert word in error
+
+
+def test_check(spin):
+    """--check tells factors and groups, and its namelist is complete."""
+    said = spin(KNOWN, "--check").out
+    assert "Sobol' indices of 3 factors from 2048 groups of 5 cases" in said
+    resolved = said[said.index("&study") :]
+    assert "indices = 'sobol'" in resolved
+    spin(resolved, "--check")
+
+
+def test_damaged_parts(spin):
+    """A part of which the sums or an unfinished group were changed is refused."""
+    for part in (1, 2, 3):
+        compute(spin, VECTOR, f"--shard={part}/3")
+    states = [f"output/scene.{part}-of-3.statistics.state" for part in (1, 2, 3)]
+    whole = (spin.folder / states[1]).read_bytes()
+    begin = whole.index(b"spintop statistics 2")
+    for place in itertools.chain(range(begin, begin + 900, 97), range(-3000, -1, 331)):
+        damage = bytearray(whole)
+        damage[place] ^= 129
+        spin.write(bytes(damage), states[1])
+        spin.call("merge", "output/all.statistics.csv", *states, code=2)
+        assert "output/all.indices.csv" not in spin.produced()
+
+
+FIGURE = next(kind for kind in FIGURES if kind.name == "indices")
+
+
+def test_dots(spin):
+    """A dot for each index, with its interval, and the groups that were left out."""
+    path = compute(spin, FAILING).path
+    table = read_table(path.with_name("scene.statistics.csv"))
+    assert FIGURE.refusal(table) == ""
+    panels = FIGURE.draw(table).axes
+    assert len(panels) == 3
+    expected = indices_of(table)
+    for column, axes in zip(expected["column"].unique(), panels, strict=True):
+        rows = expected[expected["column"] == column]
+        for label, index in (("first order", "first_order"), ("total", "total")):
+            (dots,) = [line for line in axes.lines if line.get_label() == label]
+            np.testing.assert_array_equal(dots.get_xdata(), rows[index])
+        assert "groups left out" in axes.get_title(loc="right")
+    path.with_name("scene.indices.csv").unlink()
+    assert "has no scene.indices.csv beside it" in FIGURE.refusal(table)
+
+
+def test_other_statistics(spin):
+    """Statistics without indices have no such figure, though an older table is there."""
+    compute(spin, FAILING)
+    path = compute(spin, FAILING.replace("indices = 'sobol'", "")).path
+    table = read_table(path.with_name("scene.statistics.csv"))
+    assert "has no Sobol' indices" in FIGURE.refusal(table)

@@ -3,11 +3,11 @@
 import re
 import shutil
 import subprocess
-import tempfile
-import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+import pytest
+
+from conftest import ROOT
+
 KERNELS = ROOT / "src/kernels"
 
 # A function of C as a module of Fortran declares it.
@@ -45,7 +45,7 @@ CONSTANTS = {
 }
 
 
-def constant(module: str, name: str) -> int:
+def constant(module, name):
     """The value of a constant of a module."""
     text = (ROOT / "src" / module).read_text(encoding="utf-8")
     value = re.search(rf"^ [^!]*\b{name} = (\d+)(?:,|$)", text, re.M)
@@ -53,95 +53,98 @@ def constant(module: str, name: str) -> int:
     return int(value[1])
 
 
-@unittest.skipUnless(shutil.which("gfortran") and shutil.which("gcc"), "no gfortran or no gcc")
-class KernelTypesTest(unittest.TestCase):
-    """gfortran writes in C what it takes for a type or a procedure, and gcc compares."""
+pytestmark = pytest.mark.skipif(
+    not (shutil.which("gfortran") and shutil.which("gcc")), reason="no gfortran or no gcc"
+)
+NAMES = {
+    f"spintop_{name}"
+    for name in re.findall(
+        r"^(?:PROCEDURE|FUNCTION)\((\w+),", (KERNELS / "kernel_list.h").read_text("utf-8"), re.M
+    )
+}
+DECLARATIONS = {
+    found[2]: found[0]
+    for path in ROOT.glob("src/**/*.f90")
+    for found in DECLARED.finditer(path.read_text(encoding="utf-8"))
+    if found[2] in NAMES
+}
 
-    def setUp(self) -> None:
-        self.folder = Path(tempfile.mkdtemp())
-        self.addCleanup(shutil.rmtree, self.folder)
-        kernels = (KERNELS / "kernel_list.h").read_text(encoding="utf-8")
-        names = re.findall(r"^(?:PROCEDURE|FUNCTION)\((\w+),", kernels, re.M)
-        self.names = {f"spintop_{name}" for name in names}
-        self.declared: dict[str, str] = {}
-        for path in ROOT.glob("src/**/*.f90"):
-            for found in DECLARED.finditer(path.read_text(encoding="utf-8")):
-                if found[2] in self.names:
-                    self.declared[found[2]] = found[0]
 
-    def compile(self, command: str, name: str, text: str) -> subprocess.CompletedProcess[str]:
-        (self.folder / name).write_text(text, encoding="utf-8")
-        words = [*command.split(), "-fsyntax-only", name]
-        return subprocess.run(
-            words, cwd=self.folder, capture_output=True, text=True, check=False, timeout=60
-        )
+def check(folder, command, name, text):
+    """What a compiler says of a source that has no error."""
+    (folder / name).write_text(text, encoding="utf-8")
+    words = [*command.split(), "-fsyntax-only", name]
+    done = subprocess.run(
+        words, cwd=folder, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
-    def prototypes(self) -> str:
-        """The types and the declared kernels in C, as gfortran writes them."""
-        source = (KERNELS / "kernel_types.f90").read_text(encoding="utf-8")
-        for name, text in self.declared.items():
-            source += f"""
-                module {name}_declared
-                    use, intrinsic :: iso_c_binding, only: c_double, c_int
-                    use spintop_kernel_types
-                    implicit none
-                    interface\n{text}
-                    end interface
-                end module {name}_declared
-                """
-        done = self.compile("gfortran -fc-prototypes", "declared.f90", source)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout
 
-    def compare(self, *statements: str) -> None:
-        """Nothing that gcc reads after the declarations of C contradicts them."""
-        files = ("kernels.h", "kernels_of_level.h")
-        text = "".join(f'#include "{KERNELS / name}"\n' for name in files)
-        text = "#define KERNELS table\nextern const struct kernels table;\n" + text
-        text = f"#include <stddef.h>\nstruct kernels;\n{text}" + "\n".join(statements) + "\n"
-        done = self.compile("gcc -Wall -Werror", "compare.c", text)
-        self.assertEqual(done.returncode, 0, done.stderr)
+def prototypes(folder):
+    """The types and the declared kernels in C, as gfortran writes them."""
+    source = (KERNELS / "kernel_types.f90").read_text(encoding="utf-8")
+    for name, text in DECLARATIONS.items():
+        source += f"""
+            module {name}_declared
+                use, intrinsic :: iso_c_binding, only: c_double, c_int
+                use spintop_kernel_types
+                implicit none
+                interface\n{text}
+                end interface
+            end module {name}_declared
+            """
+    return check(folder, "gfortran -fc-prototypes", "declared.f90", source)
 
-    def test_types(self) -> None:
-        """Each type has the components of the structure, of the same sizes at the same places."""
-        types = dict(TYPE.findall(self.prototypes()))
-        self.assertGreater(len(types), 5)
-        statements = []
-        for name, components in types.items():
-            statements.append(f"struct fortran_{name} {{\n{components}}};")
-            kinds = (f"struct {name}", f"struct fortran_{name}")
-            places = [
-                f"offsetof({{0}}, {part})" for part in re.findall(COMPONENT, components, re.M)
-            ]
-            sizes = [
-                f"sizeof (({{0}} *)0)->{part}" for part in re.findall(COMPONENT, components, re.M)
-            ]
-            for value in ("sizeof({0})", *places, *sizes):
-                one, other = map(value.format, kinds)
-                statements.append(f'_Static_assert({one} == {other}, "{one}");')
-        self.compare(*statements)
 
-    def test_procedures(self) -> None:
-        """Each kernel is declared in Fortran, with the arguments that it has in C."""
-        self.assertGreater(len(self.names), 15)
-        self.assertEqual(self.declared.keys(), self.names)
-        lines = re.findall(r"^(?:void|double) spintop_.*;$", self.prototypes(), re.M)
-        self.assertEqual(len(set(lines)), len(self.names))
-        self.compare(*(re.sub(r"\b(\w+)_t \*", r"struct \1 *", line) for line in lines))
+def compare(folder, *statements):
+    """Nothing that gcc reads after the declarations of C contradicts them."""
+    files = ("kernels.h", "kernels_of_level.h")
+    text = "".join(f'#include "{KERNELS / name}"\n' for name in files)
+    text = "#define KERNELS table\nextern const struct kernels table;\n" + text
+    text = f"#include <stddef.h>\nstruct kernels;\n{text}" + "\n".join(statements) + "\n"
+    check(folder, "gcc -Wall -Werror", "compare.c", text)
 
-    def test_constants(self) -> None:
-        self.compare(
-            *(
-                f'_Static_assert({name} == {constant(*place)}, "{name}");'
-                for name, place in CONSTANTS.items()
-            )
-        )
 
-    def test_differences_are_found(self) -> None:
-        """The comparison fails where it should."""
-        for wrong in (
-            '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
-            "void spintop_add_terms(int order, const double *c, double h, float *change);",
-        ):
-            with self.subTest(wrong), self.assertRaises(AssertionError):
-                self.compare(wrong)
+def test_types(folder):
+    """Each type has the components of the structure, of the same sizes at the same places."""
+    types = dict(TYPE.findall(prototypes(folder)))
+    assert len(types) > 5
+    statements = []
+    for name, components in types.items():
+        statements.append(f"struct fortran_{name} {{\n{components}}};")
+        parts = re.findall(COMPONENT, components, re.M)
+        places = [f"offsetof({{0}}, {part})" for part in parts]
+        sizes = [f"sizeof (({{0}} *)0)->{part}" for part in parts]
+        for value in ("sizeof({0})", *places, *sizes):
+            one, other = map(value.format, (f"struct {name}", f"struct fortran_{name}"))
+            statements.append(f'_Static_assert({one} == {other}, "{one}");')
+    compare(folder, *statements)
+
+
+def test_procedures(folder):
+    """Each kernel is declared in Fortran, with the arguments that it has in C."""
+    assert len(NAMES) > 15
+    assert DECLARATIONS.keys() == NAMES
+    lines = re.findall(r"^(?:void|double) spintop_.*;$", prototypes(folder), re.M)
+    assert len(set(lines)) == len(NAMES)
+    compare(folder, *(re.sub(r"\b(\w+)_t \*", r"struct \1 *", line) for line in lines))
+
+
+def test_constants(folder):
+    """Both languages have the same."""
+    pairs = ((name, constant(*place)) for name, place in CONSTANTS.items())
+    compare(folder, *(f'_Static_assert({name} == {value}, "{name}");' for name, value in pairs))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
+        "void spintop_add_terms(int order, const double *c, double h, float *change);",
+    ],
+)
+def test_differences_are_found(folder, wrong):
+    """The comparison fails where it should."""
+    with pytest.raises(AssertionError):
+        compare(folder, wrong)

@@ -1,12 +1,7 @@
 """Tests of SPINTOP_LEVEL: the levels of the processor agree, and one level has one result."""
 
-import os
-import subprocess
-from pathlib import Path
-
 import pytest
 
-PROGRAM = os.environ.get("SPINTOP_EXE", "build/release/spintop")
 LEVELS = ("v2", "v3", "v4")
 """From the lowest on; a machine has the first of them."""
 EFFECTS = """\
@@ -30,58 +25,35 @@ INPUTS = {
 }
 
 
-def run(folder: Path, name: str, level: str) -> subprocess.CompletedProcess:
-    """Run the program with SPINTOP_LEVEL set, where empty is as good as not set."""
-    path = folder / f"{name}.nml"
-    path.write_text(INPUTS[name] + BODY, encoding="utf-8")
-    command = [PROGRAM, "--quiet", "-o", str(folder), str(path)]
-    environment = os.environ | {"SPINTOP_LEVEL": level}
-    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-
-
-def lines(folder: Path, name: str, level: str) -> list[str]:
-    """The lines of the table that the program makes at a level."""
-    done = run(folder, name, level)
-    assert done.returncode == 0, done.stderr
-    return (folder / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-
-
-def level_of(table: list[str]) -> str:
-    """The level that the header of a table names, such as v3."""
-    (line,) = [line for line in table if line.startswith("# processor: ")]
-    return line.removeprefix("# processor: ").removeprefix("x86-64-")
-
-
-def rows(table: list[str]) -> list[str]:
-    """The table without its header."""
-    return [line for line in table if not line.startswith("#")]
-
-
-def numbers(table: list[str]) -> list[float]:
-    """All numbers below the names of the columns."""
-    cells = [cell for line in rows(table)[1:] for cell in line.split(",")]
-    return [float(cell) for cell in cells if cell.replace("-", "").replace("+", "")[:1].isdigit()]
+def at_level(spin, name, level):
+    """The table at a level, where empty is as good as not set: its level, its lines, numbers."""
+    run = spin(INPUTS[name] + BODY, environment={"SPINTOP_LEVEL": level})
+    (line,) = [line for line in run.comments if line.startswith("processor: ")]
+    lines = run.path.read_text(encoding="utf-8").splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    numbers = run.rows.select_dtypes("number").to_numpy()
+    return line.removeprefix("processor: ").removeprefix("x86-64-"), rows, numbers
 
 
 @pytest.mark.parametrize("name", INPUTS)
-def test_levels(folder: Path, name: str) -> None:
+def test_levels(spin, name):
     """Each level of the machine is named in the table, has the same bytes again, and differs from
     others by rounding and tolerance."""
-    highest = level_of(lines(folder, name, ""))
+    highest, *_ = at_level(spin, name, "")
     levels = LEVELS[: LEVELS.index(highest) + 1] if highest in LEVELS else ()
-    first = numbers(lines(folder, name, levels[0] if levels else ""))
-    assert first
+    *_, first = at_level(spin, name, levels[0] if levels else "")
+    assert first.size
     for level in levels:
-        table = lines(folder, name, level)
-        assert level_of(table) == level
-        assert rows(table) == rows(lines(folder, name, level))
-        assert numbers(table) == pytest.approx(first, rel=1e-8, abs=1e-8)
+        found, rows, numbers = at_level(spin, name, level)
+        assert found == level
+        assert rows == at_level(spin, name, level)[1]
+        assert numbers == pytest.approx(first, rel=1e-8, abs=1e-8)
 
 
 @pytest.mark.parametrize("level", ["v9", "V3", "native", " ", "v2 ."])
-def test_other_words(folder: Path, level: str) -> None:
+def test_other_words(spin, level):
     """A level that the processor does not have is refused."""
-    done = run(folder, "one", level)
-    assert done.returncode == 2
-    assert f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: " in done.stderr
-    assert not (folder / "one.csv").exists()
+    run = spin(INPUTS["one"] + BODY, environment={"SPINTOP_LEVEL": level}, code=2)
+    told = f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: "
+    assert told in run.stderr
+    assert not run.path.exists()

@@ -1,15 +1,21 @@
 """Bounds in tables, certified numbers, and `spintop verify`."""
 
 import math
-import sys
+import re
+import subprocess
 from decimal import Decimal
-from pathlib import Path
 
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "python")]
+import pytest
 
-from program_test import ProgramCase  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
+from conftest import EXE, ROOT, largest
+from spintop_figures.tables.table import read_table
+
+MISSING = "this build has no FLINT, which certifies digits"
+CHECKED = subprocess.run(
+    [EXE, "--check", ROOT / "input/certified_top.nml"], capture_output=True, text=True, check=False
+)
+HAS_FLINT = MISSING not in CHECKED.stderr
+needs_flint = pytest.mark.skipif(not HAS_FLINT, reason="this build has no FLINT")
 
 TOP = """\
 &study kind = 'trajectory' /
@@ -76,275 +82,265 @@ FRICTION = """\
 &integration method = 'dop853', relative_tolerance = 1e-12 /
 &output columns = 't', 'theta', 'theta_bound', 'omega3', 'omega3_bound', 'proof' /
 """
-MISSING = "this build has no FLINT, which certifies digits"
+CERTIFIED = "output.certified=.true."
 
 
-class WithoutFlintTest(ProgramCase):
+@pytest.mark.skipif(HAS_FLINT, reason="this build has FLINT")
+def test_missing(spin):
     """A build without FLINT names what is missing, and computes everything else."""
-
-    def test_missing(self) -> None:
-        scene = self.write(TOP)
-        run = self.run_program("--check", scene, "--set", f"output.columns={BOUNDS}")
-        if run.returncode == 0:
-            self.skipTest("this build has FLINT")
-        self.assertEqual(run.returncode, 2)
-        self.assertIn(f"column 'theta_bound': {MISSING}", run.stderr)
-        self.assertIn("SPINTOP_FLINT=1 scripts/run", run.stderr)
-        run = self.run_program("--check", scene, "--set", "output.certified=.true.")
-        self.assertEqual(run.returncode, 2)
-        self.assertIn(MISSING, run.stderr)
-        self.compute(scene)
-        run = self.run_program("verify", "output/scene.csv")
-        self.assertEqual(run.returncode, 2)
-        self.assertIn(MISSING, run.stderr)
+    error = spin.refuse(TOP, "--check", f"output.columns={BOUNDS}")
+    assert f"column 'theta_bound': {MISSING}" in error
+    assert "SPINTOP_FLINT=1 scripts/run" in error
+    assert MISSING in spin.refuse(TOP, "--check", CERTIFIED)
+    spin(TOP)
+    assert MISSING in spin.call("verify", "output/scene.csv", code=2).stderr
 
 
-class ProofTest(ProgramCase):
-    """With FLINT."""
+def verify(spin, *words, code=0):
+    """The result of `spintop verify` on the table."""
+    return spin.call("verify", "output/scene.csv", *words, code=code).out
 
-    def setUp(self) -> None:
-        super().setUp()
-        self.top = self.write(TOP)
-        check = self.run_program("--check", self.top, "--set", "output.certified=.true.")
-        if MISSING in check.stderr:
-            self.skipTest("this build has no FLINT")
 
-    def verify(self, *arguments: str, code: int = 0) -> str:
-        """The result of `spintop verify` on the table."""
-        run = self.run_program("verify", "output/scene.csv", *arguments)
-        self.assertEqual(run.returncode, code, run.stdout + run.stderr)
-        return run.stdout
+def change(spin, name, row, text):
+    """Put another text in a cell of the table."""
+    path = spin.folder / "output/scene.csv"
+    lines = path.read_text().splitlines(keepends=True)
+    first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
+    cells = lines[first + row].rstrip("\n").split(",")
+    cells[lines[first].rstrip("\n").split(",").index(name)] = text
+    lines[first + row] = ",".join(cells) + "\n"
+    path.write_text("".join(lines))
 
-    def change(self, name: str, row: int, text: str) -> None:
-        """Put another text in a cell of the table."""
-        path = self.folder / "output/scene.csv"
-        lines = path.read_text().splitlines(keepends=True)
-        first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
-        cells = lines[first + row].rstrip("\n").split(",")
-        cells[lines[first].rstrip("\n").split(",").index(name)] = text
-        lines[first + row] = ",".join(cells) + "\n"
-        path.write_text("".join(lines))
 
-    def bounds_hold(self, name: str, true: list[str], *settings: str) -> None:
-        """The numbers of a column, but for the first, are within their bounds of the true ones."""
-        table = self.compute(self.folder / "scene.nml", *settings)
-        cells = zip(table.texts(name)[1:], table.texts(f"{name}_bound")[1:], true, strict=True)
-        for number, bound, digits in cells:
-            error = abs(Decimal(float(number)) - Decimal(digits))
-            self.assertLessEqual(error, Decimal(float(bound)))
+def bounds_hold(run, name, true):
+    """The numbers of a column, but for the first, are within their bounds of the true ones."""
+    texts = run.texts[1:]
+    for number, bound, digits in zip(texts[name], texts[f"{name}_bound"], true, strict=True):
+        error = abs(Decimal(float(number)) - Decimal(digits))
+        assert error <= Decimal(float(bound))
 
-    def test_phases_and_latitudes_are_data(self) -> None:
-        """Their sines and cosines are not rounded before the proof."""
-        for effects, digits in THETA.items():
-            self.write(DRIVEN.format(effects))
-            self.bounds_hold("theta", digits, "output.certified=.true.")
-            self.bounds_hold("theta", digits, "integration.method=taylor_quadruple")
-        self.write(AXIAL)
-        self.bounds_hold("omega3", [OMEGA3], "output.certified=.true.")
 
-    def test_friction_by_a_table_is_not_enclosed(self) -> None:
-        """A motion that it slows down is not certified as one that it does not."""
-        rows = "omega3,friction_torque\n0,0\n50,0.01\n200,0.05\n"
-        (self.folder / "friction.csv").write_text(rows)
-        scene = self.write(FRICTION)
-        table = self.compute(scene, "output.certified=.true.")
-        self.assertEqual(table.texts("proof"), ["unproved"] * 3)
-        self.assertEqual({float(bound) for bound in table.texts("omega3_bound")}, {math.inf})
-        self.assertLess(float(table.texts("omega3")[2]), 96)
-        (self.folder / "output/friction.csv").write_text(rows)
-        self.assertIn("0 numbers proved, 6 unproved, 0 wrong", self.verify())
-        sweep = FRICTION.replace("trajectory", "sweep").replace(", samples = 3", "")
-        sweep = sweep.split("&output")[0] + (
-            "&output columns = 'psi_end', 'psi_end_bound', 'proof' certified = .true. /\n"
-            "&sweep parameter(1) = 'initial.omega3', values(1,:) = 90, 100 /\n"
-        )
-        self.assertEqual(self.compute(self.write(sweep)).texts("proof"), ["unproved"] * 2)
+@needs_flint
+@pytest.mark.parametrize("setting", [CERTIFIED, "integration.method=taylor_quadruple"])
+@pytest.mark.parametrize("effects", THETA)
+def test_phases_and_latitudes_are_data(spin, effects, setting):
+    """Their sines and cosines are not rounded before the proof."""
+    bounds_hold(spin(DRIVEN.format(effects), setting), "theta", THETA[effects])
 
-    def test_bounds_of_the_exact_solution(self) -> None:
-        table = self.compute(self.top, f"output.columns={BOUNDS}")
-        self.assertEqual(set(table.texts("proof")), {"proved"})
-        for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
-            self.assertLess(table.largest(name), 1e-14)
-        rows = read_table(self.folder / "output/scene.csv").rows  # as figures see it
-        self.assertEqual(set(rows["proof"]), {"proved"})
 
-    def test_bounds_of_a_method(self) -> None:
-        """The bound of the attitude is the error that the exact solution finds."""
-        table = self.compute(
-            self.top,
-            "integration.method=dop853",
-            "output.columns=t,orientation_error,orientation_bound,proof",
-        )
-        self.assertEqual(set(table.texts("proof")), {"proved"})
-        errors, bounds = table.column("orientation_error"), table.column("orientation_bound")
-        self.assertGreater(max(errors), 1e-11)
-        for error, bound in zip(errors, bounds, strict=True):
-            self.assertAlmostEqual(error, bound, delta=1e-14)
+@needs_flint
+def test_phases_about_an_axis(spin):
+    """The same of a spin that has a closed form."""
+    bounds_hold(spin(AXIAL, CERTIFIED), "omega3", [OMEGA3])
 
-    def test_certified_numbers(self) -> None:
-        """The numbers of a method become those of the exact motion, whatever the method."""
-        names = ("theta", "phi", "q0", "omega1", "omega2")
-        setting = f"output.columns=t,{','.join(f'{name},{name}_bound' for name in names)},proof"
-        exact = self.compute(self.top, setting, "output.certified=.true.")
-        other = self.compute(
-            self.top, setting, "output.certified=.true.", "integration.method=dop853"
-        )
-        self.assertEqual(exact.rows, other.rows)
-        for name in names:
-            numbers, bounds = exact.column(name), exact.column(f"{name}_bound")
-            for number, bound in zip(numbers, bounds, strict=True):
-                self.assertLessEqual(bound, 0.75 * math.ulp(max(abs(number), 2.0**-52)))
-        self.assertIn("certified = .true.", exact.resolved())
-        self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))
 
-    def test_uncertainty(self) -> None:
-        """Radii of the data widen the bounds, about in proportion while they are small."""
-        columns = "output.columns=t,theta,theta_bound,orientation_bound,proof"
-        narrow = self.compute(self.top, columns, "uncertainty.top.length=1e-12")
-        wide = self.compute(self.top, columns, "uncertainty.top.length=1e-10")
-        self.assertEqual(set(wide.texts("proof")), {"proved"})
-        ratio = wide.largest("orientation_bound") / narrow.largest("orientation_bound")
-        self.assertGreater(ratio, 30)
-        self.assertLess(ratio, 300)
-        self.assertIn("top.length = 1e-10", wide.resolved())
-        both = self.compute(self.top, columns, "uncertainty.top.inertia=1e-10,2e-10,1e-10")
-        self.assertEqual(set(both.texts("proof")), {"proved"})
-        radii = "&uncertainty top.length = 1e-9 top.mass = 1e-9 /\n&span"
-        scene = self.write(TOP.replace("&span", radii), "b.nml")
-        both = self.compute(scene, columns)
-        self.assertGreater(both.largest("theta_bound"), narrow.largest("theta_bound"))
+@needs_flint
+def test_friction_by_a_table_is_not_enclosed(spin):
+    """A motion that it slows down is not certified as one that it does not."""
+    table = "omega3,friction_torque\n0,0\n50,0.01\n200,0.05\n"
+    rows = spin(FRICTION, CERTIFIED, friction=table).rows
+    assert list(rows.proof) == ["unproved"] * 3
+    assert set(rows.omega3_bound) == {math.inf}
+    assert rows.omega3[2] < 96
+    spin.write(table, "output/friction.csv")
+    assert "0 numbers proved, 6 unproved, 0 wrong" in verify(spin)
+    sweep = FRICTION.replace("trajectory", "sweep").replace(", samples = 3", "")
+    sweep = sweep.split("&output")[0] + (
+        "&output columns = 'psi_end', 'psi_end_bound', 'proof' certified = .true. /\n"
+        "&sweep parameter(1) = 'initial.omega3', values(1,:) = 90, 100 /\n"
+    )
+    assert list(spin(sweep).rows.proof) == ["unproved"] * 2
 
-    def test_uncertainty_of_any_body(self) -> None:
-        """Radii of a damped body; where they are lost, the summary says when."""
-        columns = "output.columns=t,q0,orientation_bound,omega1_bound,proof"
-        body = (columns, "top.inertia=0.875,0.8,0.25", "top.damping=0.01,0.01,0.005")
-        exact = self.compute(self.top, *body).largest("orientation_bound")
-        for radii in (
-            "top.damping",
-            "top.inertia",
-            "initial.phi",
-            "top.length",
-            "initial.psi_rate",
-        ):
-            width = "1e-9,1e-9,1e-9" if radii in ("top.damping", "top.inertia") else "1e-9"
-            table = self.compute(self.top, *body, f"uncertainty.{radii}={width}")
-            self.assertEqual(set(table.texts("proof")), {"proved"})
-            self.assertGreater(table.largest("orientation_bound"), exact + 1e-10)
-            self.assertLess(table.largest("orientation_bound"), 1e-6)
-        lost = [f"--set={word}" for word in (*body, "uncertainty.top.length=1e-4", "span.t_end=60")]
-        run = self.run_program(self.top, *lost)
-        self.assertRegex(run.stdout, r"unproved \(.*\), the first at t = [1-9]")
 
-    def test_wrong_uncertainty(self) -> None:
-        for settings, words in (
-            (("uncertainty.top.length=1e-9",), "the table has no bounds"),
-            (("uncertainty.top.length=1e-9", "output.certified=.true."), "no certified digits"),
-            (("uncertainty.initial.omega3=1", "output.columns=t,q0_bound"), "omega3 is not given"),
-            (("uncertainty.top.spin=1", "output.columns=t,q0_bound"), "unknown key"),
-            (
-                ("uncertainty.initial.omega=1,1,1", "output.columns=t,q0_bound"),
-                "omega is not given",
-            ),
-            (
-                ("uncertainty.top.centre_of_mass=1,1,1", "output.columns=t,q0_bound"),
-                "top.centre_of_mass is not given",
-            ),
-            (("uncertainty.top.mass=-1", "output.columns=t,q0_bound"), "uncertainty.top.mass"),
-        ):
-            overrides = [part for setting in settings for part in ("--set", setting)]
-            run = self.run_program("--check", self.top, *overrides)
-            self.assertEqual(run.returncode, 2, words)
-            self.assertIn(words, run.stderr)
+@needs_flint
+def test_bounds_of_the_exact_solution(spin):
+    """They are of rounding errors."""
+    run = spin(TOP, f"output.columns={BOUNDS}")
+    assert set(run.rows.proof) == {"proved"}
+    for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
+        assert largest(run.rows[name]) < 1e-14
+    assert set(read_table(run.path).rows["proof"]) == {"proved"}  # as figures see it
 
-    def test_unproved_rows_say_why(self) -> None:
-        run = self.run_program(
-            self.top,
-            "--set=effects.drag_force=0.1",
-            "--set=output.columns=t,theta,theta_bound,proof",
-        )
-        self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual(set(self.table().texts("proof")), {"unproved"})
-        self.assertEqual(set(self.table().texts("theta_bound")), {"inf"})
-        self.assertIn("7 unproved (dry friction, drag of the air and tables", run.stdout)
 
-    def test_any_body(self) -> None:
-        """Certified digits are those of a series in quadruple precision from the same angles."""
-        given = (
-            "top.inertia=0.875,0.8,0.25",
-            "top.damping=0.01,0.01,0.005",
-            "initial.psi_rate=5",
-            "span.t_end=18",
-            f"output.columns={BOUNDS},phi,psi,omega1,omega1_bound",
-        )
-        table = self.compute(self.top, *given, "integration.method=taylor_quadruple")
-        self.assertEqual(set(table.texts("proof")), {"proved"})
-        self.assertLess(table.largest("orientation_bound"), 3e-16)
-        self.assertLess(table.largest("psi_bound"), 1e-14)
-        self.assertLess(table.largest("omega1_bound"), 1e-14)
-        series = table
-        self.assertIn("0 wrong", self.verify())
-        table = self.compute(self.top, *given, "output.certified=.true.")
-        for name in ("theta", "phi", "psi", "q0", "omega1"):
-            for certified, other in zip(table.texts(name), series.texts(name), strict=True):
-                self.assertAlmostEqual(float(certified), float(other), delta=1e-14)
-        self.assertIn("0 unproved, 0 wrong", self.verify("--strict"))
-        self.change("psi", 3, repr(float(table.texts("psi")[2]) + 2 * math.pi))
-        self.assertIn("first wrong  row 3, psi", self.verify(code=3))
+@needs_flint
+def test_bounds_of_a_method(spin):
+    """The bound of the attitude is the error that the exact solution finds."""
+    columns = "output.columns=t,orientation_error,orientation_bound,proof"
+    rows = spin(TOP, "integration.method=dop853", columns).rows
+    assert set(rows.proof) == {"proved"}
+    assert rows.orientation_error.max() > 1e-11
+    assert list(rows.orientation_error) == pytest.approx(list(rows.orientation_bound), abs=1e-14)
 
-    def test_sweep(self) -> None:
-        scene = self.write(SWEEP)
-        table = self.compute(scene)
-        self.assertEqual(table.texts("status"), ["ok"] * 4)
-        self.assertEqual(table.texts("proof"), ["proved"] * 4)
-        self.assertLess(table.largest("theta_end_bound"), 1e-12)
-        self.assertLess(table.largest("psi_end_bound"), 1e-12)
-        self.assertIn("0 wrong", self.verify())
-        self.change("theta_end", 3, "0.7")
-        self.assertIn("first wrong  row 3, theta_end = 0.7", self.verify(code=3))
 
-    def test_bounds_of_periods_are_refused(self) -> None:
-        """Proofs are of a motion at a time; the message says so."""
-        for name in ("nutation_period", "precession_per_nutation", "momentum_period"):
-            run = self.run_program(
-                "--check", self.write(SWEEP), "--set", f"output.columns=theta_end,{name}_bound"
-            )
-            self.assertEqual(run.returncode, 2)
-            self.assertIn(f"column '{name}_bound': proofs bound the attitude and the", run.stderr)
-            self.assertIn(f"at a time, not {name}\n", run.stderr)
-        self.write(TOP)
-        run = self.run_program("--check", self.top, "--set", "output.columns=t,energy_bound")
-        self.assertIn("at a time, not energy\n", run.stderr)
+@needs_flint
+def test_certified_numbers(spin):
+    """The numbers of a method become those of the exact motion, whatever the method."""
+    names = ("theta", "phi", "q0", "omega1", "omega2")
+    setting = f"output.columns=t,{','.join(f'{name},{name}_bound' for name in names)},proof"
+    run = spin(TOP, setting, CERTIFIED)
+    texts, rows, head = run.texts, run.rows, run.head
+    assert spin(TOP, setting, CERTIFIED, "integration.method=dop853").texts.equals(texts)
+    for name in names:
+        for number, bound in zip(rows[name], rows[f"{name}_bound"], strict=True):
+            assert bound <= 0.75 * math.ulp(max(abs(number), 2.0**-52))
+    assert "certified = .true." in head
+    assert "0 unproved, 0 wrong" in verify(spin, "--strict")
 
-    def test_bytes_do_not_depend_on_threads(self) -> None:
-        scene = self.write(SWEEP)
-        first = self.compute(scene)
-        self.assertEqual(self.run_program(scene, "--threads", "2").returncode, 0)
-        self.assertEqual(first.rows, self.table().rows)
 
-    def test_verify(self) -> None:
-        """A wrong digit is found; the exact solution needs no bounds beside its numbers."""
-        self.compute(self.top)
-        self.assertIn("49 numbers proved, 0 unproved, 0 wrong", self.verify("--strict"))
-        theta = self.table().texts("theta")[4]
-        place = 14
-        wrong = theta[:place] + str((int(theta[place]) + 5) % 10) + theta[place + 1 :]
-        self.change("theta", 5, wrong)
-        said = self.verify(code=3)
-        self.assertIn("1 wrong", said)
-        self.assertIn(f"first wrong  row 5, theta = {wrong}", said)
+@needs_flint
+def test_uncertainty(spin):
+    """Radii of the data widen the bounds, about in proportion while they are small."""
+    columns = "output.columns=t,theta,theta_bound,orientation_bound,proof"
+    narrow = spin(TOP, columns, "uncertainty.top.length=1e-12").rows
+    run = spin(TOP, columns, "uncertainty.top.length=1e-10")
+    wide = run.rows
+    assert set(wide.proof) == {"proved"}
+    assert 30 < wide.orientation_bound.max() / narrow.orientation_bound.max() < 300
+    assert "top.length = 1e-10" in run.head
+    both = spin(TOP, columns, "uncertainty.top.inertia=1e-10,2e-10,1e-10").rows
+    assert set(both.proof) == {"proved"}
+    radii = "&uncertainty top.length = 1e-9 top.mass = 1e-9 /\n&span"
+    both = spin(TOP.replace("&span", radii), columns).rows
+    assert both.theta_bound.max() > narrow.theta_bound.max()
 
-    def test_verify_without_claims(self) -> None:
-        """A method claims nothing: its numbers are unproved, but their errors are bounded."""
-        self.compute(self.top, "integration.method=rk4", "integration.steps=60")
-        said = self.verify()
-        self.assertIn("0 numbers proved, 49 unproved, 0 wrong", said)
-        self.assertIn("largest bound  theta ", said)
-        self.verify("--strict", code=3)
 
-    def test_what_is_no_table(self) -> None:
-        run = self.run_program("verify", self.top)
-        self.assertEqual(run.returncode, 2)
-        run = self.run_program("verify")
-        self.assertIn("verify takes a table", run.stderr)
-        run = self.run_program("verify", "--fast", "a.csv")
-        self.assertIn("verify takes no option but --strict", run.stderr)
+ANY = ("top.inertia=0.875,0.8,0.25", "top.damping=0.01,0.01,0.005")
+UNCERTAIN = (*ANY, "output.columns=t,q0,orientation_bound,omega1_bound,proof")
+
+
+@needs_flint
+@pytest.mark.parametrize(
+    "radius",
+    [
+        "top.damping=1e-9,1e-9,1e-9",
+        "top.inertia=1e-9,1e-9,1e-9",
+        "initial.phi=1e-9",
+        "top.length=1e-9",
+        "initial.psi_rate=1e-9",
+    ],
+)
+def test_uncertainty_of_any_body(spin, radius):
+    """Radii of a damped body widen its bounds."""
+    exact = spin(TOP, *UNCERTAIN).rows.orientation_bound.max()
+    rows = spin(TOP, *UNCERTAIN, f"uncertainty.{radius}").rows
+    assert set(rows.proof) == {"proved"}
+    assert exact + 1e-10 < largest(rows.orientation_bound) < 1e-6
+
+
+@needs_flint
+def test_lost_bounds(spin):
+    """Where they are lost, the summary says when."""
+    said = spin(TOP, *UNCERTAIN, "uncertainty.top.length=1e-4", "span.t_end=60").out
+    assert re.search(r"unproved \(.*\), the first at t = [1-9]", said)
+
+
+Q0 = "output.columns=t,q0_bound"
+
+
+@needs_flint
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["uncertainty.top.length=1e-9"], "the table has no bounds"),
+        (["uncertainty.top.length=1e-9", CERTIFIED], "no certified digits"),
+        (["uncertainty.initial.omega3=1", Q0], "omega3 is not given"),
+        (["uncertainty.top.spin=1", Q0], "unknown key"),
+        (["uncertainty.initial.omega=1,1,1", Q0], "omega is not given"),
+        (["uncertainty.top.centre_of_mass=1,1,1", Q0], "top.centre_of_mass is not given"),
+        (["uncertainty.top.mass=-1", Q0], "uncertainty.top.mass"),
+    ],
+)
+def test_wrong_uncertainty(spin, settings, words):
+    """Radii of what has no bounds, or is not given."""
+    assert words in spin.refuse(TOP, "--check", *settings)
+
+
+@needs_flint
+def test_unproved_rows_say_why(spin):
+    """In the summary; their bounds are infinite."""
+    run = spin(TOP, "effects.drag_force=0.1", "output.columns=t,theta,theta_bound,proof")
+    assert set(run.rows.proof) == {"unproved"}
+    assert set(run.rows.theta_bound) == {math.inf}
+    assert "7 unproved (dry friction, drag of the air and tables" in run.out
+
+
+@needs_flint
+def test_any_body(spin):
+    """Certified digits are those of a series in quadruple precision from the same angles."""
+    columns = f"output.columns={BOUNDS},phi,psi,omega1,omega1_bound"
+    given = (*ANY, "initial.psi_rate=5", "span.t_end=18", columns)
+    series = spin(TOP, *given, "integration.method=taylor_quadruple").rows
+    assert set(series.proof) == {"proved"}
+    assert largest(series.orientation_bound) < 3e-16
+    assert largest(series.psi_bound) < 1e-14
+    assert largest(series.omega1_bound) < 1e-14
+    assert "0 wrong" in verify(spin)
+    certified = spin(TOP, *given, CERTIFIED).rows
+    for name in ("theta", "phi", "psi", "q0", "omega1"):
+        assert list(certified[name]) == pytest.approx(list(series[name]), abs=1e-14)
+    assert "0 unproved, 0 wrong" in verify(spin, "--strict")
+    change(spin, "psi", 3, repr(float(certified.psi[2]) + 2 * math.pi))
+    assert "first wrong  row 3, psi" in verify(spin, code=3)
+
+
+@needs_flint
+def test_sweep(spin):
+    """Bounds of the cases, whose bytes do not depend on threads."""
+    run = spin(SWEEP)
+    texts = run.texts
+    assert set(run.rows.status) == {"ok"}
+    assert list(run.rows.proof) == ["proved"] * 4
+    assert largest(run.rows.theta_end_bound) < 1e-12
+    assert largest(run.rows.psi_end_bound) < 1e-12
+    assert spin(SWEEP, "--threads=2").texts.equals(texts)
+    assert "0 wrong" in verify(spin)
+    change(spin, "theta_end", 3, "0.7")
+    assert "first wrong  row 3, theta_end = 0.7" in verify(spin, code=3)
+
+
+@needs_flint
+@pytest.mark.parametrize("name", ["nutation_period", "precession_per_nutation", "momentum_period"])
+def test_bounds_of_periods_are_refused(spin, name):
+    """Proofs are of a motion at a time; the message says so."""
+    error = spin.refuse(SWEEP, "--check", f"output.columns=theta_end,{name}_bound")
+    assert f"column '{name}_bound': proofs bound the attitude and the" in error
+    assert f"at a time, not {name}\n" in error
+
+
+@needs_flint
+def test_bounds_of_an_energy_are_refused(spin):
+    """It is a number of a time, but none that proofs bound."""
+    error = spin.refuse(TOP, "--check", "output.columns=t,energy_bound")
+    assert "at a time, not energy\n" in error
+
+
+@needs_flint
+def test_verify(spin):
+    """A wrong digit is found; the exact solution needs no bounds beside its numbers."""
+    theta = spin(TOP).texts.theta[4]
+    assert "49 numbers proved, 0 unproved, 0 wrong" in verify(spin, "--strict")
+    place = 14
+    wrong = theta[:place] + str((int(theta[place]) + 5) % 10) + theta[place + 1 :]
+    change(spin, "theta", 5, wrong)
+    said = verify(spin, code=3)
+    assert "1 wrong" in said
+    assert f"first wrong  row 5, theta = {wrong}" in said
+
+
+@needs_flint
+def test_verify_without_claims(spin):
+    """A method claims nothing: its numbers are unproved, but their errors are bounded."""
+    spin(TOP, "integration.method=rk4", "integration.steps=60")
+    said = verify(spin)
+    assert "0 numbers proved, 49 unproved, 0 wrong" in said
+    assert "largest bound  theta " in said
+    verify(spin, "--strict", code=3)
+
+
+@needs_flint
+def test_what_is_no_table(spin):
+    """An input, nothing, and an option that there is not."""
+    spin.call("verify", spin.write(TOP), code=2)
+    assert "verify takes a table" in spin.call("verify", code=2).stderr
+    said = spin.call("verify", "--fast", "a.csv", code=2).stderr
+    assert "verify takes no option but --strict" in said

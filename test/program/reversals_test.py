@@ -6,16 +6,13 @@ zero, on whose magnitude friction depends. What must agree: the motion by Runge-
 no series, that by Taylor's method in double and quadruple precision, and the end of a sweep's case.
 """
 
-import csv
 import math
-import os
-import subprocess
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
+from conftest import output
+
 TOP = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0.3  gravity = 9.81 /\n"
 FREE = TOP.replace("9.81", "0")
 SWING = TOP + "&initial theta = 0.5  psi = 0.7  theta_rate = 1  omega3 = {} /\n"
@@ -74,70 +71,59 @@ TOLERANCE = 3e-9
 """Of Taylor's method with its default tolerance, 1e-9."""
 
 
-def last_row(folder: Path, text: str) -> dict[str, float]:
+def last_row(spin, text):
     """The last row of the table of an input."""
-    (folder / "scene.nml").write_text(text)
-    (folder / "table.csv").write_text(TABLE)
-    (folder / "spline.csv").write_text(SPLINE)
-    command = [EXE, "--quiet", "--threads", "1", "-o", folder, folder / "scene.nml"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    lines = (folder / "scene.csv").read_text().splitlines()
-    *_, row = csv.DictReader(line for line in lines if not line.startswith("#"))
-    words = ("status", "notes")
-    return {key: float(cell) for key, cell in row.items() if key not in words}
+    return spin(text, "--threads=1", table=TABLE, spline=SPLINE).rows.iloc[-1]
 
 
-def between(a: float, b: float) -> float:
+def between(a, b):
     """Two angles apart, but for half turns: a plane motion goes through poles."""
     return abs(math.remainder(a - b, math.pi))
 
 
-@pytest.mark.parametrize(("name", "spin"), CASES)
-def test_all_ways_agree(tmp_path: Path, name: str, spin: str) -> None:
+@pytest.mark.parametrize(("name", "place"), CASES)
+def test_all_ways_agree(spin, name, place):
     """The end of the motion; and the account of the energy is closed."""
     start, effects, t_end = SCENES[name]
-    scene = start.format(spin) + f"&effects {effects} /\n&span t_end = {t_end}  samples = 2 /\n"
-    columns = "&output columns = 't', 'theta', 'psi', 'omega3', 'energy_error' /\n"
+    scene = start.format(place) + f"&effects {effects} /\n"
     ends = {}
     # Near zeros of the support force there are many steps, of which the errors add up.
     # An estimate may not see what a step across one of them errs, unless it is short.
-    near, short = (1e-12, 1e-14) if spin in PLACES else (1e-9, 1e-13)
+    near, short = (1e-12, 1e-14) if place in PLACES else (1e-9, 1e-13)
+    motion = f"{scene}&span t_end = {t_end}  samples = 2 /\n"
+    motion += output("t", "theta", "psi", "omega3", "energy_error")
     for method, tolerance in (("dop853", short), ("taylor", near), ("taylor_quadruple", 1e-20)):
         how = f"&integration method = '{method}'  relative_tolerance = {tolerance} /\n"
-        ends[method] = last_row(tmp_path, scene + how + columns)
+        ends[method] = last_row(spin, motion + how)
+    known = ends["dop853"]
     for method, end in ends.items():
-        assert end["theta"] == pytest.approx(ends["dop853"]["theta"], abs=TOLERANCE), method
-        assert between(end["psi"], ends["dop853"]["psi"]) < TOLERANCE, method
-        assert end["omega3"] == pytest.approx(ends["dop853"]["omega3"], abs=TOLERANCE), method
-        assert abs(end["energy_error"]) < TOLERANCE, method
-    scene = scene.replace("  samples = 2", "") + (
-        "&study kind = 'sweep' /\n"
-        f"&sweep parameter(1) = 'span.t_end'  values(1,:) = {t_end / 2}, {t_end} /\n"
-        f"&integration relative_tolerance = {near} /\n"
-        "&output columns = 'theta_end', 'psi_end', 'energy_error_max' /\n"
-    )
-    end = last_row(tmp_path, scene)
-    assert end["theta_end"] == pytest.approx(ends["dop853"]["theta"], abs=TOLERANCE)
-    assert between(end["psi_end"], ends["dop853"]["psi"]) < TOLERANCE
-    assert end["energy_error_max"] < TOLERANCE
+        assert end.theta == pytest.approx(known.theta, abs=TOLERANCE), method
+        assert between(end.psi, known.psi) < TOLERANCE, method
+        assert end.omega3 == pytest.approx(known.omega3, abs=TOLERANCE), method
+        assert abs(end.energy_error) < TOLERANCE, method
+    sweep = f"&study kind = 'sweep' /\n{scene}&span t_end = {t_end} /\n"
+    sweep += f"&sweep parameter(1) = 'span.t_end'  values(1,:) = {t_end / 2}, {t_end} /\n"
+    sweep += f"&integration relative_tolerance = {near} /\n"
+    end = last_row(spin, sweep + output("theta_end", "psi_end", "energy_error_max"))
+    assert end.theta_end == pytest.approx(known.theta, abs=TOLERANCE)
+    assert between(end.psi_end, known.psi) < TOLERANCE
+    assert end.energy_error_max < TOLERANCE
 
 
-def test_support_force_through_zero(tmp_path: Path) -> None:
+def test_support_force_through_zero(spin):
     """The spin of a balanced body falls with the integral of m |g - A W^2 cos Wt|."""
     scene = TURNING.format("0, 0, 0") + f"&effects {SHAKEN} /\n&span t_end = 2  samples = 2 /\n"
     amplitude, rate, g = 0.05, 30, 9.81
 
-    def impulse(t: float) -> float:
+    def impulse(t):
         return g * t - amplitude * rate * math.sin(rate * t)
 
     zeros = math.acos(g / (amplitude * rate**2))
     ends = [0.0, *((2 * math.pi * k + sign * zeros) / rate for k in range(10) for sign in (-1, 1))]
     ends = [*sorted(end for end in ends if 0 <= end < 2), 2.0]
     total = sum(abs(impulse(b) - impulse(a)) for a, b in pairwise(ends))
+    scene += output("t", "omega3", "energy_error")
     for tolerance in (1e-9, 1e-13):
         how = f"&integration method = 'taylor'  relative_tolerance = {tolerance} /\n"
-        end = last_row(
-            tmp_path, scene + how + "&output columns = 't', 'omega3', 'energy_error' /\n"
-        )
-        assert end["omega3"] == pytest.approx(12 - 0.3 * 0.03 / 0.3 * total, abs=30 * tolerance)
+        omega3 = last_row(spin, scene + how).omega3
+        assert omega3 == pytest.approx(12 - 0.3 * 0.03 / 0.3 * total, abs=30 * tolerance)

@@ -1,164 +1,104 @@
 """The stability study: its table, its verdicts, what it refuses."""
 
-import csv
-import json
-import os
-import subprocess
-import tempfile
-import unittest
-from pathlib import Path
+import math
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-EXE = os.environ["SPINTOP_EXE"]
+import pytest
+
 VERDICTS = {"accurate", "drifts", "wrong", "failed", "unsuitable", "no_reference"}
+OWN = (
+    "&study kind = 'stability' /\n"
+    "&top mass = 1, inertia = 1, {}, 0.5, length = 0.5 /\n"
+    "&initial theta = 0.5, omega3 = 10 /\n&span t_end = {} /\n"
+    "&stability cases = {}, methods = {} /\n"
+)
 
 
-class StabilityTest(unittest.TestCase):
-    """Runs of the program on small studies."""
-
-    def setUp(self) -> None:
-        """Make a folder for the results."""
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def run_program(self, *arguments: str) -> subprocess.CompletedProcess:
-        """Run the program."""
-        return subprocess.run(
-            [EXE, *arguments, "-o", self.folder], capture_output=True, text=True, timeout=1200
-        )
-
-    def study(self, cases: str, methods: str) -> dict[tuple[str, str, str], dict[str, str]]:
-        """The rows of a study by case, method and formulation."""
-        result = self.run_program(
-            str(ROOT / "input" / "stability.nml"),
-            f"--set=stability.cases={cases}",
-            f"--set=stability.methods={methods}",
-        )
-        self.assertEqual(result.returncode, 0, result.stderr)
-        with (self.folder / "stability.csv").open() as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        for row in rows:
-            self.assertIn(row["verdict"], VERDICTS)
-        return {(row["case"], row["method"], row["formulation"]): row for row in rows}
-
-    def test_verdicts(self) -> None:
-        """A good method is accurate, a poor one wrong, one with poles gives up at them."""
-        rows = self.study(
-            "slow_top,through_upright,intermediate_axis", "euler_forward,taylor,dop853/lagrange"
-        )
-        self.assertEqual(len(rows), 9)
-        good = rows["slow_top", "taylor", "space_frame"]
-        self.assertEqual(good["verdict"], "accurate")
-        self.assertEqual(good["reference"], "exact solution")
-        self.assertLess(float(good["orientation_error"]), 1e-9)
-        self.assertEqual(good["reason"], "")
-        poor = rows["slow_top", "euler_forward", "space_frame"]
-        self.assertEqual(poor["verdict"], "wrong")
-        self.assertGreater(float(poor["orientation_error"]), 0.1)
-        self.assertIn("orientation error", poor["reason"])
-        stuck = rows["through_upright", "dop853", "lagrange"]
-        self.assertEqual((stuck["verdict"], stuck["status"]), ("failed", "pole"))
-        self.assertIn("pole", stuck["reason"])
-        free = rows["intermediate_axis", "taylor", "rigid_body"]
-        self.assertEqual(free["verdict"], "accurate")
-        self.assertEqual(free["reference"], "exact solution")
-        self.assertEqual(rows["intermediate_axis", "dop853", "lagrange"]["verdict"], "unsuitable")
-
-    def test_growth_of_sleeping_tops(self) -> None:
-        """Upright growth rates change from zero to positive at the threshold."""
-        rows = self.study("sleeping_above,sleeping_below", "taylor")
-        above = float(rows["sleeping_above", "taylor", "space_frame"]["upright_growth"])
-        below = float(rows["sleeping_below", "taylor", "space_frame"]["upright_growth"])
-        self.assertLess(abs(above), 1e-6)
-        # sqrt(4 I1 mgl - (I3 omega3)^2)/(2 I1)
-        self.assertAlmostEqual(below, (4 * 0.875 * 8.495709211125343 - 3.75**2) ** 0.5 / 1.75, 9)
-
-    def test_own_case(self) -> None:
-        """The input's own case takes its place among those of the catalogue."""
-        scene = self.folder / "own.nml"
-        scene.write_text(
-            "&study kind = 'stability' /\n"
-            "&top mass = 1, inertia = 1, 1.2, 0.5, length = 0.5 /\n"
-            "&initial theta = 0.5, omega3 = 10 /\n&span t_end = 3 /\n"
-            "&stability cases = 'input', methods = 'dop853', 'splitting_8' /\n"
-        )
-        result = self.run_program(str(scene))
-        self.assertEqual(result.returncode, 0, result.stderr)
-        with (self.folder / "own.csv").open() as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        self.assertEqual([row["case"] for row in rows], ["input", "input"])
-        self.assertEqual({row["verdict"] for row in rows}, {"accurate"})
-        self.assertEqual(rows[1]["steps"], "8000")
-
-    def test_a_case_without_a_reference(self) -> None:
-        """Its rows have the status of its reference; those of the other cases stay."""
-        scene = self.folder / "own.nml"
-        scene.write_text(
-            "&study kind = 'stability' /\n"
-            "&top mass = 1, inertia = 1, 1.2, 0.5, length = 0.5 /\n"
-            "&initial theta = 0.5, omega3 = 10 /\n&span t_end = 3 /\n"
-            "&integration max_steps = 3 /\n"
-            "&stability cases = 'input', 'slow_top', methods = 'dop853', 'taylor' /\n"
-        )
-        result = self.run_program(str(scene))
-        self.assertEqual(result.returncode, 3, result.stderr)
-        with (self.folder / "own.csv").open() as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        self.assertEqual([row["case"] for row in rows], ["input", "input", "slow_top", "slow_top"])
-        for row in rows[:2]:
-            self.assertEqual((row["verdict"], row["status"]), ("no_reference", "step_limit"))
-            self.assertEqual(row["orientation_error"], "nan")
-            self.assertIn("no reference: the maximum number of steps", row["reason"])
-        self.assertEqual({row["verdict"] for row in rows[2:]}, {"accurate"})
-        self.assertIn("1 no_reference", result.stdout)
-
-    def test_the_exponent_takes_no_more_than_the_work_allowed(self) -> None:
-        """A motion of too many steps has no reference; the exact solution needs no steps."""
-        scene = self.folder / "long.nml"
-        scene.write_text(
-            "&study kind = 'stability' /\n"
-            "&top mass = 1, inertia = 1, 1, 0.5, length = 0.5 /\n"
-            "&initial theta = 0.5, omega3 = 10 /\n&span t_end = 30 /\n"
-            "&stability cases = 'input', methods = 'taylor' /\n"
-        )
-        for steps, has_one in (("1000", True), ("15", False)):
-            result = self.run_program(str(scene), f"--set=integration.max_steps={steps}")
-            self.assertEqual(result.returncode, 0 if has_one else 3, result.stderr)
-            self.assertEqual("failed    all 1 runs: 1 step_limit" in result.stdout, not has_one)
-            with (self.folder / "long.csv").open() as file:
-                rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-            self.assertEqual(rows[0]["lyapunov_exponent"] != "nan", has_one)
-
-    def test_unknown_names(self) -> None:
-        """Names that are not there are refused, with the nearest."""
-        for key, name, hint in (
-            ("cases", "slow_tip", "slow_top"),
-            ("methods", "taylr", "taylor"),
-            ("methods", "taylor/lagrang", "lagrange"),
-        ):
-            with self.subTest(name):
-                result = self.run_program(
-                    str(ROOT / "input" / "stability.nml"), f"--set=stability.{key}={name}"
-                )
-                self.assertEqual(result.returncode, 2)
-                self.assertIn(f"did you mean '{hint}'", result.stderr)
-        for key, value in (("method", "rk4"), ("formulation", "euler")):
-            with self.subTest(key=key):
-                result = self.run_program(
-                    str(ROOT / "input" / "stability.nml"), f"--set=integration.{key}={value}"
-                )
-                self.assertEqual(result.returncode, 2)
-                self.assertIn("a stability study compares methods and formulations", result.stderr)
-
-    def test_catalogue_is_listed(self) -> None:
-        """Every case that runs by default is listed, and some more."""
-        result = subprocess.run([EXE, "list", "cases", "--json"], capture_output=True)
-        names = [case["name"] for case in json.loads(result.stdout)["cases"]]
-        self.assertGreater(len(names), 20)
-        self.assertIn("million_nutations", names)
-        self.assertEqual(len(names), len(set(names)))
+def study(spin, cases, methods):
+    """The rows of a study by case, method and formulation."""
+    rows = spin("stability", f"stability.cases={cases}", f"stability.methods={methods}").rows
+    assert set(rows.verdict) <= VERDICTS
+    return {(row.case, row.method, row.formulation): row for row in rows.itertuples()}
 
 
-if __name__ == "__main__":
-    unittest.main()
+def test_verdicts(spin):
+    """A good method is accurate, a poor one wrong, one with poles gives up at them."""
+    cases, methods = "slow_top,through_upright,intermediate_axis", "euler_forward,taylor"
+    rows = study(spin, cases, methods + ",dop853/lagrange")
+    assert len(rows) == 9
+    good = rows["slow_top", "taylor", "space_frame"]
+    assert (good.verdict, good.reference, good.reason) == ("accurate", "exact solution", "")
+    assert good.orientation_error < 1e-9
+    poor = rows["slow_top", "euler_forward", "space_frame"]
+    assert poor.verdict == "wrong"
+    assert poor.orientation_error > 0.1
+    assert "orientation error" in poor.reason
+    stuck = rows["through_upright", "dop853", "lagrange"]
+    assert (stuck.verdict, stuck.status) == ("failed", "pole")
+    assert "pole" in stuck.reason
+    free = rows["intermediate_axis", "taylor", "rigid_body"]
+    assert (free.verdict, free.reference) == ("accurate", "exact solution")
+    assert rows["intermediate_axis", "dop853", "lagrange"].verdict == "unsuitable"
+
+
+def test_growth_of_sleeping_tops(spin):
+    """Upright growth rates change from zero to positive at the threshold."""
+    above, below = study(spin, "sleeping_above,sleeping_below", "taylor").values()
+    assert (above.case, below.case) == ("sleeping_above", "sleeping_below")
+    assert abs(above.upright_growth) < 1e-6
+    # sqrt(4 I1 mgl - (I3 omega3)^2)/(2 I1)
+    expected = math.sqrt(4 * 0.875 * 8.495709211125343 - 3.75**2) / 1.75
+    assert below.upright_growth == pytest.approx(expected, abs=5e-10)
+
+
+def test_own_case(spin):
+    """The input's own case takes its place among those of the catalogue."""
+    rows = spin(OWN.format(1.2, 3, "'input'", "'dop853', 'splitting_8'")).rows
+    assert list(rows.case) == ["input", "input"]
+    assert set(rows.verdict) == {"accurate"}
+    assert rows.steps[1] == 8000
+
+
+def test_a_case_without_a_reference(spin):
+    """Its rows have the status of its reference; those of the other cases stay."""
+    text = OWN.format(1.2, 3, "'input', 'slow_top'", "'dop853', 'taylor'")
+    run = spin(text + "&integration max_steps = 3 /\n", code=3)
+    assert list(run.rows.case) == ["input", "input", "slow_top", "slow_top"]
+    without, others = run.rows[:2], run.rows[2:]
+    assert set(without.verdict) == {"no_reference"}
+    assert set(without.status) == {"step_limit"}
+    assert without.orientation_error.isna().all()
+    assert without.reason.str.contains("no reference: the maximum number of steps").all()
+    assert set(others.verdict) == {"accurate"}
+    assert "1 no_reference" in run.out
+
+
+@pytest.mark.parametrize(("steps", "has_one"), [(1000, True), (15, False)])
+def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
+    """A motion of too many steps has no reference; the exact solution needs no steps."""
+    text = OWN.format(1, 30, "'input'", "'taylor'")
+    run = spin(text, f"integration.max_steps={steps}", code=0 if has_one else 3)
+    assert ("failed    all 1 runs: 1 step_limit" in run.out) != has_one
+    assert math.isnan(run.rows.lyapunov_exponent[0]) != has_one
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("stability.cases=slow_tip", "did you mean 'slow_top'"),
+        ("stability.methods=taylr", "did you mean 'taylor'"),
+        ("stability.methods=taylor/lagrang", "did you mean 'lagrange'"),
+        ("integration.method=rk4", "a stability study compares methods and formulations"),
+        ("integration.formulation=euler", "a stability study compares methods and formulations"),
+    ],
+)
+def test_refusals(spin, setting, said):
+    """Names that are not there are refused, with the nearest; so is a method of the input."""
+    assert said in spin.refuse("stability", setting)
+
+
+def test_catalogue_is_listed(spin):
+    """Every case that runs by default is listed, and some more."""
+    names = [case["name"] for case in spin.listed("cases")]
+    assert len(names) > 20
+    assert "million_nutations" in names
+    assert len(names) == len(set(names))

@@ -1,15 +1,10 @@
 """The first row of a trajectory is the motion at the start, whatever method computes the others."""
 
-import csv
-import os
-import subprocess
-from pathlib import Path
-
+import numpy as np
 import pytest
 
-from nutation_axes_test import rows_of
+from conftest import output
 
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 TENSOR = """inertia_tensor(1,:) = 0.55, -0.3, 0
      inertia_tensor(2,2:3) = 0.55, 0  inertia_tensor(3,3) = 0.85"""
 BODIES = {
@@ -25,38 +20,30 @@ BODIES = {
 EFFECTS = ("", "earth_rate = 0.3  latitude_deg = 90", "rotor_momentum = 0, 0, 0.1")
 
 
-def first_row(folder: Path, text: str, integration: str) -> dict[str, float] | None:
+def first_row(spin, text, code=0):
     """The numbers of the first row of all columns; None where the method is refused."""
-    path = folder / "scene.nml"
-    path.write_text(f"{text}&integration {integration} /\n&output columns = 'all' /\n")
-    command = [EXE, "--quiet", "-o", folder, path]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
-    if done.returncode == 2 and "exact" in done.stderr:
+    run = spin(text + output("all"), code=code)
+    if run.code == 2:
+        assert "exact" in run.err
         return None
-    assert done.returncode == 0, done.stderr
-    lines = (folder / "scene.csv").read_text().splitlines()
-    row = next(csv.DictReader(line for line in lines if not line.startswith("#")))
-    return {name: float(cell) for name, cell in row.items() if cell not in ("", "nan")}
+    return run.rows.iloc[0].dropna()
 
 
 @pytest.mark.parametrize("effects", EFFECTS)
 @pytest.mark.parametrize("body", BODIES)
-def test_columns_at_the_start(tmp_path: Path, body: str, effects: str) -> None:
+def test_columns_at_the_start(spin, body, effects):
     """Those that both methods have are equal: angles, rates, forces, energies, residuals."""
-    text = f"&top mass = 1.3  {BODIES[body]} /\n"
+    text = f"&top mass = 1.3  {BODIES[body]} /\n&span t_end = 2  samples = 3 /\n"
     text += "&initial theta = 0.7  phi = 1.1  psi = -2.3\n"
     text += "         phi_rate = 0.4  theta_rate = -1.2  psi_rate = 7 /\n"
-    text += "&span t_end = 2  samples = 3 /\n"
     text += f"&effects {effects} /\n" if effects else ""
-    exact = first_row(tmp_path, text, "method = 'exact'")
+    exact = first_row(spin, text + "&integration method = 'exact' /\n", code=(0, 2))
     if exact is None:
         pytest.skip("no exact motion")
-    stepped = first_row(tmp_path, text, "method = 'taylor'")
-    shared = exact.keys() & stepped.keys()
-    assert {"force_x", "omega1", "com_x"} < shared
-    for name in sorted(shared):
-        near = pytest.approx(stepped[name], rel=1e-11, abs=1e-11)
-        assert exact[name] == near, name
+    stepped = first_row(spin, text + "&integration method = 'taylor' /\n")
+    shared = exact.index.intersection(stepped.index)
+    assert {"force_x", "omega1", "com_x"} < set(shared)
+    np.testing.assert_allclose(exact[shared], stepped[shared], rtol=1e-11, atol=1e-11)
 
 
 LEVELS = ("theta", "phi", "psi", "omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
@@ -74,38 +61,33 @@ BODY = """\
 SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass'  values(1,:) = 1.3 /\n"
 
 
-def last_time(folder: Path, text: str, column: str) -> float:
-    """The time in the last row of a table."""
-    return float(rows_of(folder, text, (column,))[-1][column])
-
-
-def levels_at(folder: Path, scene: str, quantity: str) -> set[str]:
+def levels_at(spin, scene, quantity):
     """The value of a quantity at the start, as it is printed and rounded."""
-    value = first_row(folder, scene, "")[quantity]
+    value = float(first_row(spin, scene)[quantity])
     return {f"{value!r}", f"{value:.15f}"}
 
 
 @pytest.mark.parametrize("psi", [0, 90])
 @pytest.mark.parametrize("quantity", LEVELS)
-def test_the_start_is_no_event(tmp_path: Path, quantity: str, psi: int) -> None:
+def test_the_start_is_no_event(spin, quantity, psi):
     """A level that the start has to rounding is passed later, in lanes as in a single motion."""
-    for level in levels_at(tmp_path, BODY.format(psi, ""), quantity):
+    for level in levels_at(spin, BODY.format(psi, ""), quantity):
         stop = BODY.format(psi, f"stop_at = '{quantity} = {level}'")
-        expected = last_time(tmp_path, stop, "t")
+        expected = spin(stop + output("t")).rows.t.iloc[-1]
         assert expected > 1e-3
-        found = last_time(tmp_path, SWEEP + stop.replace("samples = 2", ""), "t_end")
+        (found,) = spin(SWEEP + stop.replace("samples = 2", "") + output("t_end")).rows.t_end
         assert found == pytest.approx(expected, rel=1e-6), level
 
 
 @pytest.mark.parametrize(("quantity", "start"), TOPS)
-def test_the_start_of_a_top_is_no_event(tmp_path: Path, quantity: str, start: str) -> None:
+def test_the_start_of_a_top_is_no_event(spin, quantity, start):
     """The same by the exact solution and by methods, also of a top that is released at rest."""
     scene = "&top mass = 1.3  inertia = 0.975, 0.975, 0.25  length = 0.8 /\n"
     scene += f"&initial {start} /\n&span t_end = 2  samples = 2 {{}} /\n"
-    for level in levels_at(tmp_path, scene.format(""), quantity):
-        stop = scene.format(f"stop_at = '{quantity} = {level}'")
+    for level in levels_at(spin, scene.format(""), quantity):
+        stop = scene.format(f"stop_at = '{quantity} = {level}'") + output("t")
         times = [
-            last_time(tmp_path, stop + f"&integration method = '{method}' /\n", "t")
+            spin(stop, f"integration.method={method}").rows.t.iloc[-1]
             for method in ("exact", "taylor", "dop853")
         ]
         assert times[0] > 1e-3

@@ -1,25 +1,11 @@
 """Studies other than sweeps in parts: merged parts are the whole, apart from dates and times."""
 
-import csv
-import os
 import re
-import shutil
-import subprocess
-import tempfile
-import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-EXE = os.environ["SPINTOP_EXE"]
-MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
-MPI = {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "OMPI_MCA_hwloc_base_binding_policy": "none",
-    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-    "PRTE_MCA_hwloc_default_binding_policy": "none",
-}
+import pytest
+
+from conftest import MPI, needs_mpi, texts, under
+
 BODY = """
 &top mass = 1  inertia = 1, 1.5, 2.25  centre_of_mass = 0.1, 0.05, 0.2 /
 &initial quaternion = 0.8, 0.6, 0, 0  omega = 0.5, 0.5, 1 /
@@ -47,149 +33,106 @@ BEST = {"method", "formulation", "setting", "value", "error", "evaluations"}
 """Those of a benchmark that belong to its fastest setting."""
 
 
-class StudyPartsTest(unittest.TestCase):
-    """A study as a whole, in parts, and by ranks."""
+def compute(spin, text, folder, *options, ranks=0):
+    """Run a study into a folder, and give what it says."""
+    scene = spin.write(text, "study.nml")
+    words = [scene, "-o", folder, *options]
+    if not ranks:
+        return spin.call(*words).out
+    return spin.call(*words, command=under(ranks), environment=MPI).out
 
-    def setUp(self) -> None:
-        """Make a folder for inputs and results."""
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
-    def call(self, *arguments: object, command: tuple = (EXE,)) -> subprocess.CompletedProcess:
-        """Run the program in the folder."""
-        return subprocess.run(
-            list(map(str, (*command, *arguments))),
-            capture_output=True, text=True, timeout=1200, cwd=self.folder,
-            env=os.environ | MPI, check=False,
-        )  # fmt: skip
-
-    def run_study(self, text: str, folder: str, *options: object, command: tuple = (EXE,)) -> str:
-        """Run a study into a folder, and give what it says."""
-        (self.folder / "study.nml").write_text(text, encoding="utf-8")
-        result = self.call("study.nml", "-o", folder, *options, command=command)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        return result.stdout
-
-    def read(self, name: str) -> tuple[list[str], list[dict[str, str]], list[str]]:
-        """Header without its date, rows, and comments after them."""
-        lines = (self.folder / name).read_text(encoding="utf-8").splitlines()
+def check_same(spin, found, whole, varying=TIMED):
+    """Two tables are the same apart from dates, times, and the order by times of a problem."""
+    heads, tables, words = [], [], []
+    for name in (found, whole):
+        lines = (spin.folder / name).read_text(encoding="utf-8").splitlines()
         first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
-        head = [line for line in lines[: first + 1] if not line.startswith("# date: ")]
-        self.assertEqual(len(head), first, "one date")
-        last = next((i for i in range(first, len(lines)) if lines[i].startswith("#")), len(lines))
-        self.assertRegex(lines[-1], r"^# end: \d+ rows, ")
-        return head, list(csv.DictReader(lines[first:last])), lines[last:-1]
-
-    def check_same(self, found: str, whole: str, varying: set[str]) -> None:
-        """Two tables are the same apart from dates, times, and the order by times of a problem."""
-        heads, rows, words = zip(self.read(found), self.read(whole), strict=True)
-        self.assertEqual(*heads)
-        self.assertEqual(*([re.split(" is | takes ", word)[0] for word in each] for each in words))
-        for each in rows:
-            if "problem" in each[0]:
-                each.sort(key=lambda row: (row["problem"], row["method"], row["setting"]))
-        kept = [[{k: v for k, v in r.items() if k not in varying} for r in each] for each in rows]
-        self.assertEqual(*kept)
-
-    def check_parts(self, text: str, parts: int, varying: set[str] = TIMED) -> None:
-        """The merged parts are the whole, and byte for byte what the parts have."""
-        self.run_study(text, "whole")
-        names = []
-        for part in range(1, parts + 1):
-            said = self.run_study(text, "parts", "--shard", f"{part}/{parts}")
-            self.assertRegex(said, rf"part {part} of {parts}: (no )?cases ")
-            names.append(f"parts/study.{part}-of-{parts}.csv")
-        result = self.call("merge", "all.csv", *reversed(names))
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.check_same("all.csv", "whole/study.csv", varying)
-        bodies = []
-        for name in names:
-            *_, columns, rows = self.split(name)
-            bodies.append("".join(f"{line}\n" for line in rows.splitlines() if line[0] != "#"))
-        merged = (self.folder / "all.csv").read_text(encoding="utf-8")
-        self.assertIn(columns + "".join(bodies), merged)
-        self.assertNotIn("# part ", merged)
-
-    def split(self, name: str) -> tuple[str, str, str]:
-        """Comments, names of columns, and the rest of a table."""
-        text = (self.folder / name).read_text(encoding="utf-8")
-        end = 0
-        while text[end] == "#":
-            end = text.index("\n", end) + 1
-        names = text.index("\n", end) + 1
-        return text[:end], text[end:names], text[names:]
-
-    def test_work_precision(self) -> None:
-        """A problem is a case; more parts than problems leave one empty."""
-        self.check_parts(PRECISION, 2)
-        self.check_parts(PRECISION, 4)
-
-    def test_stability(self) -> None:
-        """A motion of the catalogue is a case."""
-        self.check_parts(STABILITY, 3)
-
-    def test_benchmarks(self) -> None:
-        """A benchmark is a case. Which setting is the fastest depends on times."""
-        self.check_parts(BENCHMARK, 2, TIMED | BEST)
-
-    def test_check(self) -> None:
-        """--check tells of the part."""
-        said = self.run_study(PRECISION, "none", "--check", "--shard", "2/2")
-        self.assertIn("part 2 of 2: cases 3 to 3 of 3", said)
-
-    def test_refused(self) -> None:
-        """Trajectories have no parts; a part is missing, cut off, or of another input."""
-        (self.folder / "study.nml").write_text(TRAJECTORY, encoding="utf-8")
-        refused = self.call("study.nml", "--shard", "1/2")
-        self.assertEqual(refused.returncode, 2)
-        self.assertIn("--shard is not for trajectories", refused.stderr)
-        for part in (1, 2):
-            self.run_study(STABILITY, "parts", "--shard", f"{part}/2")
-        names = [f"parts/study.{part}-of-2.csv" for part in (1, 2)]
-        self.assertIn("missing of 2 parts: 2", self.call("merge", "all.csv", names[0]).stderr)
-        other = STABILITY.replace("omega = 0.5, 0.5, 1", "omega = 0.5, 0.5, 2")
-        self.run_study(other, "other", "--shard", "2/2")
-        result = self.call("merge", "all.csv", names[0], "other/study.2-of-2.csv")
-        self.assertIn("part of another study than", result.stderr)
-        path = self.folder / names[1]
-        text = path.read_text(encoding="utf-8")
-        path.write_text(text[: text.rindex("# end")], encoding="utf-8")
-        result = self.call("merge", "all.csv", *names)
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("study.2-of-2.csv is not complete", result.stderr)
-        self.assertFalse((self.folder / "all.csv").exists())
-
-    def test_ranks(self) -> None:
-        """Ranks share the cases of a stability study; other studies are computed by the first."""
-        if not shutil.which("mpirun") or not Path(MPI_EXE).is_file():
-            self.skipTest("no MPI: scripts/setup --mpi installs and builds what it takes")
-        for name, text in (
-            ("stability", STABILITY),
-            ("precision", PRECISION),
-            ("trajectory", TRAJECTORY),
-        ):
-            said = self.run_study(text, name)
-            for ranks in (1, 2, 3):
-                with self.subTest(f"{name}, {ranks} ranks"):
-                    command = ("mpirun", "-np", ranks, MPI_EXE)
-                    heard = self.run_study(text, f"{name}_{ranks}", command=command)
-                    self.assertEqual(heard.count("study.nml: "), 1)
-                    self.check_same(f"{name}_{ranks}/study.csv", f"{name}/study.csv", TIMED)
-                    if name == "stability":
-                        counts = [[line for line in text.splitlines() if " accurate" in line]
-                                  for text in (said, heard)]  # fmt: skip
-                        self.assertEqual(*counts)
-
-    def test_parts_by_ranks(self) -> None:
-        """A part is shared out like a whole."""
-        if not shutil.which("mpirun") or not Path(MPI_EXE).is_file():
-            self.skipTest("no MPI: scripts/setup --mpi installs and builds what it takes")
-        self.run_study(STABILITY, "alone", "--shard", "1/2")
-        command = ("mpirun", "-np", 2, MPI_EXE)
-        self.run_study(STABILITY, "ranks", "--shard", "1/2", command=command)
-        self.check_same("ranks/study.1-of-2.csv", "alone/study.1-of-2.csv", TIMED)
+        head = [line for line in lines[:first] if not line.startswith("# date: ")]
+        assert len(head) == first - 1, "one date"
+        heads.append(head)
+        assert re.match(r"# end: \d+ rows, ", lines[-1])
+        rest = [line for line in lines[first:-1] if line.startswith("#")]
+        words.append([re.split(" is | takes ", word)[0] for word in rest])
+        rows = texts(spin.folder / name)
+        if "problem" in rows:
+            rows = rows.sort_values(["problem", "method", "setting"], ignore_index=True)
+        tables.append(rows[[column for column in rows if column not in varying]])
+    assert heads[0] == heads[1]
+    assert words[0] == words[1]
+    assert tables[0].equals(tables[1])
 
 
-if __name__ == "__main__":
-    unittest.main()
+@pytest.mark.parametrize(
+    ("text", "parts", "varying"),
+    [
+        (PRECISION, 2, TIMED),  # a problem is a case
+        (PRECISION, 4, TIMED),  # one of the parts is empty
+        (STABILITY, 3, TIMED),  # a motion of the catalogue is a case
+        (BENCHMARK, 2, TIMED | BEST),  # which setting is the fastest depends on times
+    ],
+)
+def test_parts(spin, text, parts, varying):
+    """The merged parts are the whole, and byte for byte what the parts have."""
+    compute(spin, text, "whole")
+    names, bodies = [], []
+    for part in range(1, parts + 1):
+        said = compute(spin, text, "parts", "--shard", f"{part}/{parts}")
+        assert re.search(rf"part {part} of {parts}: (no )?cases ", said)
+        names.append(f"parts/study.{part}-of-{parts}.csv")
+        lines = (spin.folder / names[-1]).read_text(encoding="utf-8").splitlines(keepends=True)
+        columns, *rows = (line for line in lines if not line.startswith("#"))
+        bodies += rows
+    spin.call("merge", "all.csv", *reversed(names))
+    check_same(spin, "all.csv", "whole/study.csv", varying)
+    merged = (spin.folder / "all.csv").read_text(encoding="utf-8")
+    assert columns + "".join(bodies) in merged
+    assert "# part " not in merged
+
+
+def test_check(spin):
+    """--check tells of the part."""
+    said = compute(spin, PRECISION, "none", "--check", "--shard", "2/2")
+    assert "part 2 of 2: cases 3 to 3 of 3" in said
+
+
+def test_refused(spin):
+    """Trajectories have no parts; a part is missing, cut off, or of another input."""
+    assert "--shard is not for trajectories" in spin.refuse(TRAJECTORY, "--shard=1/2")
+    for part in (1, 2):
+        compute(spin, STABILITY, "parts", "--shard", f"{part}/2")
+    first, second = (f"parts/study.{part}-of-2.csv" for part in (1, 2))
+    other = STABILITY.replace("omega = 0.5, 0.5, 1", "omega = 0.5, 0.5, 2")
+    compute(spin, other, "other", "--shard", "2/2")
+    path = spin.folder / second
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text[: text.rindex("# end")], encoding="utf-8")
+    for names, said in (
+        ([first], "missing of 2 parts: 2"),
+        ([first, "other/study.2-of-2.csv"], "part of another study than"),
+        ([first, second], "study.2-of-2.csv is not complete"),
+    ):
+        assert said in spin.call("merge", "all.csv", *names, code=2).stderr
+    assert not (spin.folder / "all.csv").exists()
+
+
+@needs_mpi
+@pytest.mark.parametrize("text", [STABILITY, PRECISION, TRAJECTORY])
+def test_ranks(spin, text):
+    """Ranks share the cases of a stability study; other studies are computed by the first."""
+    said = compute(spin, text, "alone")
+    for ranks in (1, 2, 3):
+        heard = compute(spin, text, "ranks", ranks=ranks)
+        assert heard.count("study.nml: ") == 1
+        check_same(spin, "ranks/study.csv", "alone/study.csv")
+        if text == STABILITY:
+            one, other = (re.findall(r".* accurate.*", each) for each in (said, heard))
+            assert one == other
+
+
+@needs_mpi
+def test_parts_by_ranks(spin):
+    """A part is shared out like a whole."""
+    compute(spin, STABILITY, "alone", "--shard", "1/2")
+    compute(spin, STABILITY, "ranks", "--shard", "1/2", ranks=2)
+    check_same(spin, "ranks/study.1-of-2.csv", "alone/study.1-of-2.csv")

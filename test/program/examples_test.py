@@ -158,14 +158,14 @@ def assert_close(found, expected, slack):
 
 
 def test_every_example_has_a_test():
-    """Each example has a test and a line in the manual."""
+    """Each example has a test, and the manual names it."""
     names = {path.stem for path in (ROOT / "example").glob("*.f90")}
     of = "test_of_"
     tested = {name.removeprefix(of) for name in globals() if name.startswith(of)}
     assert names == tested
     page = (ROOT / "doc/library.md").read_text(encoding="utf-8")
-    table = page.partition("## Examples")[2].partition("## ")[0]
-    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == names
+    named = page.partition("## Examples")[2].partition("## ")[0]
+    assert set(re.findall(r"`(\w+)`", named)) - {"example"} == names
 
 
 def test_every_procedure_has_an_example():

@@ -33,7 +33,7 @@ module spintop_statistics_table
     !> Rows, and what is gathered of them.
     type, extends(row_table_t) :: statistics_table_t
         !> The table of the rows, which may keep none.
-        class(resumable_table_t), allocatable :: rows_table
+        type(resumable_table_t), allocatable :: rows_table
         type(statistics_plan_t) :: plan
         !> Path of the result, and its header.
         character(:), allocatable :: path, head

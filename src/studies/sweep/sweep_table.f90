@@ -9,10 +9,10 @@ module spintop_sweep_table
     use spintop_resumable_table, only: resumable_table_t
     use spintop_job, only: job_t
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_table_t
+    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
+    use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_scene_words, only: combine_grid
@@ -29,7 +29,6 @@ module spintop_sweep_table
     use spintop_sweep_notes, only: note_names, note_no_turns_known, note_t
     use spintop_sweep_result, only: proof_cells, value_count
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
-    use spintop_table_head, only: table_head
     use spintop_text, only: string_t
     implicit none
     private
@@ -47,14 +46,14 @@ contains
         type(shard_t), intent(in) :: shard !! the part
         class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
-        class(resumable_table_t), allocatable :: rows
+        type(resumable_table_t), allocatable :: rows
         type(statistics_table_t), allocatable :: with_statistics
 
+        allocate (rows)
+        call describe_columns(job, rows%columns)
         if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
-            call describe_netcdf(job, shard, rows)
-        else
-            allocate (resumable_table_t :: rows)
-            call describe_columns(job, rows%columns)
+            allocate (rows%netcdf)
+            call describe_netcdf(job, shard, rows%columns, rows%netcdf)
         end if
         call make_head(job, shard, rows%columns, head)
         if (.not. job%statistics%is_wanted) then
@@ -68,24 +67,19 @@ contains
     end subroutine describe_table
 
     !> The table of a job as a NetCDF file.
-    subroutine describe_netcdf(job, shard, table)
+    subroutine describe_netcdf(job, shard, columns, description)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(resumable_table_t), allocatable, intent(out) :: table
-        type(netcdf_table_t), allocatable :: file
+        type(table_column_t), intent(in) :: columns(:)
+        type(netcdf_description_t), intent(out) :: description
         type(fact_t) :: facts(fact_count)
 
-        allocate (file)
-        call describe_columns(job, file%columns)
-        associate (description => file%description)
-            call gather(job, facts, description%input)
-            description%facts = facts
-            description%columns = file%columns
-            description%axes = grid_of(job%axes)
-            description%part = shard%beginning(job%axes%cases)
-            if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
-        end associate
-        call move_alloc(file, table)
+        call gather(job, facts, description%input)
+        description%facts = facts
+        description%columns = columns
+        description%axes = grid_of(job%axes)
+        description%part = shard%beginning(job%axes%cases)
+        if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
     end subroutine describe_netcdf
 
     !> The header of a table of a job with these columns.
@@ -95,19 +89,17 @@ contains
         type(table_column_t), intent(in) :: columns(:) !! one for each cell of a row
         character(:), allocatable, intent(out) :: head !! ready to write
         type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), header(:)
+        type(string_t), allocatable :: input(:)
 
         call gather(job, facts, input)
-        call describe_provenance(facts, input, columns, header)
-        head = table_head(header, columns%name)
-        if (shard%is_part()) head = '# ' // shard%line(job%axes%cases) // new_line('a') // head
+        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
     end subroutine make_head
 
     !> A table that gathers the rows of another one, which it takes over.
     subroutine describe_statistics(job, shard, rows, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(resumable_table_t), allocatable, intent(inout) :: rows
+        type(resumable_table_t), allocatable, intent(inout) :: rows
         type(statistics_table_t), intent(inout) :: table
 
         rows%keeps_rows = job%keeps_rows()
@@ -134,7 +126,7 @@ contains
         type is (statistics_table_t)
             call table%rows_table%start(job%files%table, head, resume, restart, error)
             if (.not. allocated(error)) call table%begin(error)
-        class is (resumable_table_t)
+        type is (resumable_table_t)
             call table%start(job%files%table, head, resume, restart, error)
         end select
     end subroutine start_table

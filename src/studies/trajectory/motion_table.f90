@@ -12,7 +12,7 @@ module spintop_motion_table
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
-    use spintop_table_column, only: column_of_words, status_column, table_column_t
+    use spintop_table_column, only: status_column, table_column_t
     use spintop_text, only: append
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -51,16 +51,12 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
         type(table_column_t) :: described(size(columns))
-        integer :: i, k
+        integer :: i
 
         self%path = job%files%table
         do i = 1, size(columns)
             described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
-            if (.not. columns(i)%is_proof) cycle
-            described(i)%kind = column_of_words
-            do k = 0, 1
-                call append(described(i)%words, trim(proof_words(k)))
-            end do
+            if (columns(i)%is_proof) call described(i)%set_words(proof_words(0:1))
         end do
         self%rows_table%has_journal = .false.
         allocate (self%rows_table%columns, source=described)

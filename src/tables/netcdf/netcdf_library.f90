@@ -207,22 +207,22 @@ contains
 
     module procedure read_facts
         character(nf90_max_name) :: name
-        type(fact_t), allocatable :: all(:)
-        integer :: i, attributes, n, kind
-        attributes = 0
+        type(fact_t), allocatable :: found(:)
+        integer :: i, all, n, kind
+        all = 0
         n = 0
-        if (.not. allocated(self%error)) call check(self, nf90_inquire(self%id, nAttributes=attributes))
-        allocate (all(attributes))
-        do i = 1, attributes
+        if (.not. allocated(self%error)) call check(self, nf90_inquire(self%id, nAttributes=all))
+        allocate (found(all))
+        do i = 1, all
             if (.not. allocated(self%error)) call check(self, nf90_inq_attname(self%id, nf90_global, i, name))
             if (.not. allocated(self%error)) call check(self, nf90_inquire_attribute(self%id, nf90_global, name, xtype=kind))
             if (allocated(self%error)) exit
             if (kind /= nf90_char) cycle
             n = n + 1
-            all(n)%key = trim(name)
-            call self%read_text(nf90_global, all(n)%key, all(n)%value)
+            found(n)%key = trim(name)
+            call self%read_text(nf90_global, found(n)%key, found(n)%value)
         end do
-        facts = all(:n)
+        facts = found(:n)
     end procedure read_facts
 
     module procedure read_layout

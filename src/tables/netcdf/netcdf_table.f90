@@ -136,7 +136,7 @@ contains
 
         associate (description => self%description)
             call define_table(description, file, self%summary, variables)
-            extent = description%extent()
+            allocate (extent, source=description%extent())
             rows = product(int(extent, int64))
             columns = size(variables)
             bytes_of_row = columns * (storage_size(0.0_dp) / 8)
@@ -185,7 +185,7 @@ contains
         logical :: has_auxiliary
         integer :: i, k
 
-        extent = description%extent()
+        allocate (extent, source=description%extent())
         allocate (dimensions(size(extent)), variables(size(description%columns)))
         associate (columns => description%columns, axes => description%axes, is_part => description%part /= '')
             call file%add_text(whole_file, 'Conventions', 'CF-1.8')
@@ -195,7 +195,7 @@ contains
             call file%add_text(whole_file, 'input', join(description%input, new_line('a')))
             if (is_part) then
                 call file%add_text(whole_file, 'part', description%part)
-                call file%add_text(whole_file, 'grid', join([(string_t(trim(axes(i)%name)), i=1, size(axes))], ' '))
+                call file%add_text(whole_file, 'grid', join(axes%name, ' '))
                 call file%add_numbers(whole_file, 'grid_lengths', real(axes%length, dp), column_of_integers)
             end if
             ! Later no attribute may become longer.

@@ -10,12 +10,11 @@ submodule(spintop_ranks) ranks_mpi
     implicit none
 
     integer, parameter :: writer = 0
-    !> Kinds of message: the numbers before the rows of a block, the rows as text, the rows as cells, the
-    !> answer, what is gathered of the rows.
-    integer, parameter :: tag_block = 1, tag_text = 2, tag_cells = 3, tag_answer = 4, tag_statistics_cells = 5
-    !> Numbers that are sent before the rows: number of the block, bytes of text, columns and rows of cells, numbers
-    !> for each row and rows of what is gathered; then the number of rows with each status.
-    integer, parameter :: numbers_before = 7
+    !> Kinds of message: the numbers before the rows of a block, the rows as text, the answer, what is gathered of the rows.
+    integer, parameter :: tag_block = 1, tag_text = 2, tag_answer = 3, tag_statistics_cells = 4
+    !> Numbers that are sent before the rows: number of the block, bytes of text, numbers for each row and rows of what is
+    !> gathered, doubtful rows; then the number of rows with each status.
+    integer, parameter :: numbers_before = 5
 
 contains
 
@@ -75,17 +74,13 @@ contains
         if (allocated(rows%statistics_cells)) length = size(rows%statistics_cells, 2)
         numbers = 0
         numbers(1) = number
-        if (number > 0) numbers(2:) = [int([rows%text%length, size(rows%cells, 1), rows%rows, length, &
-                                                  rows%statistics_rows], int64), rows%doubtful, rows%counts]
+        if (number > 0) numbers(2:) = [int([rows%text%length, length, rows%statistics_rows], int64), rows%doubtful, rows%counts]
         !$omp critical (ranks)
         call MPI_Send(numbers, size(numbers), MPI_INTEGER8, writer, tag_block, MPI_COMM_WORLD)
         if (number > 0) then
             ! A table that keeps no rows has no text.
-            if (rows%rows == 0 .and. rows%text%length > 0) then
+            if (rows%text%length > 0) then
                 call MPI_Send(rows%text%room, rows%text%length, MPI_CHARACTER, writer, tag_text, MPI_COMM_WORLD)
-            else if (rows%rows > 0) then
-                call MPI_Send(rows%cells, size(rows%cells, 1) * rows%rows, MPI_DOUBLE_PRECISION, writer, tag_cells, &
-                              MPI_COMM_WORLD)
             end if
             if (rows%statistics_rows > 0) then
                 call MPI_Send(rows%statistics_cells, length * rows%statistics_rows, MPI_DOUBLE_PRECISION, writer, &
@@ -119,19 +114,14 @@ contains
         call MPI_Recv(numbers, size(numbers), MPI_INTEGER8, rank, tag_block, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         number = numbers(1)
         if (number <= 0) return
-        if (numbers(4) == 0 .and. numbers(2) > 0) then
+        if (numbers(2) > 0) then
             allocate (character(numbers(2)) :: text)
             call MPI_Recv(text, len(text), MPI_CHARACTER, rank, tag_text, MPI_COMM_WORLD, MPI_STATUS_IGNORE)
             call rows%text%append(text)
-        else if (numbers(4) > 0) then
-            call rows%reserve(int(numbers(3)), int(numbers(4)))
-            call MPI_Recv(rows%cells, int(product(numbers(3:4))), MPI_DOUBLE_PRECISION, rank, tag_cells, &
-                          MPI_COMM_WORLD, MPI_STATUS_IGNORE)
-            rows%rows = int(numbers(4))
         end if
-        if (numbers(6) > 0) then
-            call rows%reserve_statistics_cells(int(numbers(5)), int(numbers(6)))
-            call MPI_Recv(rows%statistics_cells, int(product(numbers(5:6))), MPI_DOUBLE_PRECISION, rank, tag_statistics_cells, &
+        if (numbers(4) > 0) then
+            call rows%reserve_statistics_cells(int(numbers(3)), int(numbers(4)))
+            call MPI_Recv(rows%statistics_cells, int(product(numbers(3:4))), MPI_DOUBLE_PRECISION, rank, tag_statistics_cells, &
                           MPI_COMM_WORLD, MPI_STATUS_IGNORE)
         end if
         rows%doubtful = numbers(numbers_before)

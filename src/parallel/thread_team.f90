@@ -230,20 +230,27 @@ contains
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         type(journal_entry_t) :: entry
-        type(error_t), allocatable :: problem
         logical :: has_entry
 
         !$omp critical (queue)
         has_entry = .false.
         if (.not. self%queue%is_writing()) call table%make_entry_if_due(entry, has_entry, self%queue%error)
         !$omp end critical (queue)
-        if (.not. has_entry) return
+        if (has_entry) call keep(self, table, entry)
+    end subroutine keep_entry_if_due
+
+    !> Brings an entry to the disk, while others may write.
+    subroutine keep(self, table, entry)
+        class(team_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table
+        type(journal_entry_t), intent(in) :: entry
+        type(error_t), allocatable :: problem
         call table%keep_entry(entry, problem)
         !$omp critical (queue)
         call table%end_entry()
         if (.not. allocated(self%queue%error)) call move_alloc(problem, self%queue%error)
         !$omp end critical (queue)
-    end subroutine keep_entry_if_due
+    end subroutine keep
 
     !> Writes the blocks that are due, keeps all written rows, and ends the process by the signal that it got. Other
     !> threads compute meanwhile; what they have not handed in is lost.
@@ -315,12 +322,9 @@ contains
         self%costs%writing = self%costs%writing + (seconds() - moment)
         !$omp end critical (queue)
         if (.not. has_entry) return
-        ! Other threads may write while the entry is brought to the disk.
         moment = seconds()
-        call table%keep_entry(entry, problem)
+        call keep(self, table, entry)
         !$omp critical (queue)
-        call table%end_entry()
-        if (.not. allocated(self%queue%error)) call move_alloc(problem, self%queue%error)
         call self%queue%begin_write(is_due)
         self%costs%writing = self%costs%writing + (seconds() - moment)
         !$omp end critical (queue)

@@ -8,7 +8,7 @@ module spintop_statistics_csv
     use spintop_row_block, only: row_block_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_result, only: index_cells, index_row, result_columns, result_row
-    use spintop_table_column, only: column_of_integers, column_of_words, table_column_t
+    use spintop_table_column, only: column_of_integers, table_column_t
     use spintop_table_end, only: check_table
     use spintop_table_file, only: table_file_t
     use spintop_table_head, only: table_head
@@ -81,11 +81,11 @@ contains
         type(row_block_t) :: rows
         integer :: i, k
 
-        columns = [table_column_t('column', '', 'the column of the sweep', column_of_words), &
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
                    table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
                    table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
                    table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
-        call set_words_to_names(plan%numbers, columns(1))
+        call columns(1)%set_words(plan%numbers%name)
         call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
@@ -112,8 +112,8 @@ contains
         type(row_block_t) :: rows
         integer :: i, k
 
-        columns = [table_column_t('column', '', 'the column of the sweep', column_of_words), &
-                   table_column_t('factor', '', 'the parameter of an axis', column_of_words), &
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
+                   table_column_t('factor', '', 'the parameter of an axis'), &
                    table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
                    table_column_t('first_order_low', '', 'lower end of its interval of 95 %'), &
                    table_column_t('first_order_high', '', 'upper end of its interval of 95 %'), &
@@ -122,8 +122,8 @@ contains
                    table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
                    table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
                    table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
-        call set_words_to_names(plan%numbers, columns(1))
-        call set_words_to_names(plan%factors, columns(2))
+        call columns(1)%set_words(plan%numbers%name)
+        call columns(2)%set_words(plan%factors%name)
         call file%create_beside(path, head_of(columns, head), error)
         do i = 1, size(plan%numbers)
             if (allocated(error)) exit
@@ -137,17 +137,6 @@ contains
         end do
         call finish(file, error)
     end subroutine write_indices
-
-    !> Makes the names of columns the words of another.
-    subroutine set_words_to_names(named, column)
-        type(table_column_t), intent(in) :: named(:)
-        type(table_column_t), intent(inout) :: column
-        integer :: i
-        allocate (column%words(size(named)))
-        do i = 1, size(named)
-            column%words(i)%text = trim(named(i)%name)
-        end do
-    end subroutine set_words_to_names
 
     !> The header of a table beside that of the statistics: its provenance, and other columns.
     function head_of(columns, head) result(text)

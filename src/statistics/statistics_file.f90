@@ -11,7 +11,6 @@
 module spintop_statistics_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t
-    use spintop_carried_plan, only: carry_plan
     use spintop_checksum, only: checksum_text, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: file_size, input_file_t
@@ -73,7 +72,7 @@ contains
         call stream%output%create(path, stream%error)
         if (.not. allocated(stream%error)) call stream%output%write(head, stream%error)
         call stream%carry_text(line)
-        call carry_plan(stream, copy)
+        call copy%carry(stream)
         call accumulators%store_or_restore(stream)
         checksum = checksum_text(stream%checksum)
         if (.not. allocated(stream%error)) call stream%output%write(checksum // nl, stream%error)
@@ -120,7 +119,7 @@ contains
         if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
         call stream%carry_text(line)
         if (line /= first_line) call stream%refuse()
-        if (.not. allocated(stream%error)) call carry_plan(stream, plan)
+        if (.not. allocated(stream%error)) call plan%carry(stream)
         if (.not. allocated(stream%error)) then
             call plan%start(accumulators)
             call accumulators%store_or_restore(stream)

@@ -5,7 +5,7 @@ module spintop_statistics_merge
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_merge, only: merge_tables, order_parts
-    use spintop_netcdf_file, only: head_of_table
+    use spintop_netcdf_table, only: head_of_table
     use spintop_statistics_file, only: is_statistics, read_statistics
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: write_statistics

@@ -6,6 +6,7 @@ module spintop_statistics_plan
     use spintop_bins, only: bins_t
     use spintop_kinds, only: dp
     use spintop_sobol_indices, only: sobol_indices_t
+    use spintop_state_stream, only: state_stream_t
     use spintop_table_column, only: table_column_t
     implicit none
     private
@@ -44,10 +45,19 @@ module spintop_statistics_plan
         procedure :: bytes
         procedure :: bytes_of_bins
         procedure :: start
+        procedure :: carry
     end type statistics_plan_t
 
     !> Bytes of a counter.
     integer, parameter :: byte = 8
+    !> More groups than any sweep has: each number of them is a real.
+    integer(int64), parameter :: most_groups = 2_int64**53
+    !> Most columns of bins.
+    integer, parameter :: most_over = 2
+    !> What a column and a count take in the file at least.
+    type(table_column_t), parameter :: any_column = table_column_t()
+    integer, parameter :: bytes_of_column = len(any_column%name) + len(any_column%unit) + len(any_column%what), &
+        bytes_of_count = storage_size(most_groups) / 8
     !> Exponents that the values of a column have, as a rule, where memory is estimated: those of one sign
     !> between 1/16 and 16.
     integer, parameter :: usual_exponents = 8, usual_exponents_of_bin = 1
@@ -109,5 +119,80 @@ contains
         call accumulators%start(self%over%bins, size(self%numbers), self%word_count(), self%by_bin)
         if (self%has_indices()) call accumulators%groups%start(size(self%factors), self%groups, size(self%numbers))
     end subroutine start
+
+    !> Writes a plan, or reads it: then it does not know the cells of a row.
+    subroutine carry(self, stream)
+        class(statistics_plan_t), intent(inout) :: self
+        type(state_stream_t), intent(inout) :: stream !! the file
+        integer(int64) :: groups(1)
+        logical :: is_valid
+        integer :: i, n
+
+        n = 0
+        if (allocated(self%over)) n = size(self%over)
+        call stream%carry_count(n, bytes_of_column)
+        if (stream%is_read) allocate (self%over(n))
+        do i = 1, n
+            call carry_column(stream, self%over(i)%column)
+            call stream%carry_list(self%over(i)%bins%edge)
+            call stream%carry_list(self%over(i)%bins%value)
+        end do
+        call carry_columns(stream, self%numbers)
+        call carry_columns(stream, self%categories)
+        call stream%carry_list(self%shares)
+        call stream%carry_flag(self%by_bin)
+        call stream%carry_flag(self%is_netcdf)
+        call carry_columns(stream, self%factors)
+        groups = self%groups
+        call stream%carry_numbers(1, groups)
+        if (.not. stream%is_read .or. allocated(stream%error)) return
+        self%is_wanted = .true.
+        self%groups = groups(1)
+        is_valid = size(self%over) <= most_over
+        do i = 1, size(self%over)
+            if (is_valid) is_valid = size(self%over(i)%bins%edge) == size(self%over(i)%bins%value) + 1
+        end do
+        if (is_valid .and. size(self%factors) > 0) then
+            is_valid = self%has_indices() .and. self%groups >= 1 .and. self%groups <= most_groups
+        end if
+        ! A damaged number of bins must not ask for memory without end.
+        if (is_valid) is_valid = self%bytes_of_bins() <= stream%size
+        if (.not. is_valid) call stream%refuse()
+    end subroutine carry
+
+    subroutine carry_columns(stream, columns)
+        type(state_stream_t), intent(inout) :: stream
+        type(table_column_t), allocatable, intent(inout) :: columns(:)
+        integer :: i, n
+        n = 0
+        if (allocated(columns)) n = size(columns)
+        call stream%carry_count(n, bytes_of_column)
+        if (stream%is_read) allocate (columns(n))
+        do i = 1, n
+            call carry_column(stream, columns(i))
+        end do
+    end subroutine carry_columns
+
+    subroutine carry_column(stream, column)
+        type(state_stream_t), intent(inout) :: stream
+        type(table_column_t), intent(inout) :: column
+        integer :: k, n, length
+
+        call stream%carry_text(column%name)
+        call stream%carry_text(column%unit)
+        call stream%carry_text(column%what)
+        call stream%carry_count(column%kind, 1)
+        n = 0
+        if (allocated(column%words)) n = size(column%words)
+        call stream%carry_count(n, bytes_of_count)
+        if (stream%is_read) allocate (column%words(n))
+        do k = 1, n
+            length = 0
+            if (.not. stream%is_read) length = len(column%words(k)%text)
+            call stream%carry_count(length, 1)
+            if (stream%is_read) column%words(k)%text = repeat(' ', length)
+            call stream%carry_text(column%words(k)%text)
+        end do
+    end subroutine carry_column
 
 end module spintop_statistics_plan

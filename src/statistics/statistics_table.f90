@@ -13,7 +13,6 @@ module spintop_statistics_table
     use spintop_journal, only: journal_entry_t, state_of
     use spintop_kinds, only: dp
     use spintop_row_block, only: row_block_t
-    use spintop_row_table, only: row_table_t
     use spintop_statistics_csv, only: check_statistics_csv, write_statistics_csv
     use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
     use spintop_statistics_netcdf, only: write_statistics_netcdf
@@ -30,18 +29,16 @@ module spintop_statistics_table
     !> time that the first snapshot takes, as those after it.
     real(dp), parameter :: slowest_disk = 1.0e8_dp, times_pause = 20, least_pause = 0.05_dp
 
-    !> Rows, and what is gathered of them.
-    type, extends(row_table_t) :: statistics_table_t
-        !> The table of the rows, which may keep none.
-        class(resumable_table_t), allocatable :: rows_table
+    !> Rows, which may not be kept, and what is gathered of them.
+    type, extends(resumable_table_t) :: statistics_table_t
         type(statistics_plan_t) :: plan
         !> Path of the result, and its header.
-        character(:), allocatable :: path, head
+        character(:), allocatable :: result_path, result_head
         !> Whether this is a part of a sweep.
         logical :: is_part = .false.
         type(accumulators_t), private :: accumulators
         !> The file of the last snapshot, its checksum, and whether no entry names it yet.
-        integer, private :: last_state = 0
+        integer, private :: state = 0
         character(checksum_width), private :: checksum = ''
         logical, private :: is_new = .false.
         !> Numbers of the cases of a block, whether they have values, and their words.
@@ -49,67 +46,64 @@ module spintop_statistics_table
         logical, allocatable, private :: is_ok(:)
         integer, allocatable, private :: words(:, :)
     contains
-        procedure :: begin
+        procedure :: start
         procedure :: format => extract_statistics_cells
         procedure :: append
         procedure :: make_entry_if_due
         procedure :: keep_entry
-        procedure :: end_entry
         procedure :: finish
-        procedure :: abandon
-        procedure, private :: resume
+        procedure, private :: restore
     end type statistics_table_t
 
 contains
 
-    !> Begins to gather, after the table of the rows was started; resumes if that did.
-    subroutine begin(self, error)
+    !> Starts the table of the rows, or resumes it, and with it what is gathered.
+    subroutine start(self, path, head, resume, restart, error)
         class(statistics_table_t), intent(inout) :: self
+        character(*), intent(in) :: path, head !! path of the table of the rows, and its header
+        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
-        self%counts = self%rows_table%counts
-        self%taken_over = self%rows_table%taken_over
-        self%is_resumable = self%rows_table%is_resumable
-        self%is_complete = self%rows_table%is_complete
-        self%remark = self%rows_table%remark
+        call self%resumable_table_t%start(path, head, resume, restart, error)
+        if (allocated(error)) return
         if (self%is_complete) then
-            if (.not. (self%is_part .or. self%plan%is_netcdf)) call check_statistics_csv(self%path, self%plan, problem)
+            if (.not. (self%is_part .or. self%plan%is_netcdf)) call check_statistics_csv(self%result_path, self%plan, problem)
             if (allocated(problem)) then
-                if (problem /= '') error = refusal(self%path, problem)
+                if (problem /= '') error = refusal(self%result_path, problem)
             end if
             if (sum(self%counts) == 0 .and. .not. allocated(error)) call recall_counts(self, error)
             return
         end if
         call self%plan%start(self%accumulators)
-        if (self%rows() > 0) call self%resume(error)
+        if (self%rows() > 0) call self%restore(error)
         if (allocated(error)) then
-            call self%rows_table%abandon(error)
+            call self%abandon(error)
         else
-            call self%rows_table%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
+            call self%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
         end if
-    end subroutine begin
+    end subroutine start
 
     !> Restores what was gathered of the rows that are kept.
-    subroutine resume(self, error)
+    subroutine restore(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         type(statistics_plan_t) :: plan
         character(checksum_width) :: checksum
         character(:), allocatable :: state
 
-        associate (entry => self%rows_table%resumed)
+        associate (entry => self%resumed)
             if (entry%state == 0) then
                 error = input_error('the journal names no statistics of the kept rows')
             else
-                state = state_of(self%rows_table%table%path, entry%state)
+                state = state_of(self%table%path, entry%state)
                 call read_statistics(state, plan, self%accumulators, checksum, error)
                 if (.not. allocated(error) .and. checksum /= entry%state_checksum) then
                     error = input_error(state // ' was changed after it was written')
                 end if
             end if
         end associate
-        if (allocated(error)) error = refusal(self%path, error%message)
-    end subroutine resume
+        if (allocated(error)) error = refusal(self%result_path, error%message)
+    end subroutine restore
 
     !> Reads the number of cases that failed from a complete result. Their reasons are not in it: they count as bad input.
     subroutine recall_counts(self, error)
@@ -126,17 +120,17 @@ contains
 
         allocate (cells(columns_before(self%plan) + 2), source=0.0_dp)
         if (self%is_part) then
-            call read_statistics(self%path, plan, accumulators, checksum, error)
+            call read_statistics(self%result_path, plan, accumulators, checksum, error)
             if (allocated(error)) return
             cells = [real(sum(accumulators%cases), dp), real(sum(accumulators%failed), dp)]
         else
-            allocate (character(len(self%head) + longest_row) :: text)
-            call file%open(self%path, error)
+            allocate (character(len(self%result_head) + longest_row) :: text)
+            call file%open(self%result_path, error)
             if (.not. allocated(error)) call file%read(text, length, error)
             call file%close()
             if (allocated(error)) return
-            read (text(len(self%head) + 1:length), *, iostat=status) cells
-            if (status /= 0) error = refusal(self%path, 'it has no row of all cases')
+            read (text(len(self%result_head) + 1:length), *, iostat=status) cells
+            if (status /= 0) error = refusal(self%result_path, 'it has no row of all cases')
         end if
         associate (last => cells(size(cells) - 1:))
             self%counts(status_bad_input) = nint(last(2), int64)
@@ -180,7 +174,7 @@ contains
                 end do
             end associate
         end associate
-        call self%rows_table%format(block)
+        call self%resumable_table_t%format(block)
     end subroutine extract_statistics_cells
 
     !> Adds rows, and writes a snapshot if an entry of the journal is due.
@@ -214,10 +208,8 @@ contains
         end associate
         ! A snapshot that no entry names yet is older than these rows.
         self%is_new = .false.
-        call self%rows_table%append(block, error)
-        self%counts = self%rows_table%counts
-        if (allocated(error)) return
-        if (self%rows_table%is_due()) call save_snapshot(self, error)
+        call self%resumable_table_t%append(block, error)
+        if (self%is_due() .and. .not. allocated(error)) call save_snapshot(self, error)
     end subroutine append
 
     !> Writes a snapshot to the file that the last entry of the journal does not name.
@@ -225,9 +217,9 @@ contains
         type(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: path
-        call self%rows_table%begin_entry()
-        call self%rows_table%begin_state(self%last_state, path)
-        call write_snapshot(path, self%head, self%plan, self%accumulators, self%checksum, error)
+        call self%begin_entry()
+        call self%begin_state(self%state, path)
+        call write_snapshot(path, self%result_head, self%plan, self%accumulators, self%checksum, error)
         self%is_new = .not. allocated(error)
     end subroutine save_snapshot
 
@@ -258,10 +250,8 @@ contains
         if (self%entry_wanted .and. .not. self%is_new) call save_snapshot(self, error)
         if (.not. self%is_new) return
         self%is_new = .false.
-        self%rows_table%entry_wanted = self%entry_wanted
-        call self%rows_table%make_entry_if_due(entry, due, error)
-        self%in_entry = due
-        entry%state = self%last_state
+        call self%resumable_table_t%make_entry_if_due(entry, due, error)
+        entry%state = self%state
         entry%state_checksum = self%checksum
     end subroutine make_entry_if_due
 
@@ -270,23 +260,16 @@ contains
         class(statistics_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call sync_file(state_of(self%rows_table%table%path, entry%state), error)
-        if (.not. allocated(error)) call self%rows_table%keep_entry(entry, error)
+        call sync_file(state_of(self%table%path, entry%state), error)
+        if (.not. allocated(error)) call self%resumable_table_t%keep_entry(entry, error)
     end subroutine keep_entry
-
-    !> Called after an entry was written.
-    subroutine end_entry(self)
-        class(statistics_table_t), intent(inout) :: self
-        call self%rows_table%end_entry()
-        self%in_entry = .false.
-    end subroutine end_entry
 
     !> Writes the result, and finishes the table of the rows.
     subroutine finish(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call write_statistics(self%path, self%head, self%is_part, self%plan, self%accumulators, error)
-        if (.not. allocated(error)) call self%rows_table%finish(error)
+        call write_statistics(self%result_path, self%result_head, self%is_part, self%plan, self%accumulators, error)
+        if (.not. allocated(error)) call self%resumable_table_t%finish(error)
     end subroutine finish
 
     !> Writes a result: that of a part, or a table.
@@ -305,12 +288,5 @@ contains
             call write_statistics_csv(path, head, plan, accumulators, error)
         end if
     end subroutine write_statistics
-
-    !> Keeps what a later run can resume, and adds that to the message of the error.
-    subroutine abandon(self, error)
-        class(statistics_table_t), intent(inout) :: self
-        type(error_t), intent(inout) :: error !! its message is completed
-        call self%rows_table%abandon(error)
-    end subroutine abandon
 
 end module spintop_statistics_table

@@ -159,12 +159,12 @@ contains
                 call problems%add(key_of_level, 'only a NetCDF table can be compressed', "set output.format = 'netcdf'")
             else if (.not. job%keeps_rows()) then
                 call problems%add(key_of_level, 'there are no rows to compress', 'omit it')
-            else if (has_netcdf() .and. .not. has_compression()) then
+            else if (has_netcdf .and. .not. has_compression) then
                 call problems%add(key_of_level, 'the NetCDF library of this build has no format NetCDF-4', 'omit it')
             end if
         end if
         if (job%input%scene%format /= 'netcdf') return
-        if (.not. has_netcdf()) then
+        if (.not. has_netcdf) then
             call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... makes a build with NetCDF')
         else if (.not. info%has_netcdf) then
             call problems%add(key, 'the table of ' // info%phrase // ' cannot be NetCDF', hint)

@@ -4,10 +4,9 @@ module spintop_study_head
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_parameter_print, only: given_groups, print_namelist
-    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
+    use spintop_provenance, only: header_of, fact_count, fact_t, gather_facts
     use spintop_table_column, only: column_t
-    use spintop_table_head, only: table_head
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: string_t, to_text
     implicit none
     private
     public :: study_head, study_facts, print_input
@@ -24,20 +23,14 @@ contains
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
         character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
-        character(:), allocatable :: head
+        character(:), allocatable :: head, beginning
         type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), lines(:), first(:)
+        type(string_t), allocatable :: input(:)
 
+        beginning = ''
+        if (present(part)) beginning = part
         call study_facts(job, facts, input)
-        call describe_provenance(facts, input, columns, lines)
-        if (present(remarks)) lines = [lines, remarks]
-        if (present(part)) then
-            if (part /= '') then
-                call append(first, part)
-                lines = [first, lines]
-            end if
-        end if
-        head = table_head(lines, columns%name)
+        head = header_of(beginning, facts, input, columns, remarks)
     end function study_head
 
     !> What the header says of a job, and its resolved input.

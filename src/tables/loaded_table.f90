@@ -25,6 +25,8 @@ module spintop_loaded_table
         logical :: has_end = .false.
         !> How it differs from what was written, where that is no error; '' if it does not.
         character(:), allocatable :: damage
+        !> Its text without the rows: header, names of the columns, and lines at the end such as the status.
+        character(:), allocatable :: frame
         !> The file, and the line of each row, for messages.
         character(:), allocatable, private :: path
         integer, allocatable, private :: lines(:)
@@ -96,13 +98,16 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics
         character(*), parameter :: hint = 'a row has a cell for each column'
         type(table_cursor_t) :: head
-        integer :: rows, row, i
+        integer :: rows, row, last, i
 
         head = walk%at
         rows = 0
+        last = head%last
         do while (walk%next_line())
             rows = rows + 1
+            last = walk%at%last
         end do
+        table%frame = walk%text(:min(head%last + 1, len(walk%text))) // walk%text(last + 2:)
         walk%at = head
         allocate (table%cells(size(table%names), rows), table%lines(rows))
         do row = 1, rows

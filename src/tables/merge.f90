@@ -3,11 +3,12 @@ module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
-    use spintop_netcdf_file, only: head_of_table, is_netcdf, netcdf_file_t
-    use spintop_netcdf_table, only: end_problem, netcdf_table_t
+    use spintop_netcdf_file, only: is_netcdf
+    use spintop_netcdf_table, only: head_of_table, netcdf_table_t
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_row_block, only: row_block_t
     use spintop_shard, only: read_shard_line, shard_t
-    use spintop_table_end, only: check_table, table_check_t, table_end_t
+    use spintop_table_end, only: check_table, table_check_t
     use spintop_table_file, only: refuse_to_discard_idle, table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated
     use spintop_text, only: append, string_t, to_text
@@ -15,8 +16,8 @@ module spintop_merge
     private
     public :: merge_tables, order_parts
 
-    !> Bytes of text, or rows of NetCDF, that are copied at once.
-    integer, parameter :: block_size = 1024 * 1024, rows_at_once = 4096
+    !> Bytes of text that are copied at once.
+    integer, parameter :: block_size = 1024 * 1024
 
     character, parameter :: nl = new_line('a')
 
@@ -67,38 +68,30 @@ contains
         type(string_t), intent(in) :: parts(:)
         integer, intent(in) :: part_at(:)
         type(error_t), allocatable, intent(out) :: error
-        type(netcdf_file_t) :: part
-        type(netcdf_table_t) :: table
+        type(netcdf_table_t) :: part
+        type(resumable_table_t) :: table
         type(row_block_t) :: block
-        type(error_t), allocatable :: ignored
-        type(table_end_t) :: ending
-        character(:), allocatable :: problem
-        integer(int64) :: first
-        integer :: i, rows
+        integer :: i
 
         do i = 1, size(part_at)
-            call part%open(parts(part_at(i))%text, .false., error)
-            if (i == 1 .and. .not. allocated(error)) then
-                table%description = part%description
-                table%description%part = ''
+            call part%open(parts(part_at(i))%text, error)
+            if (allocated(error)) exit
+            if (i == 1) then
+                table%netcdf = part%description
+                table%netcdf%part = ''
+                table%has_journal = .false.
                 call table%start(path, head, .false., .false., error)
             end if
-            ending = table_end_t()
-            do first = 1, part%room, rows_at_once
-                if (allocated(error)) exit
-                rows = int(min(int(rows_at_once, int64), part%room - first + 1))
-                call block%reserve(size(part%description%columns), rows)
-                call part%get(first, block%cells(:, :rows), error)
-                block%rows = rows
-                if (allocated(error)) exit
-                call ending%add_cells(block%cells(:, :rows))
+            do while (part%next_rows(block%cells, error))
+                block%rows = size(block%cells, 2)
+                call table%format(block)
                 call table%append(block, error)
+                call block%clear()
             end do
             if (.not. allocated(error)) then
-                problem = end_problem(parts(part_at(i))%text, part, ending)
-                if (problem /= '') error = input_error('cannot merge ' // problem)
+                if (part%problem() /= '') error = input_error('cannot merge ' // part%problem())
             end if
-            call part%close(ignored)
+            call part%close()
             if (allocated(error)) exit
         end do
         if (.not. allocated(error)) call table%finish(error)

@@ -6,11 +6,11 @@ module spintop_provenance
     use spintop_line_list, only: line_list_t
     use spintop_processor, only: processor_level_name
     use spintop_table_column, only: column_t
-    use spintop_table_head, only: format_key, table_format
+    use spintop_table_head, only: format_key, table_format, table_head
     use spintop_text, only: string_t
     implicit none
     private
-    public :: fact_t, fact_count, program_version, program_revision, gather_facts, describe_provenance
+    public :: fact_t, fact_count, program_version, program_revision, gather_facts, header_of
 
     !> Number of items of the metadata of a table.
     integer, parameter :: fact_count = 11
@@ -104,16 +104,19 @@ contains
 
     end subroutine gather_facts
 
-    !> The comment lines in the header of a table: `key: value`, then the input, then the columns.
-    subroutine describe_provenance(facts, input, columns, lines)
+    !> The header of a table: the line that names a part, `key: value` for each fact, the input, the columns, and remarks.
+    function header_of(part, facts, input, columns, remarks) result(head)
+        character(*), intent(in) :: part !! '' for the whole
         type(fact_t), intent(in) :: facts(:) !! items of the metadata
         type(string_t), intent(in) :: input(:) !! the resolved namelist
         class(column_t), intent(in) :: columns(:) !! columns of the table
-        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        type(string_t), intent(in), optional :: remarks(:)
+        character(:), allocatable :: head, unit
+        type(string_t), allocatable :: lines(:)
         type(line_list_t) :: text
-        character(:), allocatable :: unit
         integer :: i
 
+        if (part /= '') call text%add(part)
         do i = 1, size(facts)
             if (facts(i)%value /= '') call text%add(facts(i)%key // ': ' // facts(i)%value)
         end do
@@ -127,7 +130,13 @@ contains
             if (columns(i)%unit /= '') unit = ' [' // trim(columns(i)%unit) // ']'
             call text%add('    ' // trim(columns(i)%name) // unit // ': ' // trim(columns(i)%what))
         end do
+        if (present(remarks)) then
+            do i = 1, size(remarks)
+                call text%add(remarks(i)%text)
+            end do
+        end if
         call text%get(lines)
-    end subroutine describe_provenance
+        head = table_head(lines, columns%name)
+    end function header_of
 
 end module spintop_provenance

@@ -7,6 +7,9 @@
 !>     the table, `resume`            is_complete: nothing is to be done
 !>     part and journal, neither      an error: the rows would be lost
 !>
+!> A NetCDF table grows like one of text: its rows are in the part as they are in memory, and the file is made of them at
+!> the end.
+!>
 !> Rows that are there are kept, failed cases as well. What comes after them is computed by the study: `begin_table` in
 !> sweep_study.f90. A table without a journal is not resumed: what an interrupted run has left of it is discarded.
 !>
@@ -18,13 +21,15 @@ module spintop_resumable_table
     use spintop_files, only: file_exists, file_size, remove_file
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, state_of, write_journal
     use spintop_kinds, only: dp
+    use spintop_netcdf_file, only: is_netcdf
+    use spintop_netcdf_table, only: check_netcdf_table, head_of_table, netcdf_description_t, write_netcdf_table
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_table_column, only: status_column
     use spintop_table_end, only: check_table
     use spintop_table_file, only: part_of, refuse_to_discard, table_file_t
-    use spintop_table_head, only: compare_heads, read_head
+    use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
@@ -34,8 +39,10 @@ module spintop_resumable_table
     !> the last entry: entries take less than a twentieth of the time of one thread.
     real(dp), parameter :: first_pause = 0.05_dp, entry_pause = 0.5_dp, entry_times_pause = 20
 
-    !> A table of a sweep as CSV, with its journal. Other formats override what is done with the part.
+    !> A table of rows, with its journal.
     type, extends(row_table_t) :: resumable_table_t
+        !> What a NetCDF table contains besides its rows, to be set before the start; not allocated for one of text.
+        type(netcdf_description_t), allocatable :: netcdf
         !> Whether the rows are written. Otherwise the part has only the header, the journal still counts the rows,
         !> and another file is made of them, which `finish` leaves as it is.
         logical :: keeps_rows = .true.
@@ -68,14 +75,7 @@ module spintop_resumable_table
         procedure :: finish
         procedure :: abandon
         procedure :: discard
-        procedure :: begin_part
-        procedure :: append_to_part
-        procedure :: flush_part
-        procedure :: check_part
-        procedure :: finish_part
-        procedure, nopass :: read_head => read_beginning
-        procedure :: check_complete
-        procedure, private :: resume
+        procedure, private :: resume, flush_part, check_complete
     end type resumable_table_t
 
 contains
@@ -98,7 +98,7 @@ contains
             call self%table%reserve(path, error)
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. self%has_head .and. file_exists(path)) then
-            problem = difference_from(self, path, head)
+            problem = difference_from(path, head)
             if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
             if (problem /= '') then
                 error = refusal(path, problem)
@@ -151,7 +151,7 @@ contains
             end if
             ! A journal must never record more bytes than its part has.
             call remove_journal(path, error)
-            if (.not. allocated(error)) call self%begin_part(head, error)
+            if (.not. allocated(error)) call self%table%begin(head, error)
             if (self%has_journal .and. .not. allocated(error)) then
                 call self%flush_part(entry, error)
                 if (.not. allocated(error)) call self%table%sync(error)
@@ -173,9 +173,9 @@ contains
         character(:), allocatable :: problem
 
         associate (path => self%table%path)
-            problem = difference_from(self, part_of(path), head)
+            problem = difference_from(part_of(path), head)
             if (problem == '') call read_journal(path, entry, problem)
-            if (problem == '') call self%check_part(entry, problem, error)
+            if (problem == '') call self%table%go_on(entry, problem, error)
             if (problem /= '') error = refusal(path, problem)
             if (allocated(error)) then
                 call self%table%abandon()
@@ -190,14 +190,16 @@ contains
         self%remark = 'resumes after ' // to_text(sum(entry%counts)) // ' rows of an interrupted run'
     end subroutine resume
 
-    !> Formats the rows of a block as text.
+    !> Formats the rows of a block as they are in the part.
     subroutine format_block(self, block)
         class(resumable_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! its cells become text
-        if (self%keeps_rows) then
-            call block%format(self%columns)
-        else
+        if (.not. self%keeps_rows) then
             block%rows = 0
+        else if (allocated(self%netcdf)) then
+            call block%format_as_in_memory()
+        else
+            call block%format(self%columns)
         end if
     end subroutine format_block
 
@@ -206,7 +208,7 @@ contains
         class(resumable_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (self%keeps_rows) call self%append_to_part(block, error)
+        if (self%keeps_rows) call self%table%append(block%text%room(:block%text%length), error)
         self%counts = self%counts + block%counts
         self%doubtful = self%doubtful + block%doubtful
     end subroutine append
@@ -279,13 +281,22 @@ contains
         path = state_of(self%table%path, number)
     end subroutine begin_state
 
-    !> Renames the part to the table, and removes the journal.
+    !> Renames the part to the table, or makes a NetCDF file of it, and removes the journal.
     subroutine finish(self, error)
         class(resumable_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (self%keeps_rows) call self%finish_part(error)
+        logical :: is_left
+        is_left = allocated(self%netcdf) .or. .not. self%keeps_rows
+        if (.not. is_left) then
+            if (.not. allocated(self%trailer)) allocate (self%trailer(0))
+            call self%table%finish(self%trailer, error)
+        else if (self%keeps_rows) then
+            call self%table%write_pending(error)
+            if (.not. allocated(error)) call write_netcdf_table(self%table%path, self%netcdf, part_of(self%table%path), &
+                                                                self%table%ending%checksum(), error)
+        end if
         if (.not. allocated(error)) call remove_journal(self%table%path, error, is_over=.true.)
-        if (.not. self%keeps_rows) call self%table%discard()
+        if (is_left .and. .not. allocated(error)) call self%table%discard()
     end subroutine finish
 
     !> Keeps part and journal for a later run, and adds that to the message of the error.
@@ -306,22 +317,6 @@ contains
         call self%table%discard()
     end subroutine discard
 
-    !> Empties the part, and writes the header.
-    subroutine begin_part(self, head, error)
-        class(resumable_table_t), intent(inout) :: self
-        character(*), intent(in) :: head !! the header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%table%begin(head, error)
-    end subroutine begin_part
-
-    !> Adds rows to the part.
-    subroutine append_to_part(self, block, error)
-        class(resumable_table_t), intent(inout) :: self
-        type(row_block_t), intent(in) :: block !! rows in their order
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%table%append(block%text%room(:block%text%length), error)
-    end subroutine append_to_part
-
     !> Passes all rows to the system; `entry` gets their bytes and checksum.
     subroutine flush_part(self, entry, error)
         class(resumable_table_t), intent(inout) :: self
@@ -332,23 +327,6 @@ contains
         entry%checksum = self%table%ending%checksum()
     end subroutine flush_part
 
-    !> Checks that the part has the bytes of an entry, and truncates it to them: writing continues there.
-    subroutine check_part(self, entry, problem, error)
-        class(resumable_table_t), intent(inout) :: self
-        type(journal_entry_t), intent(in) :: entry !! entry of the journal
-        character(:), allocatable, intent(out) :: problem !! why the part is not the right one; '' if it is
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%table%go_on(entry, problem, error)
-    end subroutine check_part
-
-    !> Renames the part to the table, when it is on the disk.
-    subroutine finish_part(self, error)
-        class(resumable_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (.not. allocated(self%trailer)) allocate (self%trailer(0))
-        call self%table%finish(self%trailer, error)
-    end subroutine finish_part
-
     !> Checks a complete table, and counts its rows by their status, or its motion.
     subroutine check_complete(self, path, problem)
         class(resumable_table_t), intent(inout) :: self
@@ -357,33 +335,26 @@ contains
         integer :: column
         column = 0
         if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
-        call check_table(path, problem, column, self%counts)
+        if (is_netcdf(path)) then
+            call check_netcdf_table(path, problem, self%counts)
+        else
+            call check_table(path, problem, column, self%counts)
+        end if
     end subroutine check_complete
 
-    !> How the header of a file differs from another one; '' if it does not.
-    function difference_from(self, path, head) result(problem)
-        class(resumable_table_t), intent(in) :: self
+    !> How the header of a file differs from another one; '' if it does not. A file may end before its line of names.
+    function difference_from(path, head) result(problem)
         character(*), intent(in) :: path, head
         character(:), allocatable :: problem, found
         type(error_t), allocatable :: error
-        call self%read_head(path, found, error)
+        call head_of_table(path, found, error)
         if (allocated(error)) then
             problem = error%message
-        else
-            problem = compare_heads(found, 'there', head, 'here')
-            if (problem /= '') problem = path // ' was made by another program, build or input' // problem
+            if (len(found) /= file_size(path)) return
         end if
+        problem = compare_heads(found, 'there', head, 'here')
+        if (problem /= '') problem = path // ' was made by another program, build or input' // problem
     end function difference_from
-
-    !> The header of a file; all of one that ends before its line of names.
-    subroutine read_beginning(path, head, error)
-        character(*), intent(in) :: path !! path of the file
-        character(:), allocatable, intent(out) :: head !! the header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call read_head(path, head, error)
-        if (.not. allocated(error)) return
-        if (len(head) == file_size(path)) deallocate (error)
-    end subroutine read_beginning
 
     !> The error of a run that cannot be resumed.
     type(error_t) function refusal(path, problem) result(error)

@@ -35,6 +35,7 @@ module spintop_row_block
         procedure :: clear
         procedure :: set_note
         procedure :: format
+        procedure :: format_as_in_memory
         procedure :: swap
     end type row_block_t
 
@@ -124,6 +125,17 @@ contains
         end do
         self%rows = 0
     end subroutine format
+
+    !> Makes the cells text as they are in memory, and discards them.
+    subroutine format_as_in_memory(self)
+        class(row_block_t), intent(inout) :: self
+        character(:), allocatable :: bytes
+        if (self%rows == 0) return
+        allocate (character(size(self%cells, 1) * self%rows * (storage_size(self%cells) / 8)) :: bytes)
+        bytes = transfer(self%cells(:, :self%rows), bytes)
+        call self%text%append(bytes)
+        self%rows = 0
+    end subroutine format_as_in_memory
 
     !> Exchanges the rows with another block.
     subroutine swap(self, other)

@@ -31,6 +31,25 @@ module spintop_table_column
         type(string_t), allocatable :: words(:)
         !> On a grid, the axis along which the cells vary; 0 if they vary from case to case.
         integer :: axis = 0
+    contains
+        procedure :: set_words
     end type table_column_t
+
+contains
+
+    !> Makes the column one of words.
+    pure subroutine set_words(self, words, kind)
+        class(table_column_t), intent(inout) :: self
+        character(*), intent(in) :: words(:) !! the names of the categories
+        integer, intent(in), optional :: kind !! of the column, if it is not `column_of_words`
+        integer :: i
+        self%kind = column_of_words
+        if (present(kind)) self%kind = kind
+        if (allocated(self%words)) deallocate (self%words)
+        allocate (self%words(size(words)))
+        do i = 1, size(words)
+            self%words(i)%text = trim(words(i))
+        end do
+    end subroutine set_words
 
 end module spintop_table_column

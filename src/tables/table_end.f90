@@ -15,15 +15,16 @@ module spintop_table_end
     use spintop_files, only: input_file_t, read_file
     use spintop_kinds, only: dp
     use spintop_literals, only: is_number_cell
-    use spintop_status, only: last_status
-    use spintop_status_counts, only: count_statuses
-    use spintop_text, only: abbreviate, to_text
+    use spintop_status, only: last_status, status_number
+    use spintop_text, only: abbreviate, string_t, to_text
     implicit none
     private
-    public :: table_end_t, table_check_t, check_table, check_table_text, place_of_summary
+    public :: table_end_t, table_check_t, check_table, check_table_text, place_of_summary, status_of_ending
 
     character, parameter :: nl = new_line('a')
     character(*), parameter :: key = '# end: ', between = ' rows, CRC-32 '
+    !> A comment below the rows that tells how a motion ended.
+    character(*), parameter :: ending_key = '# status: '
     !> Bytes that are read at once.
     integer, parameter :: block_size = 1024 * 1024
 
@@ -247,13 +248,12 @@ contains
     function wrong_row(text) result(problem)
         character(*), intent(in) :: text
         character(:), allocatable :: problem
+        type(string_t), allocatable :: names(:), cells(:)
         logical, allocatable :: is_number(:)
-        character(:), allocatable :: names
         real(dp) :: key_of_row, last_key, step
         integer :: first, last, line, row
 
         problem = ''
-        names = ''
         line = 0
         row = -1
         step = 0
@@ -261,17 +261,12 @@ contains
         do while (first <= len(text))
             last = first + index(text(first:) // nl, nl) - 2
             line = line + 1
-            associate (cells => text(first:last))
-                if (index(cells, '#') /= 1) then
-                    row = row + 1
-                    if (row == 0) then
-                        names = cells
-                        allocate (is_number(count_cells(cells)), source=.true.)
-                    else
-                        call check_row(cells)
-                    end if
-                end if
-            end associate
+            if (index(text(first:last), '#') /= 1) then
+                row = row + 1
+                call cut(text(first:last), cells)
+                if (row > 0) call check_row()
+                if (row == 0) names = cells
+            end if
             if (problem /= '') then
                 problem = 'row ' // to_text(row) // ' (line ' // to_text(line) // ') ' // problem
                 return
@@ -282,62 +277,84 @@ contains
     contains
 
         !> Checks a row against the names and the rows before it.
-        subroutine check_row(cells)
-            character(*), intent(in) :: cells
-            character(:), allocatable :: cell
-            integer :: i, from, status
+        subroutine check_row()
+            integer :: i, status
             logical :: counts
-            if (count_cells(cells) /= size(is_number)) then
-                problem = 'has ' // to_text(count_cells(cells)) // ' cells, not ' // to_text(size(is_number))
+            if (size(cells) /= size(names)) then
+                problem = 'has ' // to_text(size(cells)) // ' cells, not ' // to_text(size(names))
                 return
             end if
-            from = 1
-            do i = 1, size(is_number)
-                cell = cells(from:from + length_of_cell(cells(from:)) - 1)
-                from = from + len(cell) + 1
-                if (row == 1) then
-                    is_number(i) = is_number_cell(cell)
-                else if (is_number(i) .and. .not. is_number_cell(cell)) then
-                    problem = "has '" // abbreviate(cell) // "' in place of a number"
-                    return
-                end if
+            if (row == 1) is_number = [(is_number_cell(cells(i)%text), i=1, size(cells))]
+            do i = 1, size(cells)
+                if (.not. is_number(i) .or. is_number_cell(cells(i)%text)) cycle
+                problem = "has '" // abbreviate(cells(i)%text) // "' in place of a number"
+                return
             end do
-            counts = any(names(:length_of_cell(names)) == ['case', 'bin '])
-            if (.not. counts .and. names(:length_of_cell(names)) /= 't') return
-            read (cells(:length_of_cell(cells)), *, iostat=status) key_of_row
+            counts = any(names(1)%text == ['case', 'bin '])
+            if (.not. counts .and. names(1)%text /= 't') return
+            read (cells(1)%text, *, iostat=status) key_of_row
             if (status /= 0) return
             if (row == 2) step = key_of_row - last_key
             if (row > 1 .and. ((key_of_row - last_key) * step < tiny(step) .or. (counts .and. &
                                                                              nint(key_of_row - last_key) /= 1))) then
-                problem = 'is out of order: ' // names(:length_of_cell(names)) // ' is ' // cells(:length_of_cell(cells))
+                problem = 'is out of order: ' // names(1)%text // ' is ' // cells(1)%text
             end if
             last_key = key_of_row
         end subroutine check_row
 
     end function wrong_row
 
-    !> Number of cells of a line.
-    pure integer function count_cells(line) result(cells)
+    !> The cells of a line; a comma within quotes belongs to its cell.
+    pure subroutine cut(line, cells)
         character(*), intent(in) :: line
-        integer :: first
-        cells = 1
-        first = 1
-        do
-            first = first + length_of_cell(line(first:)) + 1
-            if (first > len(line) + 1) return
-            cells = cells + 1
-        end do
-    end function count_cells
-
-    !> Length of the first cell of a text; a comma within quotes belongs to it.
-    pure integer function length_of_cell(text) result(length)
-        character(*), intent(in) :: text
+        type(string_t), allocatable, intent(out) :: cells(:)
         logical :: is_quoted
+        integer :: first, n, i
+        allocate (cells(1 + count([(line(i:i) == ',', i=1, len(line))])))
         is_quoted = .false.
-        do length = 0, len(text) - 1
-            if (text(length + 1:length + 1) == '"') is_quoted = .not. is_quoted
-            if (text(length + 1:length + 1) == ',' .and. .not. is_quoted) return
+        first = 1
+        n = 0
+        do i = 1, len(line) + 1
+            if (i <= len(line)) then
+                if (line(i:i) == '"') is_quoted = .not. is_quoted
+                if (line(i:i) /= ',' .or. is_quoted) cycle
+            end if
+            n = n + 1
+            cells(n)%text = line(first:i - 1)
+            first = i + 1
         end do
-    end function length_of_cell
+        if (n < size(cells)) cells = cells(:n)
+    end subroutine cut
+
+    !> Counts the rows with each status, and the comment that tells how a motion ended as a row.
+    subroutine count_statuses(lines, column, counts)
+        character(*), intent(in) :: lines !! whole lines of a table
+        integer, intent(in) :: column !! number of the column of the statuses, all before which are numbers; 0 if there is none
+        integer(int64), intent(inout) :: counts(0:last_status) !! increased by the number of rows with each status
+        integer :: first, last, cell, i, status
+
+        first = 1
+        do while (first <= len(lines))
+            last = first + index(lines(first:), new_line('a')) - 2
+            status = -1
+            if (index(lines(first:min(last, first + len(ending_key) - 1)), ending_key) == 1) then
+                status = status_of_ending(lines(first + len(ending_key):last))
+            else if (lines(first:first) /= '#' .and. column > 0) then
+                cell = first
+                do i = 2, column
+                    cell = cell + index(lines(cell:last), ',')
+                end do
+                status = status_number(lines(cell:cell + index(lines(cell:last) // ',', ',') - 2))
+            end if
+            if (status >= 0) counts(status) = counts(status) + 1
+            first = last + 2
+        end do
+    end subroutine count_statuses
+
+    !> The status with whose name a text begins; -1 if there is none.
+    pure integer function status_of_ending(text) result(status)
+        character(*), intent(in) :: text !! such as `at_rest at t = 3.5`
+        status = status_number(text(:scan(text // ' ', ' :') - 1))
+    end function status_of_ending
 
 end module spintop_table_end

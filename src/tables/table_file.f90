@@ -20,7 +20,7 @@ module spintop_table_file
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of, stem_of, changed_after, refuse_to_discard, refuse_to_discard_idle
+    public :: table_file_t, part_of, stem_of, refuse_to_discard, refuse_to_discard_idle
 
     !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
@@ -43,7 +43,6 @@ module spintop_table_file
         procedure :: write_pending
         procedure :: sync
         procedure :: finish
-        procedure :: finish_part
         procedure :: discard
         procedure :: abandon
         procedure, private :: clear
@@ -198,16 +197,8 @@ contains
         call whole%add(self%pending%contents())
         call self%append(whole%line(), error)
         if (.not. allocated(error)) call self%write_pending(error)
-        if (.not. allocated(error)) call self%finish_part(self%bytes, error)
+        if (.not. allocated(error)) call self%file%finish_as(self%path, self%bytes, error)
     end subroutine finish
-
-    !> Renames the part to the table when it is on the disk.
-    subroutine finish_part(self, bytes, error)
-        class(table_file_t), intent(inout) :: self
-        integer(int64), intent(in) :: bytes !! size of the part; -1 if it is not known
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%file%finish_as(self%path, bytes, error)
-    end subroutine finish_part
 
     !> Discards the table: the part is removed, if possible.
     subroutine discard(self)
@@ -250,16 +241,9 @@ contains
         else if (left > 0) then
             problem = part // ' is shorter than its journal records'
         else if (ending%checksum() /= entry%checksum) then
-            problem = changed_after(part)
+            problem = part // ' was changed after it was written: its checksum differs from that in its journal'
         end if
     end subroutine check_bytes
-
-    !> What is wrong with a part whose checksum is not that of its journal.
-    pure function changed_after(part) result(problem)
-        character(*), intent(in) :: part !! path of the part
-        character(:), allocatable :: problem
-        problem = part // ' was changed after it was written: its checksum differs from that in its journal'
-    end function changed_after
 
     !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read.
     subroutine refuse_to_discard(path, error)

@@ -3,6 +3,7 @@
 import os
 import random
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -21,7 +22,7 @@ from program_test import GOOD, PROGRAM, ProgramCase, Table  # noqa: E402
 from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
 from spintop_figures.tables.netcdf import read_netcdf  # noqa: E402
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402
-from survival_test import SLOW  # noqa: E402
+from survival_test import SurvivalCase, is_larger  # noqa: E402
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -351,105 +352,96 @@ class PartsTest(NetcdfCase):
 
 
 @pytest.mark.slow
-class InterruptionTest(NetcdfCase):
+class InterruptionTest(NetcdfCase, SurvivalCase):
     """Runs that are killed, and go on to the same bytes."""
 
-    def start(self, *arguments: str) -> subprocess.Popen:
-        """Start the slow sweep on one thread."""
-        run = subprocess.Popen(
-            [*self.command, "slow.nml", "--set", NETCDF, "--threads", "1", *arguments],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        self.addCleanup(run.wait)
-        self.addCleanup(run.kill)
-        return run
+    result = "output/slow.nc"
 
-    def rows(self) -> int:
-        """Rows that the journal has; 0 without one."""
-        path = self.folder / "output/slow.nc.journal"
-        if not path.exists():
-            return 0
-        lines = path.read_text(encoding="ascii").splitlines()
-        return sum(int(n) for line in lines if line.startswith("rows:") for n in line.split()[1:])
-
-    def interrupt(self, *arguments: str) -> int:
-        """Kill a run when the journal has some rows more; returns its rows."""
-        before = self.rows()
-        run = self.start("--resume", *arguments)
-        deadline = time.monotonic() + 300
-        while self.rows() <= before:
-            self.assertIsNone(run.poll(), "the run ended too early")
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
+    def resume(self, *arguments: str) -> int:
+        """Go on with the slow sweep, and kill it when the journal has some rows more; its rows."""
+        run = self.start("--set", NETCDF, "--resume", *arguments)
+        self.wait_for_rows(run, max(self.journalled_rows(self.result), 0) + 1, self.result)
         run.kill()
         run.wait()
-        return self.rows()
+        return self.journalled_rows(self.result)
 
     def test_killed_and_resumed(self) -> None:
         """With compression and without, with statistics, as a part: as if nothing had happened."""
-        self.write(SLOW, "slow.nml")
         gathered = ["--set", "statistics.columns=theta_min"]
         for arguments in ([], ["--set", "output.compression=5"], gathered):
             with self.subTest(str(arguments)):
                 whole = self.folder / "whole"
-                self.sweep(self.folder / "slow.nml", *arguments, "-o", whole)
-                rows = self.interrupt(*arguments)
-                rows = max(rows, self.interrupt(*arguments))
-                said = self.sweep(self.folder / "slow.nml", *arguments, "--resume")
+                self.sweep(self.slow, *arguments, "-o", whole)
+                self.resume(*arguments)
+                rows = self.resume(*arguments)
+                said = self.sweep(self.slow, *arguments, "--resume")
                 self.assertIn(f"resumes after {rows} rows of an interrupted run", said)
                 for table in whole.glob("*.nc"):
                     again = self.folder / "output" / table.name
                     self.assertEqual(again.read_bytes(), table.read_bytes())
                 left = sorted(path.name for path in (self.folder / "output").iterdir())
                 self.assertEqual(left, sorted(path.name for path in whole.iterdir()))
-                said = self.sweep(self.folder / "slow.nml", *arguments, "--resume")
+                said = self.sweep(self.slow, *arguments, "--resume")
                 self.assertIn("nothing was computed: the table is already complete", said)
                 for path in (self.folder / "output").iterdir():
                     path.unlink()
 
+    def test_killed_while_the_file_is_made(self) -> None:
+        """The rows are there, and the next run makes the file of them, whatever is left of it."""
+        self.write(LONG, "slow.nml")
+        for arguments in ([], ["--set", "output.compression=9"]):
+            whole = self.folder / "whole"
+            self.sweep(self.slow, *arguments, "-o", whole)
+            run = self.start("--set", NETCDF, *arguments)
+            self.wait_until(run, lambda: is_larger(self.folder / f"{self.result}.new", 0))
+            run.kill()
+            if run.wait():
+                self.assertFalse((self.folder / self.result).exists())
+            self.sweep(self.slow, *arguments, "--resume")
+            self.assertEqual(self.read(self.result), self.read("whole/slow.nc"))
+            left = sorted(path.name for path in (self.folder / "output").iterdir())
+            self.assertEqual(left, ["slow.log", "slow.nc"])
+            shutil.rmtree(self.folder / "output")
+
     def test_strangers_and_damage_are_refused(self) -> None:
         """Nothing is discarded unasked, nothing continued that is not the same."""
-        scene = self.write(SLOW, "slow.nml")
-        rows = self.interrupt()
-        part = self.folder / "output/slow.nc.part"
+        rows = self.resume()
+        part = self.folder / f"{self.result}.part"
         kept = part.read_bytes()
-        said = self.sweep(scene, code=2)
+        said = self.sweep(self.slow, code=2)
         self.assertIn(f"an interrupted run of output/slow.nc is there: {rows} rows are kept", said)
-        said = self.sweep(scene, "--resume", "--set", "top.mass=2", code=2)
+        said = self.sweep(self.slow, "--resume", "--set", "top.mass=2", code=2)
         self.assertIn("was made by another program, build or input", said)
         self.assertEqual(part.read_bytes(), kept)
         damaged = bytearray(kept)
-        damaged[kept.index(struct.pack(">d", 1.0)) + 7] ^= 1  # the first value of the axis
+        damaged[kept.index(struct.pack("=d", 1.0))] ^= 1  # the number of the first case
         for content, reason in (
             (bytes(damaged), "was changed after it was written"),
-            (kept[:100], "cannot read"),
-            (b"", "cannot read"),
+            (kept[: kept.index(struct.pack("=d", 1.0))], "is shorter than its journal records"),
+            (kept[:100], "was made by another program, build or input"),
+            (b"", "was made by another program, build or input"),
         ):
             part.write_bytes(content)
-            self.assertIn(reason, self.sweep(scene, "--resume", code=2))
+            self.assertIn(reason, self.sweep(self.slow, "--resume", code=2))
         part.write_bytes(kept)
-        self.sweep(scene, "--resume")
+        self.sweep(self.slow, "--resume")
         self.assertFalse(part.exists())
 
     def test_a_signal_keeps_what_is_there(self) -> None:
         """And says so."""
-        self.write(SLOW, "slow.nml")
         run = subprocess.Popen(
-            [PROGRAM, "slow.nml", "--set", NETCDF, "--threads", "1"],
+            [PROGRAM, self.slow, "--set", NETCDF, "--threads", "1"],
             cwd=self.folder,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
         )
-        deadline = time.monotonic() + 300
-        while self.rows() == 0 and time.monotonic() < deadline:
-            time.sleep(0.01)
+        self.wait_for_rows(run, 1, self.result)
         run.send_signal(signal.SIGTERM)
         said = run.communicate(timeout=60)[1]
         self.assertEqual(run.returncode, -signal.SIGTERM)
-        self.assertIn(f"interrupted: {self.rows()} of 1000 rows of output/slow.nc are kept", said)
+        rows = self.journalled_rows(self.result)
+        self.assertIn(f"interrupted: {rows} of 1000 rows of output/slow.nc are kept", said)
 
 
 class CompressionTest(NetcdfCase):

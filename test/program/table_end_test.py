@@ -24,7 +24,7 @@ STATES = {
     "sweep": [],
     "statistics": [(".part", ".state1", ".state2"), (".state1",)],
     "both": [(".part", ".state1", ".state2"), (".state2",)],
-    "trajectory": [(".part", ".state1", ".state2"), (".state1",), (".part", ".state2.new")],
+    "trajectory": [],
 }
 """Files of the state that an interrupted run of each may leave."""
 

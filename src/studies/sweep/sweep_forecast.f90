@@ -49,7 +49,7 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        class(row_table_t), allocatable :: table
+        class(resumable_table_t), allocatable :: table
         type(sample_t) :: sample
         character(:), allocatable :: head
         integer(int64) :: first, cases

@@ -15,6 +15,7 @@ module spintop_sweep_study
     use spintop_problems, only: problems_t
     use spintop_process, only: host_name, stop_watching_signals
     use spintop_ranks, only: ranks_t
+    use spintop_resumable_table, only: resumable_table_t
     use spintop_row_table, only: row_table_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_sweep, study_kinds
@@ -28,7 +29,7 @@ module spintop_sweep_study
     use spintop_sweep_columns, only: columns_at, sweep_columns, work_for
     use spintop_sweep_forecast, only: forecast_sweep
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
-    use spintop_sweep_table, only: describe_table, start_table
+    use spintop_sweep_table, only: describe_table
     use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_worker, only: size_of_block
     use spintop_thread_team, only: team_t
@@ -112,7 +113,7 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        class(row_table_t), allocatable :: table
+        class(resumable_table_t), allocatable :: table
         type(team_t) :: team
         integer(int64) :: cases(2)
         real(dp) :: began
@@ -179,7 +180,7 @@ contains
     subroutine begin_table(job, options, table, cases, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
-        class(row_table_t), allocatable, intent(out) :: table
+        class(resumable_table_t), allocatable, intent(out) :: table
         integer(int64), intent(out) :: cases(2)
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head
@@ -189,7 +190,7 @@ contains
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return
         if (options%ranks%is_writer()) then
-            call start_table(job, options%resume, options%restart, head, table, error)
+            call table%start(job%files%table, head, options%resume, options%restart, error)
             if (.not. (allocated(error) .or. table%is_complete)) then
                 cases = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             end if

@@ -5,16 +5,14 @@ module spintop_sweep_table
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_errors, only: error_t
     use spintop_resumable_table, only: resumable_table_t
     use spintop_job, only: job_t
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_table_t
+    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_provenance, only: describe_provenance, fact_count, fact_t, gather_facts
+    use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
     use spintop_row_block, only: row_block_t
-    use spintop_row_table, only: row_table_t
     use spintop_scene_words, only: combine_grid
     use spintop_shard, only: shard_t
     use spintop_statistics_result, only: result_columns
@@ -28,12 +26,11 @@ module spintop_sweep_table
     use spintop_sweep_engine, only: slot_t
     use spintop_sweep_notes, only: note_names, note_no_turns_known, note_t
     use spintop_sweep_result, only: proof_cells, value_count
-    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words, status_column, table_column_t
-    use spintop_table_head, only: table_head
+    use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
     use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, start_table, describe_columns, make_head, cells_of_row, add_rows
+    public :: describe_table, describe_columns, make_head, cells_of_row, add_rows
 
     !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
@@ -45,47 +42,40 @@ contains
     subroutine describe_table(job, shard, table, head)
         type(job_t), intent(in) :: job !! the job
         type(shard_t), intent(in) :: shard !! the part
-        class(row_table_t), allocatable, intent(out) :: table !! not yet started
+        class(resumable_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
-        class(resumable_table_t), allocatable :: rows
         type(statistics_table_t), allocatable :: with_statistics
 
-        if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
-            call describe_netcdf(job, shard, rows)
+        if (job%statistics%is_wanted) then
+            allocate (with_statistics)
+            call describe_statistics(job, shard, with_statistics)
+            if (.not. job%keeps_rows()) head = with_statistics%result_head
+            call move_alloc(with_statistics, table)
         else
-            allocate (resumable_table_t :: rows)
-            call describe_columns(job, rows%columns)
+            allocate (resumable_table_t :: table)
         end if
-        call make_head(job, shard, rows%columns, head)
-        if (.not. job%statistics%is_wanted) then
-            call move_alloc(rows, table)
-            return
+        call describe_columns(job, table%columns)
+        if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
+            allocate (table%netcdf)
+            call describe_netcdf(job, shard, table%columns, table%netcdf)
         end if
-        allocate (with_statistics)
-        call describe_statistics(job, shard, rows, with_statistics)
-        if (.not. job%keeps_rows()) head = with_statistics%head
-        call move_alloc(with_statistics, table)
+        if (job%keeps_rows()) call make_head(job, shard, table%columns, head)
     end subroutine describe_table
 
     !> The table of a job as a NetCDF file.
-    subroutine describe_netcdf(job, shard, table)
+    subroutine describe_netcdf(job, shard, columns, description)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(resumable_table_t), allocatable, intent(out) :: table
-        type(netcdf_table_t), allocatable :: file
+        type(table_column_t), intent(in) :: columns(:)
+        type(netcdf_description_t), intent(out) :: description
         type(fact_t) :: facts(fact_count)
 
-        allocate (file)
-        call describe_columns(job, file%columns)
-        associate (description => file%description)
-            call gather(job, facts, description%input)
-            description%facts = facts
-            description%columns = file%columns
-            description%axes = grid_of(job%axes)
-            description%part = shard%beginning(job%axes%cases)
-            if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
-        end associate
-        call move_alloc(file, table)
+        call gather(job, facts, description%input)
+        description%facts = facts
+        description%columns = columns
+        description%axes = grid_of(job%axes)
+        description%part = shard%beginning(job%axes%cases)
+        if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
     end subroutine describe_netcdf
 
     !> The header of a table of a job with these columns.
@@ -95,49 +85,26 @@ contains
         type(table_column_t), intent(in) :: columns(:) !! one for each cell of a row
         character(:), allocatable, intent(out) :: head !! ready to write
         type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:), header(:)
+        type(string_t), allocatable :: input(:)
 
         call gather(job, facts, input)
-        call describe_provenance(facts, input, columns, header)
-        head = table_head(header, columns%name)
-        if (shard%is_part()) head = '# ' // shard%line(job%axes%cases) // new_line('a') // head
+        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
     end subroutine make_head
 
-    !> A table that gathers the rows of another one, which it takes over.
-    subroutine describe_statistics(job, shard, rows, table)
+    !> What is gathered of the rows of a table.
+    subroutine describe_statistics(job, shard, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
-        class(resumable_table_t), allocatable, intent(inout) :: rows
         type(statistics_table_t), intent(inout) :: table
 
-        rows%keeps_rows = job%keeps_rows()
-        rows%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
-        table%columns = rows%columns
-        call move_alloc(rows, table%rows_table)
+        table%keeps_rows = job%keeps_rows()
+        table%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
         table%plan = job%statistics
         table%is_part = shard%is_part()
-        table%path = job%files%table
-        if (job%keeps_rows()) table%path = job%files%statistics
-        call make_head(job, shard, result_columns(table%plan), table%head)
+        table%result_path = job%files%table
+        if (job%keeps_rows()) table%result_path = job%files%statistics
+        call make_head(job, shard, result_columns(table%plan), table%result_head)
     end subroutine describe_statistics
-
-    !> Starts the table, or resumes one (`resume`) with the same header. Rows of an interrupted run are
-    !> discarded only on request (`restart`).
-    subroutine start_table(job, resume, restart, head, table, error)
-        type(job_t), intent(in) :: job !! the job
-        logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
-        character(*), intent(in) :: head !! header as text
-        class(row_table_t), intent(inout) :: table !! the table to start
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-
-        select type (table)
-        type is (statistics_table_t)
-            call table%rows_table%start(job%files%table, head, resume, restart, error)
-            if (.not. allocated(error)) call table%begin(error)
-        class is (resumable_table_t)
-            call table%start(job%files%table, head, resume, restart, error)
-        end select
-    end subroutine start_table
 
     !> Provenance of the table, and the resolved input.
     subroutine gather(job, facts, input)
@@ -189,31 +156,19 @@ contains
             columns(1 + i)%column_t = job%axis_column(i)
             if (job%axes%combination == combine_grid) columns(1 + i)%axis = i
         end do
-        columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure', column_of_words)
-        call set_words([status_names], columns(axes + 2))
+        columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure')
+        call columns(axes + 2)%set_words([status_names])
         do i = 1, size(chosen)
             associate (quantity => chosen(i), column => columns(axes + 2 + i))
                 column%column_t = quantity%column_t
-                if (.not. (quantity%is_class .or. quantity%is_proof)) cycle
-                column%kind = column_of_words
-                if (quantity%is_class) call set_words([character(len(class_names)) :: 'none', class_names], column)
-                if (quantity%is_proof) call set_words(proof_cells, column)
+                if (quantity%is_class) call column%set_words([character(len(class_names)) :: 'none', class_names])
+                if (quantity%is_proof) call column%set_words(proof_cells)
             end associate
         end do
         columns(size(columns) - 2 * job%sensitivities%count:size(columns) - 1)%column_t = job%sensitivities%table_columns()
-        columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist', column_of_notes)
-        call set_words(note_names, columns(size(columns)))
+        columns(size(columns)) = table_column_t('notes', '', 'reasons why quantities do not exist')
+        call columns(size(columns))%set_words(note_names, column_of_notes)
     end subroutine describe_columns
-
-    subroutine set_words(words, column)
-        character(*), intent(in) :: words(:)
-        type(table_column_t), intent(inout) :: column
-        integer :: i
-        allocate (column%words(size(words)))
-        do i = 1, size(words)
-            column%words(i)%text = trim(words(i))
-        end do
-    end subroutine set_words
 
     !> Cells of a row: number of the case, swept parameters, status, quantities, sensitivities, notes.
     pure integer function cells_of_row(job) result(cells)

@@ -6,14 +6,13 @@ module spintop_motion_table
     use spintop_resumable_table, only: resumable_table_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_netcdf_description, only: netcdf_description_t
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_table_t
+    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_ok
     use spintop_study_head, only: study_facts, study_head
-    use spintop_table_column, only: column_of_words, status_column, table_column_t
+    use spintop_table_column, only: status_column, table_column_t
     use spintop_text, only: append
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -29,11 +28,10 @@ module spintop_motion_table
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
 
-
     !> A table that is being written.
     type :: motion_table_t
         !> The table: CSV or NetCDF, with its header.
-        class(resumable_table_t), allocatable :: rows_table
+        type(resumable_table_t) :: rows_table
         character(:), allocatable, private :: path, head
         type(row_block_t), private :: block
     contains
@@ -53,30 +51,22 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
         type(table_column_t) :: described(size(columns))
-        integer :: i, k
+        integer :: i
 
         self%path = job%files%table
         do i = 1, size(columns)
             described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
-            if (.not. columns(i)%is_proof) cycle
-            described(i)%kind = column_of_words
-            do k = 0, 1
-                call append(described(i)%words, trim(proof_words(k)))
-            end do
+            if (columns(i)%is_proof) call described(i)%set_words(proof_words(0:1))
         end do
-        if (job%input%scene%format == 'netcdf') then
-            allocate (netcdf_table_t :: self%rows_table)
-        else
-            allocate (resumable_table_t :: self%rows_table)
-            self%head = study_head(job, columns)
-        end if
         self%rows_table%has_journal = .false.
         allocate (self%rows_table%columns, source=described)
-        select type (table => self%rows_table)
-        type is (netcdf_table_t)
-            call describe_file(table%description)
-            self%head = table%description%head()
-        end select
+        if (job%input%scene%format == 'netcdf') then
+            allocate (self%rows_table%netcdf)
+            call describe_file(self%rows_table%netcdf)
+            self%head = self%rows_table%netcdf%head()
+        else
+            self%head = study_head(job, columns)
+        end if
 
     contains
 
@@ -150,11 +140,12 @@ contains
         if (allocated(error)) return
         allocate (self%rows_table%trailer(0))
         call append(self%rows_table%trailer, status_column // ': ' // status)
-        select type (table => self%rows_table)
-        type is (netcdf_table_t)
-            table%description%facts(size(table%description%facts))%value = status
-            table%description%axes(1)%length = int(table%rows())
-        end select
+        if (allocated(self%rows_table%netcdf)) then
+            associate (description => self%rows_table%netcdf)
+                description%facts(size(description%facts))%value = status
+                description%axes(1)%length = int(self%rows_table%rows())
+            end associate
+        end if
         call self%rows_table%finish(error)
     end subroutine finish
 

@@ -2,7 +2,6 @@
 module spintop_data_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
-    use spintop_files, only: read_file
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_table_column, only: column_t
@@ -18,9 +17,6 @@ module spintop_data_table
         !> The words that occur, or may occur, without order; not allocated for a column of numbers.
         type(string_t), allocatable :: words(:)
     end type data_column_t
-
-    !> Maximum size of the file of a table, bytes.
-    integer, parameter :: largest_table = 2**30 - 1
 
     !> A table.
     type :: data_table_t
@@ -45,8 +41,8 @@ contains
         integer :: i
 
         call read_table(path, loaded, error)
-        if (.not. allocated(error)) call read_frame(path, table%frame, error)
         if (allocated(error)) return
+        call move_alloc(loaded%frame, table%frame)
         call split(table%frame, new_line('a'), lines)
         table%name = name
         allocate (table%column(size(loaded%names)))
@@ -59,29 +55,6 @@ contains
             end associate
         end do
     end subroutine load_table
-
-    !> Reads the lines of a table that are no rows.
-    subroutine read_frame(path, frame, error)
-        character(*), intent(in) :: path
-        character(:), allocatable, intent(out) :: frame
-        type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: text
-        integer :: first, length
-        logical :: has_names, is_row
-
-        frame = ''
-        call read_file(path, largest_table, text, error, is_text=.true.)
-        first = 1
-        has_names = .false.
-        do while (first <= len(text))
-            length = index(text(first:), new_line('a'))
-            if (length == 0) length = len(text) - first + 1
-            is_row = has_names .and. text(first:first) /= '#'
-            if (.not. is_row) frame = frame // text(first:first + length - 1)
-            has_names = has_names .or. text(first:first) /= '#'
-            first = first + length
-        end do
-    end subroutine read_frame
 
     !> Finds unit and meaning of a column in the header: `#     name [unit]: meaning`, after the line `# columns:`.
     pure subroutine describe_column(lines, column)

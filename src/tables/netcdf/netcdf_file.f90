@@ -1,158 +1,243 @@
-!> A table as a NetCDF file, by the CF conventions: every column is a variable over the grid of the cases. The layout is
-!> fixed when the file is created, and it contains no time stamp of the library. The file is written from its first
-!> row to the last, or continued behind any row, and can be read at the same time.
+!> A NetCDF file by the CF conventions. What one contains is told once, by an extension of `netcdf_contents_t`:
+!> `write_netcdf` has it written, and then, in the file that was closed, compared with what is read.
 !>
-!> A file that is being written has the classic format with 64-bit offsets: after `flush` its first rows are valid
-!> whatever happens later. A complete one may be copied to the format NetCDF-4, with compression.
+!>     call file%add_text(whole_file, 'title', 'A grid')
+!>     call file%add_dimension('bin', 10, bins)
+!>     call file%add_variable('theta', column, [bins], variable)
+!>     call file%put(variable, values, [1], [10])
 !>
-!> The calls of the library are in the submodule `netcdf_file_written`; a build without it has `netcdf_file_absent`
-!> instead, and no file can be created or opened.
+!> After the first error nothing more is done. The calls of the library are in the submodule `netcdf_library`; a build
+!> without it has `netcdf_absent` instead, and no file can be created or opened.
 module spintop_netcdf_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, output_error
-    use spintop_files, only: input_file_t
+    use spintop_exit_codes, only: exit_output
+    use spintop_files, only: input_file_t, output_file_t
     use spintop_kinds, only: dp
-    use spintop_netcdf_description, only: netcdf_description_t
-    use spintop_table_head, only: read_head
+    use spintop_netcdf_grid, only: netcdf_axis_t, netcdf_unit
+    use spintop_provenance, only: fact_t
+    use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, table_column_t
+    use spintop_text, only: replace_all
     implicit none
     private
-    public :: netcdf_file_t, has_netcdf, has_compression, is_netcdf, close_netcdf, confirm_netcdf
-    public :: head_of_table, head_of_netcdf
+    public :: netcdf_file_t, netcdf_contents_t, has_netcdf, has_compression, is_netcdf, whole_file, write_netcdf
 
-    !> Name of the attribute that says how many rows there are, and their checksum.
-    character(*), parameter :: end_key = 'end'
+    !> What has the attributes of the whole file, in place of the number of a variable.
+    integer, parameter :: whole_file = 0
 
-    !> An open file.
+    !> An open file. All numbers are given, and read, as reals.
     type :: netcdf_file_t
-        type(netcdf_description_t) :: description
-        !> Number of rows that the file has room for, and of those put so far.
-        integer(int64) :: room = 0, rows = 0
-        character(:), allocatable, private :: path
+        !> The first error.
+        type(error_t), allocatable :: error
+        character(:), allocatable :: path
+        !> Whether the file is there, and what is put to it is only compared with it.
+        logical :: is_there = .false.
+        !> Level of the compression, 0 to 9: a file in the format NetCDF-4. Without one (-1) it has the classic format.
+        integer :: compression = -1
         integer, private :: id = -1
-        integer, allocatable, private :: variables(:)
-        integer, allocatable, private :: extent(:) !! of the grid; the first varies fastest
-        !> Rows that are not yet written, one column each.
-        real(dp), allocatable, private :: pending(:, :)
-        integer, private :: held = 0
-        !> Whether the file is written; and what the library said when that failed.
-        logical, private :: is_written = .false.
-        integer, private :: failure = 0
+        logical, private :: in_definitions = .false.
+        !> The lengths of the dimensions.
+        integer, allocatable, private :: lengths(:)
     contains
-        procedure :: create
         procedure :: open => open_file
-        procedure :: append
+        procedure :: add_text
+        procedure :: add_numbers
+        procedure :: add_dimension
+        procedure :: add_variable
+        procedure :: define_variable
+        procedure :: put
         procedure :: get
-        procedure :: flush => flush_file
-        procedure :: seal
+        procedure :: read_text
+        procedure :: read_facts
+        procedure :: read_numbers
+        procedure :: read_layout
         procedure :: close => close_file
+        procedure, private :: refuse
     end type netcdf_file_t
 
+    !> What a file contains.
+    type, abstract :: netcdf_contents_t
+    contains
+        procedure(put_all), deferred :: put
+    end type netcdf_contents_t
+
+    abstract interface
+        !> Puts all of it to a file, which is open; called twice, with the same result.
+        subroutine put_all(self, file)
+            import :: netcdf_contents_t, netcdf_file_t
+            class(netcdf_contents_t), intent(inout) :: self
+            type(netcdf_file_t), intent(inout) :: file !! the file; its error may come from here
+        end subroutine put_all
+    end interface
+
+    !> Whether this build contains the library, and whether that has the format NetCDF-4.
+#ifdef SPINTOP_NETCDF
+    logical, parameter :: has_netcdf = .true.
+#else
+    logical, parameter :: has_netcdf = .false.
+#endif
+#ifdef SPINTOP_NETCDF4
+    logical, parameter :: has_compression = .true.
+#else
+    logical, parameter :: has_compression = .false.
+#endif
+
     interface
-        !> Whether this build contains the library.
-        pure logical module function has_netcdf()
-        end function has_netcdf
-
-        !> Whether the library of this build has the format NetCDF-4.
-        pure logical module function has_compression()
-        end function has_compression
-
-        !> Creates a file with room for the rows of a description.
-        module subroutine create(self, path, description, error)
+        !> Creates a file, or opens one that is there; then `compression` is what that has.
+        module subroutine open_file(self, path, is_there, compression)
             class(netcdf_file_t), intent(inout) :: self
-            character(*), intent(in) :: path !! path of the file
-            type(netcdf_description_t), intent(in) :: description !! all but the rows
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine create
-
-        !> Opens a file and reads its description. To continue it set `rows`.
-        module subroutine open_file(self, path, to_continue, error)
-            class(netcdf_file_t), intent(inout) :: self
-            character(*), intent(in) :: path !! path of the file
-            logical, intent(in) :: to_continue !! whether rows are to be appended
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+            character(*), intent(in) :: path
+            logical, intent(in) :: is_there
+            integer, intent(in), optional :: compression !! of a new file
         end subroutine open_file
 
-        !> Appends rows.
-        module subroutine append(self, cells, error)
+        !> Adds an attribute, unless it is empty. One that is there is replaced; when the definitions have ended, by one
+        !> that is not longer.
+        module subroutine add_text(self, variable, name, text)
             class(netcdf_file_t), intent(inout) :: self
-            real(dp), intent(in) :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine append
+            integer, intent(in) :: variable
+            character(*), intent(in) :: name, text
+        end subroutine add_text
 
-        !> Closes a file that was written. After a failure a file in the format NetCDF-4 is left open, because HDF5 ends the
-        !> process where it cannot close it.
-        module subroutine close_netcdf(path, id, failure, uses_hdf, error)
-            character(*), intent(in) :: path !! path of the file
-            integer, intent(inout) :: id !! its number in the library
-            integer, intent(in) :: failure !! what the library said to the last call; 0 for success
-            logical, intent(in) :: uses_hdf !! whether its format is NetCDF-4
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine close_netcdf
+        !> Adds an attribute of numbers of a kind of columns.
+        module subroutine add_numbers(self, variable, name, numbers, kind)
+            class(netcdf_file_t), intent(inout) :: self
+            integer, intent(in) :: variable, kind
+            character(*), intent(in) :: name
+            real(dp), intent(in) :: numbers(:)
+        end subroutine add_numbers
 
-        !> Reads rows, which are written already.
-        module subroutine get(self, first, cells, error)
-            class(netcdf_file_t), intent(in) :: self
-            integer(int64), intent(in) :: first !! number of the first row
-            real(dp), intent(out) :: cells(:, :) !! the rows, one column each
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        !> Adds a dimension; `dimension` is its number.
+        module subroutine add_dimension(self, name, length, dimension)
+            class(netcdf_file_t), intent(inout) :: self
+            character(*), intent(in) :: name
+            integer, intent(in) :: length
+            integer, intent(out) :: dimension
+        end subroutine add_dimension
+
+        !> Adds a variable of a kind of columns over dimensions, of which the first varies fastest, without attributes.
+        module subroutine define_variable(self, name, kind, dimensions, variable)
+            class(netcdf_file_t), intent(inout) :: self
+            character(*), intent(in) :: name
+            integer, intent(in) :: kind, dimensions(:)
+            integer, intent(out) :: variable !! its number
+        end subroutine define_variable
+
+        !> Puts the numbers of a box of a variable, after all definitions.
+        module subroutine put(self, variable, values, start, extent)
+            class(netcdf_file_t), intent(inout) :: self
+            integer, intent(in) :: variable, start(:), extent(:) !! where the box begins, and its size
+            real(dp), intent(in) :: values(:) !! the first dimension varies fastest
+        end subroutine put
+
+        !> Reads the numbers of a box of a variable.
+        module subroutine get(self, variable, values, start, extent)
+            class(netcdf_file_t), intent(inout) :: self
+            integer, intent(in) :: variable, start(:), extent(:) !! as for `put`
+            real(dp), intent(out) :: values(:) !! 0 after an error
         end subroutine get
 
-        !> Has the file say how many rows there are, and their checksum, when it has all of them.
-        module subroutine seal(self, summary, error)
+        !> Reads an attribute that is a text; '' if there is none.
+        module subroutine read_text(self, variable, name, text)
             class(netcdf_file_t), intent(inout) :: self
-            character(*), intent(in) :: summary !! that of spintop_table_end
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine seal
+            integer, intent(in) :: variable
+            character(*), intent(in) :: name
+            character(:), allocatable, intent(out) :: text
+        end subroutine read_text
 
-        !> Passes all rows to the system.
-        module subroutine flush_file(self, error)
+        !> Reads the attributes of the whole file that are texts, in their order.
+        module subroutine read_facts(self, facts)
             class(netcdf_file_t), intent(inout) :: self
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        end subroutine flush_file
+            type(fact_t), allocatable, intent(out) :: facts(:)
+        end subroutine read_facts
 
-        !> Writes all rows, and closes the file.
+        !> Reads an attribute of numbers; none if there is no such attribute.
+        module subroutine read_numbers(self, variable, name, numbers)
+            class(netcdf_file_t), intent(inout) :: self
+            integer, intent(in) :: variable
+            character(*), intent(in) :: name
+            real(dp), allocatable, intent(out) :: numbers(:)
+        end subroutine read_numbers
+
+        !> Reads the dimensions, as they were added, and the kind of each variable.
+        module subroutine read_layout(self, axes, kinds)
+            class(netcdf_file_t), intent(inout) :: self
+            type(netcdf_axis_t), allocatable, intent(out) :: axes(:)
+            integer, allocatable, intent(out) :: kinds(:)
+        end subroutine read_layout
+
+        !> Closes the file, and gives its first error. After an error of writing a file in the format NetCDF-4 is left open,
+        !> because HDF5 ends the process where it cannot close it.
         module subroutine close_file(self, error)
             class(netcdf_file_t), intent(inout) :: self
-            type(error_t), allocatable, intent(out) :: error !! not allocated on success
+            type(error_t), allocatable, intent(out) :: error !! not allocated if there was none
         end subroutine close_file
     end interface
 
 contains
 
-    !> Has a closed file confirmed before it gets its name: what is read from it is what was written. The library does not
-    !> tell of all failures: a short read gives zeros, and a write that fails when a file is closed is no error.
-    subroutine confirm_netcdf(path, is_same, error)
+    !> Writes a file under another name until it is confirmed: the library does not tell of all failures. A short read
+    !> gives zeros, and a write that fails when a file is closed is no error.
+    subroutine write_netcdf(path, contents, compression, error)
         character(*), intent(in) :: path !! path of the file
-        logical, intent(in) :: is_same !! whether what is read is what was written
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (is_same) return
-        error = output_error('cannot write ' // path // ': what is read from it is not what was written')
-    end subroutine confirm_netcdf
-
-    !> The header of a table in either format, as text.
-    subroutine head_of_table(path, head, error)
-        character(*), intent(in) :: path !! path of the table
-        character(:), allocatable, intent(out) :: head !! the header
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        if (is_netcdf(path)) then
-            call head_of_netcdf(path, head, error)
-        else
-            call read_head(path, head, error)
-        end if
-    end subroutine head_of_table
-
-    !> The header of a NetCDF file, as a table of text has it.
-    subroutine head_of_netcdf(path, head, error)
-        character(*), intent(in) :: path !! path of the file
-        character(:), allocatable, intent(out) :: head !! the header
+        class(netcdf_contents_t), intent(inout) :: contents
+        integer, intent(in) :: compression !! its level, or -1
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(netcdf_file_t) :: file
-        type(error_t), allocatable :: ignored
-        head = ''
-        call file%open(path, .false., error)
-        if (.not. allocated(error)) head = file%description%head()
-        call file%close(ignored)
-    end subroutine head_of_netcdf
+        type(output_file_t) :: output
+        logical :: is_there
+
+        call output%create(path // '.new', error)
+        is_there = .false.
+        do while (.not. allocated(error))
+            call file%open(output%path, is_there, compression)
+            call contents%put(file)
+            call file%close(error)
+            if (is_there) exit
+            is_there = .true.
+        end do
+        if (.not. allocated(error)) call output%finish_as(path, -1_int64, error)
+        if (allocated(error)) error%code = exit_output
+        call output%discard()
+    end subroutine write_netcdf
+
+    !> Adds a variable that tells of a column.
+    subroutine add_variable(self, name, column, dimensions, variable)
+        class(netcdf_file_t), intent(inout) :: self
+        character(*), intent(in) :: name
+        type(table_column_t), intent(in) :: column
+        integer, intent(in) :: dimensions(:) !! the first varies fastest
+        integer, intent(out) :: variable !! its number
+        character(:), allocatable :: words
+        real(dp), allocatable :: values(:)
+        integer :: k
+
+        call self%define_variable(name, column%kind, dimensions, variable)
+        call self%add_text(variable, 'column', trim(column%name))
+        call self%add_text(variable, 'long_name', trim(column%what))
+        select case (column%kind)
+        case (column_of_reals)
+            call self%add_text(variable, 'units', netcdf_unit(column%unit))
+        case (column_of_words, column_of_notes)
+            ! The meanings of the values, or of the bits of notes.
+            words = ''
+            do k = 1, size(column%words)
+                words = words // ' ' // replace_all(trim(column%words(k)%text), ' ', '_')
+            end do
+            call self%add_text(variable, 'flag_meanings', words(2:))
+            values = [(real(merge(shiftl(1, k), k, column%kind == column_of_notes), dp), k=0, size(column%words) - 1)]
+            call self%add_numbers(variable, trim(merge('flag_masks ', 'flag_values', column%kind == column_of_notes)), &
+                                  values, column%kind)
+        case (column_of_integers)
+        end select
+    end subroutine add_variable
+
+    !> Makes the error of a file in which is not what was written.
+    subroutine refuse(self)
+        class(netcdf_file_t), intent(inout) :: self
+        if (allocated(self%error)) return
+        self%error = output_error('cannot write ' // self%path // ': what is read from it is not what was written')
+    end subroutine refuse
 
     !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
     logical function is_netcdf(path)

@@ -8,7 +8,6 @@ import sys
 import tempfile
 import unittest
 import unittest.mock
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -24,6 +23,7 @@ from comparing.equations import EQUATIONS, python_rates  # noqa: E402
 from comparing.problem import MOTIONS, Problem  # noqa: E402
 from comparing.program import RunError  # noqa: E402
 from comparing.scene import pose, read_scene, with_truth  # noqa: E402
+from referencing.extrapolation import extrapolated  # noqa: E402
 from spintop_figures.registry import FIGURES  # noqa: E402
 from spintop_figures.tables.table import read_table  # noqa: E402
 
@@ -36,33 +36,6 @@ SHORT = """\
 &span t_end = 1 /
 """
 PROGRAMS = {program.module: program for program in (*SOLVERS, *ENGINES)}
-SEQUENCE = tuple(range(2, 18, 2))
-"""Numbers of midpoint steps that are extrapolated, to order 16."""
-
-
-def extrapolate(rates: Callable, y: list[float], t_end: float, steps: int) -> list[float]:
-    """Integrate by Gragg's extrapolated midpoint rule, with a fixed step size."""
-    size = t_end / steps
-    for _ in range(steps):
-        table: list[list[float]] = []
-        for k, count in enumerate(SEQUENCE):
-            row = midpoint(rates, y, size, count)
-            for j in range(k):
-                factor = (count / SEQUENCE[k - 1 - j]) ** 2 - 1
-                older, table[j] = table[j], row
-                row = [a + (a - b) / factor for a, b in zip(row, older, strict=True)]
-            table.append(row)
-        y = table[-1]
-    return y
-
-
-def midpoint(rates: Callable, y: list[float], size: float, count: int) -> list[float]:
-    """Midpoint steps with Gragg's start."""
-    h = size / count
-    old, new = y, [a + h * f for a, f in zip(y, rates(0.0, y), strict=True)]
-    for _ in range(count - 1):
-        old, new = new, [a + 2 * h * f for a, f in zip(old, rates(0.0, new), strict=True)]
-    return new
 
 
 class CompareCase(unittest.TestCase):
@@ -107,7 +80,9 @@ class EquationsTest(CompareCase):
         for form in suited:
             with self.subTest(form.name):
                 constants, start = form.start(problem)
-                y = extrapolate(python_rates(form, constants), start, problem.t_end, steps)
+                rates, y = python_rates(form, constants), start
+                for _ in range(steps):
+                    y, _ = extrapolated(rates, 0.0, y, problem.t_end / steps, [1.0] * len(y), 8)
                 found = problem.judge([form.attitude(problem, y)])
                 self.assertLess(found["orientation_error"], 1e-12)
 

@@ -252,7 +252,7 @@ class Checkout:
             environment = known | {
                 "HOME": str(folder), "PATH": str(self.shims), "SPINTOP_TEST_LOG": log,
                 "SLURM_ARRAY_TASK_ID": "1", "SLURM_JOB_ID": "1",
-                "SPINTOP_MACHINES": str(folder / "machines"), "SPINTOP_TEST_JOBS": "1",
+                "SPINTOP_TEST_JOBS": "1",
                 "SPINTOP_FLINT": "0", "SPINTOP_NETCDF": "0",
                 "SPINTOP_SUNDIALS_INCLUDE": str(self.shims),
             } | environment  # fmt: skip

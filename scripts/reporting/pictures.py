@@ -2,6 +2,7 @@
 
 import base64
 import io
+import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,9 @@ from spintop_figures.tables.table import Table, TableError
 
 TYPES = {".svg": "svg+xml", ".png": "png"}
 """What scripts/plot makes; the smaller file stands in the page as it is."""
+
+OF_PAPER = re.compile(r" \((?:Figures?|Table) [^)]*\)$")
+"""What a description of a figure says of the paper, which holds for its own runs only."""
 
 THUMBNAIL_WIDTH, THUMBNAIL_QUALITY = 240, 30
 """Pixels of a thumbnail, which is shown at half that width, and its quality as a WebP."""
@@ -74,4 +78,5 @@ def picture_of(name: str, kind: FigureKind, paths: list[Path]) -> Picture:
     shrunk.thumbnail((THUMBNAIL_WIDTH, extent[1]))
     shrunk.save(small, "WEBP", quality=THUMBNAIL_QUALITY)
     address = data_uri(TYPES[ending], files[ending])
-    return Picture(name, kind.what, address, data_uri("webp", small.getvalue()), extent)
+    what = OF_PAPER.sub("", kind.what)
+    return Picture(name, what, address, data_uri("webp", small.getvalue()), extent)

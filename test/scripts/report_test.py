@@ -340,6 +340,7 @@ class PictureTest(ReportCase):
         table = self.table(a_trajectory([*ANGLES, "com_z"]))
         drawn = pictures_of(table)[0]
         self.assertEqual(drawn.name, "table_angles")
+        self.assertNotIn("Figure", drawn.what)  # of the paper, whose run it is not
         self.assertEqual(drawn.extent, (1080, 810))
         self.assertTrue(drawn.address.startswith("data:image/"))
         self.assertEqual([path.name for path in self.folder.iterdir()], ["table.csv"])

@@ -4,6 +4,7 @@ import { Color, InstancedInterleavedBuffer, InterleavedBufferAttribute } from "t
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { countUpTo } from "../dynamics/numbers.js";
 
 /** How strong a trace is at an age, as a part of the whole duration: 1 now, FAINTEST long ago. */
 const FAINTEST = 0.5;
@@ -42,6 +43,7 @@ export class Trace extends Line2 {
   /** Another path of the tip. */
   setPath({ times, points }) {
     const [start, end] = [times[0], times[times.length - 1]];
+    this.times = times;
     this.partOf = (time) => (end > start ? (time - start) / (end - start) : 0);
     const ways = new Float32Array(points).map((value) => value * this.tip);
     this.geometry.dispose(); // of the path before
@@ -59,5 +61,6 @@ export class Trace extends Line2 {
   /** Up to a time. */
   show(time) {
     this.now.value = this.partOf(time);
+    this.geometry.instanceCount = countUpTo(this.times, time); // pieces; of the last one the shader leaves out a part
   }
 }

@@ -7,7 +7,7 @@
 module spintop_space_frame
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp, xp
-    use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one, to_space
+    use spintop_attitude, only: conjugate_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
     use spintop_kernel_types, only: symmetric_top_t
@@ -17,7 +17,6 @@ module spintop_space_frame
     use spintop_series_shares, only: acceleration_rest, acceleration_share
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: space_frame_t
@@ -42,9 +41,6 @@ module spintop_space_frame
         procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
-        procedure :: velocity
-        procedure, nopass :: bracket
-        procedure, nopass :: move
     end type space_frame_t
 
     interface
@@ -81,6 +77,7 @@ contains
         self%body = body
         self%start = start
         self%attitude = 3
+        self%turns_in_space = .true.
         momentum = to_space(start%quaternion, body%inertia * start%omega)
         self%vertical = momentum(3)
         self%i1 = body%inertia(1)
@@ -194,35 +191,6 @@ contains
         change(1) = change(1) - pull * (p2 * p3 - p0 * p1)
         change(2) = change(2) + pull * (p1 * p3 + p0 * p2)
     end subroutine kick
-
-    !> The angular velocity L/I1 and the rate of the momentum, in space axes: xi = (L/I1, L1', L2').
-    pure subroutine velocity(self, y, dy, xi)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states) !! state, and its rate
-        real(dp), intent(out) :: xi(max_states) !! element of the Lie algebra
-        xi(1) = y(1) / self%i1
-        xi(2) = y(2) / self%i1
-        xi(3) = self%vertical / self%i1
-        xi(4:5) = dy(1:2)
-        xi(6:8) = 0
-    end subroutine velocity
-
-    !> Rotations about space axes are composed from right to left; momenta add up.
-    pure function bracket(a, b)
-        real(dp), intent(in) :: a(max_states), b(max_states) !! elements of the Lie algebra
-        real(dp) :: bracket(max_states)
-        bracket = 0
-        bracket(1:3) = cross(b(1:3), a(1:3))
-    end function bracket
-
-    !> Rotates the attitude about a vector in space axes, and adds to the momentum.
-    pure subroutine move(y, xi, change)
-        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the Lie algebra
-        real(dp), intent(out) :: change(max_states) !! change of the state
-        change(1:2) = xi(4:5)
-        change(3:6) = quaternion_product(rotation_minus_one(xi(1:3)), y(3:6))
-        change(7:8) = 0
-    end subroutine move
 
     !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
     !>

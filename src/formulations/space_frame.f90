@@ -13,7 +13,7 @@ module spintop_space_frame
     use spintop_kernel_types, only: symmetric_top_t
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
+    use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega
     use spintop_series_shares, only: acceleration_rest, acceleration_share
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok

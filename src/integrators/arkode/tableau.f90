@@ -4,8 +4,7 @@
 !> lines of weights without a node, of the method and of an embedded one. `order 5 4` gives the orders of both.
 module spintop_tableau
     use, intrinsic :: iso_c_binding, only: c_int
-    use spintop_arkode, only: arkode_t
-    use spintop_arkode_tables, only: arkode_table_t, find_orders, max_arkode_stages
+    use spintop_arkode, only: arkode_t, arkode_table_t, find_orders, max_arkode_stages
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
     use spintop_stepper, only: method_info_t, stepper_t

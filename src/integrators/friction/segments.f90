@@ -10,10 +10,8 @@ module spintop_segments
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: structure_none, structure_series
     use spintop_kinds, only: dp
-    use spintop_lying_still, only: resting_t
-    use spintop_sticking, only: rest_t
-    use spintop_friction_rows, only: end_at_row
-    use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
+    use spintop_rest, only: resting_t, rest_t
+    use spintop_step_ends, only: end_at_row, check_direction, end_before_reversal, end_step_at, may_reverse
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
     implicit none

@@ -7,10 +7,9 @@
 module spintop_lie_group
     use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one
     use spintop_kinds, only: dp
-    use spintop_butcher, only: butcher_t, max_stages
+    use spintop_runge_kutta, only: butcher_t, max_stages, stage_sum
     use spintop_fixed_step, only: fixed_step_t
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: is_ok
     use spintop_stepper, only: run_state_t
     use spintop_vectors, only: cross

@@ -6,8 +6,7 @@ module spintop_ode45
     use spintop_formulation, only: max_states
     use spintop_stepper, only: stepper_t
     use spintop_fixed_step, only: longest_step
-    use spintop_butcher, only: butcher_t, max_stages
-    use spintop_runge_kutta, only: stage_sum
+    use spintop_runge_kutta, only: butcher_t, max_stages, stage_sum
     use spintop_status, only: is_ok, status_non_finite, status_step_too_small
     implicit none
     private

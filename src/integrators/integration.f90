@@ -15,7 +15,7 @@ module spintop_integration
     use spintop_segments, only: segments_t
     use spintop_status, only: is_ok, status_at_rest, status_not_converged, status_ok, status_outside, &
         status_step_limit, status_step_too_small, status_too_many_events, status_turning_point
-    use spintop_step_path, only: follower_t, step_path_t, work_account_t
+    use spintop_step_path, only: follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
     use spintop_stepper, only: counts_t, stepper_t
     use spintop_suitability, only: call_status
     implicit none
@@ -148,7 +148,7 @@ contains
             else
                 self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
             end if
-            call self%search%begin(body, self%follower%motion())
+            call self%search%begin(body, motion_of_follower(self%follower))
             call self%search%judge(body, start)
         end associate
     end subroutine begin_run
@@ -183,7 +183,7 @@ contains
         type(motion_t) :: motion
         ends = .false.
         associate (stepper => self%stepper)
-            if (stepper%t > self%follower%t) call self%follower%go_to(stepper%t, stepper%y)
+            if (stepper%t > self%follower%t) call go_to(self%follower, stepper%t, stepper%y)
             if (associated(self%search)) then
                 motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
                 motion%given_angle = self%follower%given_angle
@@ -239,14 +239,14 @@ contains
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
                 if (abs(samples(next) - t) <= self%slack) then
-                    call self%follower%walk_to(stepper, stepper%t, stepper%y)
+                    call walk_to(self%follower, stepper, stepper%t, stepper%y)
                     call show(self)
                 else if (steps == 0) then
                     call observe_within(self, samples(next))
                 end if
                 next = next + 1
             end do
-            call self%follower%walk_to(stepper, stepper%t, stepper%y)
+            call walk_to(self%follower, stepper, stepper%t, stepper%y)
             if (self%observer%sees_steps .and. self%shown < stepper%t) call show(self)
         end associate
         call set_due(self)
@@ -268,8 +268,7 @@ contains
     subroutine observe_within(self, t)
         type(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        call self%follower%walk_to(self%stepper, t, &
-                                   self%stepper%interpolate(t))
+        call walk_to(self%follower, self%stepper, t, self%stepper%interpolate(t))
         call show(self)
     end subroutine observe_within
 
@@ -333,7 +332,7 @@ contains
         time = t
         y_then = self%stepper%y
         call self%formulation%depart(y_then, time, unused)
-        call self%follower%go_to(t, y_then)
+        call go_to(self%follower, t, y_then)
         call show(self)
     end subroutine observe_departure
 
@@ -359,7 +358,7 @@ contains
             stepper%y = y
             stepper%t = stepper%t + left
             status = status_turning_point
-            call self%follower%go_to(stepper%t, stepper%y)
+            call go_to(self%follower, stepper%t, stepper%y)
             call show(self)
         end associate
     end subroutine check_arrival

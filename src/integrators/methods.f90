@@ -8,14 +8,12 @@ module spintop_methods
     use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
     use spintop_kinds, only: dp
     use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
-    use spintop_ode45, only: ode45_t
-    use spintop_runge_kutta, only: classical_table, dormand_prince_table, explicit_table, runge_kutta_t
+    use spintop_runge_kutta, only: ode45_t, classical_table, dormand_prince_table, explicit_table, runge_kutta_t
     use spintop_splitting, only: composition_4_table, composition_6_table, composition_8_table, nystrom_4_table, &
         nystrom_6_table, splitting_t, strang_table
     use spintop_status, only: status_ok, status_unknown_name
     use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_taylor, only: taylor_info, taylor_t
-    use spintop_taylor_quadruple, only: taylor_quadruple_t
+    use spintop_taylor, only: taylor_info, taylor_t, taylor_quadruple_t
     implicit none
     private
     public :: method_infos, create_stepper, exact_info, method_aliases

@@ -12,7 +12,7 @@ module spintop_step_path
     use spintop_stepper, only: stepper_t
     implicit none
     private
-    public :: follower_t, step_path_t, work_account_t
+    public :: follower_t, step_path_t, work_account_t, go_to, motion_of_follower, walk_to
 
     !> The work since the start.
     type :: work_account_t
@@ -47,10 +47,6 @@ module spintop_step_path
         real(dp) :: error = 0
         type(passages_t) :: passed = passages_t(), given_passed = passages_t()
         class(formulation_t), pointer :: formulation => null()
-    contains
-        procedure :: go_to
-        procedure :: walk_to
-        procedure :: motion => motion_of_follower
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -106,8 +102,8 @@ contains
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        call follower%walk_to(self%stepper, t, self%stepper%interpolate(t))
-        motion = follower%motion()
+        call walk_to(follower, self%stepper, t, self%stepper%interpolate(t))
+        motion = motion_of_follower(follower)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
 
@@ -172,30 +168,18 @@ contains
 
     !> Moves to a later time and state.
     subroutine go_to(self, t, y)
-        class(follower_t), intent(inout) :: self
+        type(follower_t), intent(inout) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
         logical :: sure
         call try(self, t, y, there, sure)
-        call copy_from(self, there)
+        self = there
     end subroutine go_to
-
-    !> Copies another follower of the same motion.
-    pure subroutine copy_from(self, other)
-        class(follower_t), intent(inout) :: self
-        type(follower_t), intent(in) :: other
-        self%t = other%t
-        self%y = other%y
-        self%angle = other%angle
-        self%given_angle = other%given_angle
-        self%passed = other%passed
-        self%given_passed = other%given_passed
-    end subroutine copy_from
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
     recursive subroutine walk_to(self, stepper, t, y)
-        class(follower_t), intent(inout) :: self
+        type(follower_t), intent(inout) :: self
         class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
@@ -211,26 +195,23 @@ contains
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
                                .or. stepper%is_spent()
         if (sure) then
-            call copy_from(self, there)
+            self = there
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
-            call self%walk_to(stepper, middle, stepper%interpolate(middle))
-            call self%walk_to(stepper, t, y)
+            call walk_to(self, stepper, middle, stepper%interpolate(middle))
+            call walk_to(self, stepper, t, y)
         end if
     end subroutine walk_to
 
     !> The follower at a later time and state.
     subroutine try(self, t, y, there, sure)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         type(follower_t), intent(out) :: there
         logical, intent(out) :: sure  !! whether the turns are certain
         logical :: beside
-        there%angle = self%angle
-        there%given_angle = self%given_angle
-        there%passed = self%passed
-        there%given_passed = self%given_passed
+        there = self
         there%t = t
         there%y = y
         sure = .true.
@@ -250,7 +231,7 @@ contains
 
     !> The same for the angles in the axes of the input.
     subroutine try_given(self, there, sure)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         type(follower_t), intent(inout) :: there
         logical, intent(inout) :: sure
         type(motion_t) :: last, next
@@ -268,7 +249,7 @@ contains
 
     !> The motion at the time of the follower.
     type(motion_t) function motion_of_follower(self) result(motion)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         motion = self%formulation%motion(self%t, self%y, self%angle)
         ! In a pole the attitude does not tell phi and psi.
         if (self%passed%arrived) motion%angle(1:3:2) = self%angle(1:3:2)

@@ -11,7 +11,7 @@ module spintop_stepper
     use spintop_status, only: is_ok, status_non_finite
     implicit none
     private
-    public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step
+    public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step, smallest_spacings, smallest_step
 
     !> The admissible errors, prepared for a run.
     type :: error_weight_t
@@ -33,6 +33,8 @@ module spintop_stepper
     !> Smallest error that can be required, relative to a number.
     real(dp), parameter :: rounding = 8 * epsilon_dp
 
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
     !> So many evaluations of the motion within steps count as one step of `max_steps`.
     integer, parameter :: looks_per_step = 16
 
@@ -281,6 +283,14 @@ contains
         class(stepper_t), intent(inout) :: self
         call self%weight%set(self%formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
+
+    !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than the
+    !> control of a step.
+    pure real(dp) function smallest_step(h, t)
+        real(dp), intent(in) :: h, t !! s
+        smallest_step = smallest_spacings * max(epsilon(t) * t, tiny(t))
+        if (h <= smallest_step) smallest_step = smallest_spacings * spacing(t)
+    end function smallest_step
 
     !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, t, y, dy, status)

@@ -18,10 +18,6 @@
 #include "one_body/effects_stages.h"
 #include "one_body/top_series.h"
 
-#include "series/motion_kinds.h"
-#include "series/one_motion_of_level.h"
-#include "series/lane_motion_of_level.h"
-
 #include "binary_powers.h"
 
 #include "one_body/series_terms.h"
@@ -32,6 +28,11 @@
 #include "many_bodies/lane_products.h"
 #include "many_bodies/lane_roots.h"
 #include "many_bodies/lane_series.h"
+
+#include "series/algebra_names.h"
+#include "series/motion_kinds.h"
+#include "series/one_motion_of_level.h"
+#include "series/lane_motion_of_level.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

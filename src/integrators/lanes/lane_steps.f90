@@ -5,8 +5,8 @@ module spintop_lane_steps
     use spintop_kinds, only: dp
     use spintop_lane_series, only: lanes, parts, rows
     use spintop_motions, only: instants
-    use spintop_stepper, only: controls_t
-    use spintop_taylor, only: safety, largest_growth, smallest_spacings, stretch
+    use spintop_stepper, only: controls_t, smallest_spacings
+    use spintop_taylor, only: largest_growth, safety, stretch
     implicit none
     private
     public :: choose_durations, end_before_reversals, add_terms, states_at, step_underflow, non_finite

@@ -23,11 +23,10 @@
 #include "one_body/series_terms.h"
 #include "one_body/dop853_error.h"
 
-#include "many_bodies/lane_vectors.h"
-
 #include "many_bodies/lane_products.h"
 #include "many_bodies/lane_roots.h"
 #include "many_bodies/lane_series.h"
+#include "many_bodies/lane_steps.h"
 
 #include "series/algebra_names.h"
 #include "series/motion_kinds.h"

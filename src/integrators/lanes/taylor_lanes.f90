@@ -15,7 +15,7 @@ module spintop_taylor_lanes
     use spintop_kinds, only: dp, pi, qp
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
-    use spintop_lane_steps, only: add_terms, choose_durations, end_before_reversals, non_finite
+    use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
     use spintop_motion_scales, only: motion_scales, motion_scales_t
     use spintop_pole_passages, only: in_pole, through_pole
@@ -267,7 +267,8 @@ contains
                 worst = max(worst, maxval(trouble))
             end if
             if (worst > 0) call end_lanes(self, trouble)
-            call add_terms(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest, self%steps)
+            call add_steps(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest)
+            self%steps = self%steps + merge(1, 0, now%duration > 0)
             now%side_last = now%side
             now%other_last = now%other
             self%passed_last = self%passed

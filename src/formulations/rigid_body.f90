@@ -12,12 +12,11 @@ module spintop_rigid_body
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
         structure_group, structure_quadruple, structure_series, structure_split
-    use spintop_kernel_types, only: body_products_t, stage_factors_t
+    use spintop_kernel_types, only: body_products_t, stage_factors_t, share_rest, short_share
     use spintop_motion, only: motion_t
     use spintop_motion_slopes, only: verticals
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_series_shares, only: share_rest, short_share
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     implicit none

@@ -10,11 +10,10 @@ module spintop_space_frame
     use spintop_attitude, only: conjugate_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
-    use spintop_kernel_types, only: symmetric_top_t
+    use spintop_kernel_types, only: symmetric_top_t, acceleration_rest, acceleration_share
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega
-    use spintop_series_shares, only: acceleration_rest, acceleration_share
+    use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega, vector
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
     implicit none
@@ -254,13 +253,10 @@ contains
         real(qp) :: space_momentum(3), q(4), momentum(3)
         q = quadruple_attitude(start)
         momentum = real(body%inertia, qp) * quadruple_omega(start)
-        space_momentum = [ &
-            (q(1)**2 + q(2)**2 - q(3)**2 - q(4)**2) * momentum(1) + 2 * (q(2) * q(3) - q(1) * q(4)) * momentum(2) &
-                + 2 * (q(2) * q(4) + q(1) * q(3)) * momentum(3), &
-            2 * (q(2) * q(3) + q(1) * q(4)) * momentum(1) + (q(1)**2 - q(2)**2 + q(3)**2 - q(4)**2) * momentum(2) &
-                + 2 * (q(3) * q(4) - q(1) * q(2)) * momentum(3), &
-            2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
-                + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)] / sum(q**2)
+        associate (u => q(2:4))
+            space_momentum = ((q(1)**2 - sum(u**2)) * momentum + 2 * (dot_product(u, momentum) * u + q(1) * vector(u, momentum))) &
+                / sum(q**2)
+        end associate
     end function space_momentum
 
     !> Taylor coefficients of the motion in quadruple precision.

@@ -109,11 +109,13 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: slope(max_states)
         logical :: is_idle
 
         associate (formulation => self%formulation, stepper => self%method)
             call formulation%prepare(body, start, stepper%y, status)
-            if (is_ok(status)) call check_start(stepper, status)
+            ! The derivative must exist at the start.
+            if (is_ok(status)) call stepper%evaluate(stepper%t, stepper%y, slope, status)
             if (.not. is_ok(status)) return
             call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
             if (allocated(formulation%action)) then
@@ -283,14 +285,6 @@ contains
         call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
         self%shown = self%follower%t
     end subroutine show
-
-    !> Checks that the derivative exists at the start.
-    subroutine check_start(stepper, status)
-        class(stepper_t), intent(inout) :: stepper
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: slope(max_states)
-        call stepper%evaluate(stepper%t, stepper%y, slope, status)
-    end subroutine check_start
 
     !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
     !> step of a fixed-step method, or by a short time before an adaptive one begins.

@@ -78,7 +78,8 @@ class KernelTypesTest(unittest.TestCase):
 
     def prototypes(self) -> str:
         """The types and the declared kernels in C, as gfortran writes them."""
-        source = (KERNELS / "kernel_types.f90").read_text(encoding="utf-8")
+        modules = (ROOT / "src/foundation/kinds.f90", KERNELS / "kernel_types.f90")
+        source = "\n".join(path.read_text(encoding="utf-8") for path in modules)
         for name, text in self.declared.items():
             source += f"""
                 module {name}_declared

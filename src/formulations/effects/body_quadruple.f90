@@ -12,7 +12,7 @@ module spintop_body_quadruple
     use spintop_motion, only: motion_t
     implicit none
     private
-    public :: quaternion_body_t, quadruple_attitude, quadruple_omega
+    public :: quaternion_body_t, quadruple_attitude, quadruple_omega, vector
 
     !> A formulation whose state begins with the attitude quaternion and the momentum in body axes.
     type, abstract, extends(formulation_t) :: quaternion_body_t
@@ -97,7 +97,7 @@ contains
 
     !> Vector product.
     pure function vector(a, b) result(c)
-        real(qp), intent(in) :: a(3), b(3)
+        real(qp), intent(in) :: a(3), b(3) !! the factors
         real(qp) :: c(3)
         c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
     end function vector

@@ -15,12 +15,12 @@ module spintop_body_with_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, max_aside, max_series_order, max_states, structure_group, &
         structure_quadruple, structure_series
-    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t
+    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t, share_rest, &
+        short_share
     use spintop_kinds, only: dp, no_number
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_series_shares, only: share_rest, short_share
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -121,14 +121,6 @@ contains
         status = status_ok
     end subroutine prepare
 
-    !> What acts in a state.
-    pure subroutine loads_at(self, t, y, loads)
-        class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        type(loads_t), intent(out) :: loads
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
-    end subroutine loads_at
-
     !> q' = q (0, w)/2, and P' as in `spintop_loads`.
     pure subroutine derivative(self, t, y, dy, status)
         class(body_with_effects_t), intent(in) :: self
@@ -143,7 +135,7 @@ contains
             call c_find_stages(0, 0, self%stage, t, y, 0.0_dp, none, 1, none, dy)
             return
         end if
-        call loads_at(self, t, y, loads)
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
         dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
         dy(5:7) = loads%rate
         dy(8) = 0
@@ -157,7 +149,7 @@ contains
         real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
         type(loads_t) :: loads
         if (present(rate)) then
-            call loads_at(self, t, y, loads)
+            call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
             rate = acceleration(self%body, loads)
         else
             call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)

@@ -446,7 +446,7 @@ contains
         side%t = t
         side%distance = first - level
         side%sign = 0
-        if (abs(side%distance) > start_rounding * (abs(first) + abs(level))) side%sign = sign_of(side%distance)
+        if (abs(side%distance) > start_rounding * (abs(first) + abs(level))) side%sign = merge(1, -1, side%distance > 0)
     end subroutine aim
 
     !> Whether an angle with turns changes too much between two instants to be followed.
@@ -455,12 +455,6 @@ contains
         real(dp), intent(in) :: before, after
         turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
     end function turns_far
-
-    !> 1 or -1.
-    elemental integer function sign_of(x)
-        real(dp), intent(in) :: x
-        sign_of = merge(1, -1, x > 0)
-    end function sign_of
 
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in each part, and takes
     !> the parts in order. `g` is the polynomial of the distance from the level, with a bound of its error. `steady` is how often
@@ -521,7 +515,7 @@ contains
             if (.not. abs(distance) <= huge(1.0_dp)) side%sign = 0
             if (.not. (abs(distance) > error .and. abs(distance) <= huge(1.0_dp))) return
             call update_is_clear(self, path, k, a, b, g)
-            new_sign = sign_of(distance)
+            new_sign = merge(1, -1, distance > 0)
             if (side%sign == -new_sign .and. side%has_passed .and. .not. side%is_clear) then
                 self%n_passages = side%found_before ! the level is touched
                 side%is_clear = .true.

@@ -71,6 +71,9 @@ module spintop_formulation
         !> less than that of the body by a separated rate, rad/s, in extended precision for its phase.
         integer :: attitude = 0
         real(xp) :: sigma = 0
+        !> With `structure_group` the motion is that on the group of rotations and of additions to the other variables; whether the
+        !> angular velocity by which the quaternion turns changes it in space axes, from the left, and not in body axes.
+        logical :: turns_in_space = .false.
         !> Whether `find_stages` holds: the stages of an explicit Runge-Kutta step in one call, from any state.
         logical :: has_stages = .false.
         !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
@@ -100,9 +103,6 @@ module spintop_formulation
         procedure :: drift => no_flow
         procedure :: kick => no_flow
         procedure :: compose
-        procedure :: velocity => no_velocity
-        procedure, nopass :: bracket => no_bracket
-        procedure, nopass :: move => no_move
         procedure :: time_left => endless
         procedure :: depart => stay
         procedure :: arrive => arrive_nowhere
@@ -329,29 +329,6 @@ contains
             if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
         end do
     end subroutine compose
-
-    !> With `structure_group` the motion is that on a Lie group which acts on the states, y' = d/ds move(y, s xi) at s = 0: the
-    !> element xi of the Lie algebra along which the state `y` moves whose slope is `dy`; finite where these are.
-    pure subroutine no_velocity(self, y, dy, xi)
-        class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
-        real(dp), intent(out) :: xi(max_states) !! unused components are zero
-        xi = 0
-    end subroutine no_velocity
-
-    !> The bracket [a, b] of two elements of the algebra: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ...
-    pure function no_bracket(a, b) result(bracket)
-        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
-        real(dp) :: bracket(max_states)
-        bracket = 0
-    end function no_bracket
-
-    !> Change of the state by the exponential of an element of the algebra.
-    pure subroutine no_move(y, xi, change)
-        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
-        real(dp), intent(out) :: change(max_states) !! of the state
-        change = 0
-    end subroutine no_move
 
     !> Time to the next turning point while theta slows down, s, where the equations end; `huge` where they do not end.
     pure real(dp) function endless(self, y) result(left)

@@ -1,11 +1,9 @@
-!> The registry of formulations: one line each; lists, help, checks and tests derive from it. It is built
-!> once, at the first question, and shared by all threads.
+!> The registry of formulations: one line each; lists, help, checks and tests derive from it.
 module spintop_formulations
     use spintop_body, only: body_t
     use spintop_body_with_effects, only: body_with_effects_t
-    use spintop_formulation, only: formulation_t, formulation_info_t
-    use spintop_energy_rate, only: energy_rate_t
-    use spintop_euler_angles, only: euler_t, lagrange_t
+    use spintop_euler_angles, only: energy_rate_t, euler_t, lagrange_t
+    use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_rigid_body, only: rigid_body_t
     use spintop_space_frame, only: space_frame_t
     use spintop_status, only: status_ok, status_unknown_name
@@ -13,69 +11,40 @@ module spintop_formulations
     private
     public :: formulation_infos, create_formulation
 
-    !> Room for so many.
-    integer, parameter :: most = 16
-
-    type :: entry_t
-        class(formulation_t), allocatable :: prototype
-        !> The variant for bodies with effects; not allocated if there is none.
-        class(formulation_t), allocatable :: with_effects
-    end type entry_t
-
-    !> The formulations by name, in the order in which they are listed.
-    type :: registry_t
-        integer :: size = 0
-        type(entry_t) :: entry(most)
-    contains
-        procedure :: add
-    end type registry_t
-
-    type(registry_t), target :: registry
-
 contains
 
-    !> The registry. Who finds it unbuilt builds it; the others wait for that.
-    function known_formulations() result(known)
-        type(registry_t), pointer :: known
-        !$omp critical (formulations_registry)
-        if (registry%size == 0) call list_formulations(registry)
-        !$omp end critical (formulations_registry)
-        known => registry
-    end function known_formulations
-
-    !> Adds all formulations to the registry.
-    subroutine list_formulations(known)
-        type(registry_t), intent(out) :: known
-        type(rigid_body_t) :: body
-        type(body_with_effects_t) :: affected
-        type(space_frame_t) :: top
-        call known%add(euler_t())
-        call known%add(lagrange_t())
-        call known%add(energy_rate_t(has_ends=.true.))
-        call known%add(lagrange_t(resets_speed=.true.))
-        call known%add(body, with_effects=affected)
-        call known%add(top)
-    end subroutine list_formulations
-
-    !> Adds a formulation.
-    subroutine add(self, prototype, with_effects)
-        class(registry_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: prototype
-        class(formulation_t), intent(in), optional :: with_effects
-        self%size = self%size + 1
-        allocate (self%entry(self%size)%prototype, source=prototype)
-        if (present(with_effects)) allocate (self%entry(self%size)%with_effects, source=with_effects)
-    end subroutine add
+    !> Formulation number i in the order in which they are listed, in its variant for bodies with effects if that is wanted and
+    !> there is one; not allocated beyond the last.
+    subroutine take(i, with_effects, formulation)
+        integer, intent(in) :: i
+        logical, intent(in) :: with_effects
+        class(formulation_t), allocatable, intent(out) :: formulation
+        select case (i)
+        case (1)
+            allocate (euler_t :: formulation)
+        case (2)
+            allocate (lagrange_t :: formulation)
+        case (3)
+            allocate (formulation, source=energy_rate_t(has_ends=.true.))
+        case (4)
+            allocate (formulation, source=lagrange_t(resets_speed=.true.))
+        case (5)
+            if (with_effects) allocate (body_with_effects_t :: formulation)
+            if (.not. with_effects) allocate (rigid_body_t :: formulation)
+        case (6)
+            allocate (space_frame_t :: formulation)
+        end select
+    end subroutine take
 
     !> Names and properties of all formulations.
     function formulation_infos() result(infos)
         type(formulation_info_t), allocatable :: infos(:)
-        type(registry_t), pointer :: known
-        integer :: i
-        known => known_formulations()
-        allocate (infos(known%size))
-        do i = 1, known%size
-            infos(i) = known%entry(i)%prototype%info()
+        class(formulation_t), allocatable :: formulation
+        allocate (infos(0))
+        do
+            call take(size(infos) + 1, .false., formulation)
+            if (.not. allocated(formulation)) return
+            infos = [infos, formulation%info()]
         end do
     end function formulation_infos
 
@@ -86,24 +55,21 @@ contains
         class(formulation_t), allocatable, intent(out) :: formulation !! not allocated if the name is unknown
         integer, intent(out), optional :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(body_t), intent(in), optional :: body !! the body for which it is
-        type(registry_t), pointer :: known
         type(formulation_info_t) :: info
-        logical :: affected
+        logical :: with_effects
         integer :: i
-        affected = .false.
-        if (present(body)) affected = allocated(body%effects)
-        known => known_formulations()
-        do i = 1, known%size
-            info = known%entry(i)%prototype%info()
-            if (info%name /= name) cycle
-            if (affected .and. allocated(known%entry(i)%with_effects)) then
-                allocate (formulation, source=known%entry(i)%with_effects)
-                formulation%body = body ! what the equations offer depends on the effects
-            else
-                allocate (formulation, source=known%entry(i)%prototype)
-            end if
-            exit
+        with_effects = .false.
+        if (present(body)) with_effects = allocated(body%effects)
+        i = 0
+        do
+            i = i + 1
+            call take(i, with_effects, formulation)
+            if (.not. allocated(formulation)) exit
+            info = formulation%info()
+            if (info%name == name) exit
         end do
+        ! What the equations offer depends on the effects.
+        if (allocated(formulation) .and. with_effects) formulation%body = body
         if (present(status)) status = merge(status_ok, status_unknown_name, allocated(formulation))
     end subroutine create_formulation
 

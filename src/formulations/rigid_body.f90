@@ -5,25 +5,23 @@
 module spintop_rigid_body
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
-    use spintop_attitude, only: quaternion_product, rotation_minus_one, vertical_from_quaternion
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_body_quadruple, only: quaternion_body_t
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
         structure_group, structure_quadruple, structure_series, structure_split
-    use spintop_kernel_types, only: body_products_t, stage_factors_t
+    use spintop_kernel_types, only: body_products_t, stage_factors_t, share_rest, short_share
     use spintop_motion, only: motion_t
     use spintop_motion_slopes, only: verticals
     use spintop_motions, only: instants, motions_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_series_shares, only: share_rest, short_share
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
-    use spintop_vectors, only: cross
     implicit none
     private
-    public :: rigid_body_t, bracket_of_turns, move_by_turns
+    public :: rigid_body_t
 
     !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
     type, extends(quaternion_body_t) :: rigid_body_t
@@ -49,9 +47,6 @@ module spintop_rigid_body
         procedure :: expand
         procedure :: drift
         procedure :: kick
-        procedure :: velocity
-        procedure, nopass :: bracket => bracket_of_turns
-        procedure, nopass :: move => move_by_turns
     end type rigid_body_t
 
     interface
@@ -403,32 +398,5 @@ contains
             decay_mean = 1
         end if
     end function decay_mean
-
-    !> The angular velocity in body axes and the rate of the momentum: xi = (omega, Pi').
-    pure subroutine velocity(self, y, dy, xi)
-        class(rigid_body_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
-        real(dp), intent(out) :: xi(max_states) !! element of the algebra
-        xi(1:3) = y(5:7) / self%body%inertia
-        xi(4:6) = dy(5:7)
-        xi(7:8) = 0
-    end subroutine velocity
-
-    !> Rotations about body axes are composed from left to right; momenta add up.
-    pure function bracket_of_turns(a, b) result(bracket)
-        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
-        real(dp) :: bracket(max_states)
-        bracket = 0
-        bracket(1:3) = cross(a(1:3), b(1:3))
-    end function bracket_of_turns
-
-    !> Rotates the attitude about a vector in body axes, and adds to the momentum.
-    pure subroutine move_by_turns(y, xi, change)
-        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the algebra
-        real(dp), intent(out) :: change(max_states) !! of the state
-        change(1:4) = quaternion_product(y(1:4), rotation_minus_one(xi(1:3)))
-        change(5:7) = xi(4:6)
-        change(8) = 0
-    end subroutine move_by_turns
 
 end module spintop_rigid_body

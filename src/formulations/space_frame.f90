@@ -7,17 +7,15 @@
 module spintop_space_frame
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp, xp
-    use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one, to_space
+    use spintop_attitude, only: conjugate_quaternion, to_space
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
-    use spintop_kernel_types, only: symmetric_top_t
+    use spintop_kernel_types, only: symmetric_top_t, acceleration_rest, acceleration_share
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega
-    use spintop_series_shares, only: acceleration_rest, acceleration_share
+    use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega, vector
     use spintop_small_turn, only: half_turn
     use spintop_status, only: status_ok
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: space_frame_t
@@ -42,9 +40,6 @@ module spintop_space_frame
         procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
-        procedure :: velocity
-        procedure, nopass :: bracket
-        procedure, nopass :: move
     end type space_frame_t
 
     interface
@@ -81,6 +76,7 @@ contains
         self%body = body
         self%start = start
         self%attitude = 3
+        self%turns_in_space = .true.
         momentum = to_space(start%quaternion, body%inertia * start%omega)
         self%vertical = momentum(3)
         self%i1 = body%inertia(1)
@@ -195,35 +191,6 @@ contains
         change(2) = change(2) + pull * (p1 * p3 + p0 * p2)
     end subroutine kick
 
-    !> The angular velocity L/I1 and the rate of the momentum, in space axes: xi = (L/I1, L1', L2').
-    pure subroutine velocity(self, y, dy, xi)
-        class(space_frame_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states) !! state, and its rate
-        real(dp), intent(out) :: xi(max_states) !! element of the Lie algebra
-        xi(1) = y(1) / self%i1
-        xi(2) = y(2) / self%i1
-        xi(3) = self%vertical / self%i1
-        xi(4:5) = dy(1:2)
-        xi(6:8) = 0
-    end subroutine velocity
-
-    !> Rotations about space axes are composed from right to left; momenta add up.
-    pure function bracket(a, b)
-        real(dp), intent(in) :: a(max_states), b(max_states) !! elements of the Lie algebra
-        real(dp) :: bracket(max_states)
-        bracket = 0
-        bracket(1:3) = cross(b(1:3), a(1:3))
-    end function bracket
-
-    !> Rotates the attitude about a vector in space axes, and adds to the momentum.
-    pure subroutine move(y, xi, change)
-        real(dp), intent(in) :: y(max_states), xi(max_states) !! state, and element of the Lie algebra
-        real(dp), intent(out) :: change(max_states) !! change of the state
-        change(1:2) = xi(4:5)
-        change(3:6) = quaternion_product(rotation_minus_one(xi(1:3)), y(3:6))
-        change(7:8) = 0
-    end subroutine move
-
     !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).
     !>
     !> Let m = m g l/I1, w = L/I1, and u = e3 = u0 + v/m the height of the axis. With the constants of the
@@ -286,13 +253,10 @@ contains
         real(qp) :: space_momentum(3), q(4), momentum(3)
         q = quadruple_attitude(start)
         momentum = real(body%inertia, qp) * quadruple_omega(start)
-        space_momentum = [ &
-            (q(1)**2 + q(2)**2 - q(3)**2 - q(4)**2) * momentum(1) + 2 * (q(2) * q(3) - q(1) * q(4)) * momentum(2) &
-                + 2 * (q(2) * q(4) + q(1) * q(3)) * momentum(3), &
-            2 * (q(2) * q(3) + q(1) * q(4)) * momentum(1) + (q(1)**2 - q(2)**2 + q(3)**2 - q(4)**2) * momentum(2) &
-                + 2 * (q(3) * q(4) - q(1) * q(2)) * momentum(3), &
-            2 * ((q(2) * q(4) - q(1) * q(3)) * momentum(1) + (q(3) * q(4) + q(1) * q(2)) * momentum(2)) &
-                + (q(1)**2 + q(4)**2 - q(2)**2 - q(3)**2) * momentum(3)] / sum(q**2)
+        associate (u => q(2:4))
+            space_momentum = ((q(1)**2 - sum(u**2)) * momentum + 2 * (dot_product(u, momentum) * u + q(1) * vector(u, momentum))) &
+                / sum(q**2)
+        end associate
     end function space_momentum
 
     !> Taylor coefficients of the motion in quadruple precision.

@@ -1,20 +1,88 @@
-!> Integrates a motion from its start to the end of the span, and passes it to an observer.
+!> Integrates a motion from its start to the end of the span, and passes it to an observer: steps, the samples that are shown,
+!> and the search for events.
 module spintop_integration
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_caller, only: stop_is_wanted
-    use spintop_kinds, only: dp, no_number
     use spintop_body, only: body_t
+    use spintop_caller, only: stop_is_wanted
+    use spintop_constancy, only: margin, noise_of_step, noise_of_tolerance, noise_within_step
+    use spintop_event, only: occasion_knot, occasion_none
     use spintop_events, only: event_search_t
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_kinds, only: dp, no_number
+    use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_observer, only: observer_t
-    use spintop_run, only: run_t
-    use spintop_formulation, only: formulation_t
-    use spintop_stepper, only: stepper_t, counts_t
+    use spintop_poles, only: reach_of
+    use spintop_segments, only: segments_t
+    use spintop_status, only: is_ok, status_at_rest, status_not_converged, status_ok, status_outside, &
+        status_step_limit, status_step_too_small, status_too_many_events, status_turning_point
+    use spintop_step_path, only: follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
+    use spintop_stepper, only: counts_t, stepper_t
     use spintop_suitability, only: call_status
-    use spintop_status, only: is_ok, status_at_rest, status_ok, status_step_limit
     implicit none
     private
     public :: integrate, observer_t, outcome_t
+
+    !> Receives the motion at the sample times.
+    type, abstract :: observer_t
+        !> Set by the observer to end the run.
+        logical :: has_enough = .false.
+        !> Whether phi and psi count their turns, which requires an evaluation in every step; otherwise the
+        !> angles are the values nearest to those of the start.
+        logical :: counts_turns = .true.
+        !> Whether the end of each step is observed too.
+        logical :: sees_steps = .false.
+        !> Whether the work of effects is wanted; then it is set before each motion is observed, J, by its parts.
+        logical :: wants_work = .false.
+        real(dp) :: work(works) = 0
+        !> Where the body was given in other axes, the angles there, set before each motion is observed, rad.
+        real(dp) :: given_angle(3) = 0
+    contains
+        procedure(observe), deferred :: observe
+    end type observer_t
+
+    abstract interface
+        !> Receives the state `y` of a formulation at time `t`, and angles near those of the motion. The times
+        !> are increasing.
+        subroutine observe(self, formulation, t, y, near)
+            import :: observer_t, formulation_t, dp, max_states
+            class(observer_t), intent(inout) :: self
+            class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+            real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
+        end subroutine observe
+    end interface
+
+    !> A run in progress: formulation, stepper, and the samples not yet shown.
+    type :: run_t
+        class(formulation_t), pointer :: formulation => null()
+        !> The method, and what steps through the segment: the method, or what leads on where f is not smooth.
+        class(stepper_t), pointer :: method => null(), stepper => null()
+        class(observer_t), pointer :: observer => null()
+        !> The search for events, if there is one, along the last step.
+        class(event_search_t), pointer :: search => null()
+        type(step_path_t) :: path
+        real(dp), pointer :: samples(:) => null()
+        !> Index of the first sample that was not shown, and the number of samples.
+        integer :: next = 1, last = 0
+        !> Time of the last motion that was shown, and from which on a step is one to look at, s: that of the next sample, or
+        !> any if the angles are followed, or an observer or a search for events sees each step.
+        real(dp) :: shown = -1, due = -huge(1.0_dp)
+        !> How much a sample may lie behind the end of a step of a fixed-step method and be shown there, s.
+        real(dp) :: slack = 0
+        logical :: looks_at_steps = .true.
+        type(follower_t) :: follower
+        !> What a step adds to the error of the motion, rad, at the most.
+        real(dp) :: error_of_step = 0
+        !> The smooth segments of the motion of a body with effects, and the work of these.
+        type(segments_t), allocatable :: segments
+        type(work_account_t) :: account
+    end type run_t
+
+    !> With less than this share of the time gone left, a run arrives at the end of its equations;
+    !> with less than `close`, one that is stuck has arrived too. Shares of the span would be none of the
+    !> motion, which may be as much shorter as one likes.
+    real(dp), parameter :: arrival = 1.0e-4_dp, close = 1.0e-2_dp
+    !> A sample of a fixed-step method within this fraction of a step is at the step.
+    real(dp), parameter :: grid_slack = 1.0e-6_dp
 
     !> Outcome of a run.
     type :: outcome_t
@@ -34,6 +102,260 @@ module spintop_integration
     end type outcome_t
 
 contains
+
+    !> Begins the run: the state at the start, the samples there, and the search for events.
+    subroutine begin_run(self, body, start, status)
+        type(run_t), target, intent(inout) :: self
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp) :: slope(max_states)
+        logical :: is_idle
+
+        associate (formulation => self%formulation, stepper => self%method)
+            call formulation%prepare(body, start, stepper%y, status)
+            ! The derivative must exist at the start.
+            if (is_ok(status)) call stepper%evaluate(stepper%t, stepper%y, slope, status)
+            if (.not. is_ok(status)) return
+            call stepper%projection%begin(stepper%controls%project, formulation, stepper%y)
+            if (allocated(formulation%action)) then
+                self%account%is_open = self%observer%wants_work .and. formulation%action%does_work
+            end if
+            is_idle = .not. self%observer%counts_turns
+            if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
+            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
+            self%follower%formulation => formulation
+            if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            if (stepper%controls%steps > 0) then
+                self%error_of_step = margin * noise_of_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
+            else
+                self%error_of_step = margin * noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            end if
+            self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
+                                  .or. allocated(formulation%action)
+            if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
+            call observe_until(self, 0.0_dp)
+            call leave_rest(self)
+            call stepper%begin(status)
+            call observe_until(self, stepper%t)
+            if (is_ok(status) .and. allocated(formulation%action)) then
+                allocate (self%segments)
+                call self%segments%begin(stepper, self%stepper, status)
+            end if
+            if (.not. associated(self%search)) return
+            if (self%account%is_open) self%path%account => self%account
+            if (stepper%controls%steps > 0) then
+                self%search%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, &
+                    stepper%order())
+            else
+                self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            end if
+            call self%search%begin(body, motion_of_follower(self%follower))
+            call self%search%judge(body, start)
+        end associate
+    end subroutine begin_run
+
+    !> Sets from which time on the steps are examined.
+    pure subroutine set_due(self)
+        type(run_t), intent(inout) :: self
+        self%due = -huge(self%due)
+        if (self%looks_at_steps) return
+        self%due = huge(self%due)
+        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
+    end subroutine set_due
+
+    !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
+    subroutine end_step(self, status, ends)
+        type(run_t), target, intent(inout) :: self
+        integer, intent(out) :: status !! `status_ok`, or the reason of an end (spintop_status)
+        logical, intent(out) :: ends !! whether the run ends here
+        ends = .false.
+        if (self%account%is_open) call self%account%go_to(self%stepper, self%stepper%t)
+        call self%segments%end_step(self%method, self%stepper, status)
+        ! The work of a last instant before rest or reversal, the square of a negligible angular velocity, is zero.
+        self%account%t = max(self%account%t, self%stepper%t)
+        if (is_ok(status) .and. self%segments%passes_jump) call observe_until(self, self%stepper%t)
+        if (is_ok(status) .and. self%segments%occasion /= occasion_none) call handle_occasion(self, ends)
+    end subroutine end_step
+
+    !> Handles the events of rest and departure at the end of a step.
+    subroutine handle_occasion(self, ends)
+        type(run_t), intent(inout) :: self
+        logical, intent(out) :: ends !! whether the run ends here
+        type(motion_t) :: motion
+        ends = .false.
+        associate (stepper => self%stepper)
+            if (stepper%t > self%follower%t) call go_to(self%follower, stepper%t, stepper%y)
+            if (associated(self%search)) then
+                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
+                motion%given_angle = self%follower%given_angle
+                call self%search%record_occasion(self%segments%occasion, motion, self%account%total)
+                ends = self%search%has_enough
+            end if
+            if (self%shown < stepper%t .and. (ends .or. .not. stepper%t < self%method%t_end)) call show(self)
+        end associate
+    end subroutine handle_occasion
+
+    !> Finds the events in the last step. The run ends at one that ends the motion, or as far as the steps that are allowed
+    !> suffice for the search, and the events that can be counted.
+    subroutine find_events_in_step(self, status, ends)
+        type(run_t), intent(inout) :: self
+        integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
+        logical, intent(out) :: ends !! whether the run ends here
+        associate (path => self%path, search => self%search)
+            call path%begin_step(self%stepper, self%follower)
+            if (allocated(self%segments) .and. search%knows(occasion_knot)) call find_events_to_knots(self)
+            if (.not. search%has_enough) call search%find_events(path, self%stepper%t)
+            ends = search%has_enough
+            if (.not. ends .and. (path%is_spent() .or. search%is_full) .and. search%t < self%stepper%t) then
+                status = merge(status_too_many_events, status_step_limit, search%is_full)
+                ends = .true.
+            end if
+            if (ends) call observe_end(self, search%t)
+        end associate
+    end subroutine find_events_in_step
+
+    !> Finds the events up to each row of a table of torques in the last step, and records those of the row.
+    subroutine find_events_to_knots(self)
+        type(run_t), intent(inout) :: self
+        type(motion_t) :: motion
+        real(dp) :: knot
+        associate (path => self%path, search => self%search)
+            do while (.not. search%has_enough)
+                knot = self%formulation%action%next_knot(search%t)
+                if (knot > self%stepper%t) exit
+                call search%find_events(path, knot)
+                if (search%has_enough .or. search%t < knot) exit
+                call path%at(knot, motion)
+                call search%record_occasion(occasion_knot, motion, path%work_until(knot))
+            end do
+        end associate
+    end subroutine find_events_to_knots
+
+    !> Passes the samples up to a time within the last step to the observer, and its end to an observer of steps.
+    subroutine observe_until(self, t)
+        type(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        self%follower%error = self%error_of_step * real(self%stepper%counts%steps, dp)
+        associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
+            do while (next <= self%last .and. .not. self%observer%has_enough)
+                if (samples(next) > t + self%slack) exit
+                if (abs(samples(next) - t) <= self%slack) then
+                    call walk_to(self%follower, stepper, stepper%t, stepper%y)
+                    call show(self)
+                else if (steps == 0) then
+                    call observe_within(self, samples(next))
+                end if
+                next = next + 1
+            end do
+            call walk_to(self%follower, stepper, stepper%t, stepper%y)
+            if (self%observer%sees_steps .and. self%shown < stepper%t) call show(self)
+        end associate
+        call set_due(self)
+    end subroutine observe_until
+
+    !> Passes the remaining samples, and the end, of a run that ends within the last step to the observer.
+    subroutine observe_end(self, t)
+        type(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        do while (self%next <= self%last .and. .not. self%observer%has_enough)
+            if (self%samples(self%next) >= t) exit
+            if (self%stepper%controls%steps == 0) call observe_within(self, self%samples(self%next))
+            self%next = self%next + 1
+        end do
+        call observe_within(self, t)
+    end subroutine observe_end
+
+    !> Passes the motion at a time within the last step to the observer.
+    subroutine observe_within(self, t)
+        type(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        call walk_to(self%follower, self%stepper, t, self%stepper%interpolate(t))
+        call show(self)
+    end subroutine observe_within
+
+    !> Passes the motion at the time of the follower to the observer.
+    subroutine show(self)
+        type(run_t), intent(inout) :: self
+        if (self%account%is_open) then
+            call self%account%go_to(self%stepper, self%follower%t)
+            self%observer%work = self%account%total
+        end if
+        self%observer%given_angle = self%follower%given_angle
+        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
+        self%shown = self%follower%t
+    end subroutine show
+
+    !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
+    !> step of a fixed-step method, or by a short time before an adaptive one begins.
+    subroutine leave_rest(self)
+        type(run_t), intent(inout) :: self
+        real(dp) :: h, y(max_states)
+        logical :: departed
+
+        if (.not. self%formulation%has_ends) return
+        associate (stepper => self%stepper, steps => self%stepper%controls%steps)
+            h = 0
+            if (steps > 0) h = stepper%t_end / steps
+            y = stepper%y
+            call self%formulation%depart(y, h, departed)
+            if (.not. departed) return
+            if (h > stepper%t_end) then
+                h = stepper%t_end
+                y = stepper%y
+                call self%formulation%depart(y, h, departed)
+            end if
+            do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
+                if (self%samples(self%next) >= h) exit
+                call observe_departure(self, self%samples(self%next))
+                self%next = self%next + 1
+            end do
+            stepper%y = y
+            stepper%t = h
+            stepper%grid = 1
+            stepper%counts%steps = 1
+        end associate
+    end subroutine leave_rest
+
+    !> Passes the motion at a time shortly after such a start to the observer.
+    subroutine observe_departure(self, t)
+        type(run_t), intent(inout) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(dp) :: time, y_then(max_states)
+        logical :: unused
+        time = t
+        y_then = self%stepper%y
+        call self%formulation%depart(y_then, time, unused)
+        call go_to(self%follower, t, y_then)
+        call show(self)
+    end subroutine observe_departure
+
+    !> Ends a run that is close to the end of its equations: at the turning point, not beyond.
+    subroutine check_arrival(self, status)
+        type(run_t), intent(inout) :: self
+        integer, intent(inout) :: status !! `status_ok`, or the reason of an end (spintop_status)
+        real(dp) :: left, y(max_states)
+
+        associate (formulation => self%formulation, stepper => self%stepper)
+            left = formulation%time_left(stepper%y)
+            select case (status)
+            case (status_ok)
+                if (left > arrival * stepper%t) return
+            case (status_outside, status_step_too_small, status_not_converged)
+                if (left > close * stepper%t) return
+            case default
+                return
+            end select
+            y = stepper%y
+            call formulation%arrive(y, left)
+            if (stepper%t + left > stepper%t_end) return
+            stepper%y = y
+            stepper%t = stepper%t + left
+            status = status_turning_point
+            call go_to(self%follower, stepper%t, stepper%y)
+            call show(self)
+        end associate
+    end subroutine check_arrival
 
     !> The time of the end of a motion: that at which it came to rest, s.
     pure real(dp) function end_time(self)
@@ -79,7 +401,7 @@ contains
         if (present(search)) run%search => search
         run%samples => samples
         run%last = size(samples)
-        call run%begin(body, start, status)
+        call begin_run(run, body, start, status)
         do while (is_ok(status) .and. run%stepper%t < t_end .and. .not. observer%has_enough)
             if (run%stepper%is_spent() .or. is_stopped(run%stepper%counts%steps)) then
                 status = status_step_limit
@@ -91,12 +413,12 @@ contains
                 call method%advance(status)
             end if
             if (is_ok(status) .and. present(search)) then
-                call run%find_events_in_step(status, ends)
+                call find_events_in_step(run, status, ends)
                 if (ends) exit
             end if
-            if (is_ok(status) .and. run%stepper%t >= run%due) call run%observe_until(run%stepper%t)
-            if (formulation%has_ends) call run%check_arrival(status)
-            if (is_ok(status) .and. allocated(run%segments)) call run%end_step(status, ends)
+            if (is_ok(status) .and. run%stepper%t >= run%due) call observe_until(run, run%stepper%t)
+            if (formulation%has_ends) call check_arrival(run, status)
+            if (is_ok(status) .and. allocated(run%segments)) call end_step(run, status, ends)
             if (ends) exit
         end do
         outcome%status = status

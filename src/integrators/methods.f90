@@ -1,26 +1,22 @@
 !> The registry of methods: one entry each; lists, help, checks and tests derive from it. It is built once,
 !> at the first question, and shared by all threads.
 module spintop_methods
-    use spintop_stepper, only: stepper_t, method_info_t
-    use spintop_butcher, only: explicit_table, classical_table, dormand_prince_table
-    use spintop_runge_kutta, only: runge_kutta_t
-    use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
-    use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
-    use spintop_splitting, only: splitting_t
-    use spintop_splitting_tables, only: strang_table, nystrom_4_table, nystrom_6_table, &
-        composition_4_table, composition_6_table, composition_8_table
-    use spintop_ode45, only: ode45_t
+    use spintop_arkode, only: arkode_t
     use spintop_dop853, only: dop853_t
     use spintop_dop853_table, only: dop853_table
-    use spintop_arkode, only: arkode_t
-    use spintop_taylor, only: taylor_info, taylor_t
-    use spintop_taylor_quadruple, only: taylor_quadruple_t
     use spintop_formulation, only: structure_group, structure_quadruple, structure_split
+    use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
     use spintop_kinds, only: dp
+    use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
+    use spintop_runge_kutta, only: ode45_t, classical_table, dormand_prince_table, explicit_table, runge_kutta_t
+    use spintop_splitting, only: composition_4_table, composition_6_table, composition_8_table, nystrom_4_table, &
+        nystrom_6_table, splitting_t, strang_table
     use spintop_status, only: status_ok, status_unknown_name
+    use spintop_stepper, only: method_info_t, stepper_t
+    use spintop_taylor, only: taylor_info, taylor_t, taylor_quadruple_t
     implicit none
     private
-    public :: method_infos, create_stepper, exact_info
+    public :: method_infos, create_stepper, exact_info, method_aliases
 
     !> The exact solution, which has no steps, as an entry in the list of methods.
     type(method_info_t), parameter :: exact_info = method_info_t( &
@@ -45,6 +41,22 @@ module spintop_methods
     end type registry_t
 
     type(registry_t), target :: registry
+
+    !> Each `other=own`: another name, and the name here.
+    character(*), parameter :: method_aliases(*) = [character(40) :: &
+        'rk45=ode45', 'rkdp=ode45', 'rkdp45=ode45', 'dopri=ode45', 'dopri5=ode45', 'dormand_prince=ode45', &
+        'dp5=ode45', 'rkf45=ode45', 'dop8=dop853', 'dopri8=dop853', 'dopri853=dop853', 'rk8=dop853', &
+        'dp8=dop853', 'ode78=dop853', 'ode89=dop853', 'ode87=dop853', &
+        'euler=euler_forward', 'explicit_euler=euler_forward', 'forward_euler=euler_forward', &
+        'implicit_euler=euler_backward', 'backward_euler=euler_backward', &
+        'rk=rk4', 'runge_kutta=rk4', 'runge_kutta_4=rk4', 'classical=rk4', 'midpoint=rk2', &
+        'crank_nicolson=crank_nicolson_1', 'cn=crank_nicolson_1', 'cn1=crank_nicolson_1', &
+        'cn2=crank_nicolson_2', 'trapezoidal=crank_nicolson_1', 'trapezoid=crank_nicolson_1', &
+        'implicit_midpoint=crank_nicolson_2', 'gauss_2=crank_nicolson_2', 'gauss=gauss_4', &
+        'gauss_legendre=gauss_4', 'gl4=gauss_4', 'gl6=gauss_6', 'gl8=gauss_8', 'rkmk=rkmk_4', 'rkmk4=rkmk_4', &
+        'verlet=splitting_2', 'leapfrog=splitting_2', 'stoermer=splitting_2', 'strang=splitting_2', &
+        'dirk=arkode_dirk', 'sdirk=arkode_dirk', 'erk=arkode_erk', 'arkode=arkode_erk', 'closed_form=exact', &
+        'analytic=exact', 'analytical=exact', 'default=auto', 'automatic=auto']
 
 contains
 

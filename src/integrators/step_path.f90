@@ -1,4 +1,5 @@
-!> The motion within the last step of a run, by dense output, with angles that are followed through every turn.
+!> The motion within the last step of a run, by dense output, with angles that are followed through every turn, and the work of
+!> effects along it.
 module spintop_step_path
     use spintop_attitude, only: square_to_pole
     use spintop_events, only: path_t
@@ -9,10 +10,30 @@ module spintop_step_path
     use spintop_motions, only: instants, motions_t
     use spintop_pole_passages, only: is_at_pole, settle_angles, through_pole
     use spintop_stepper, only: stepper_t
-    use spintop_work_account, only: work_account_t
     implicit none
     private
-    public :: follower_t, step_path_t
+    public :: follower_t, step_path_t, work_account_t, go_to, motion_of_follower, walk_to
+
+    !> The work since the start.
+    type :: work_account_t
+        !> Whether work is counted.
+        logical :: is_open = .false.
+        !> Time up to which it is counted, s, and the work until then by its parts, J.
+        real(dp) :: t = 0, total(works) = 0
+        !> Compensation term of the sums (Kahan).
+        real(dp), private :: rest(works) = 0
+    contains
+        procedure :: go_to => count_until
+    end type work_account_t
+
+    !> Nodes and weights of the Gauss-Legendre rule of 8 points on [-1, 1]. The series of a Taylor step converges over nearly
+    !> twice its length, so the error is at the level of rounding.
+    integer, parameter :: pairs = instants / 2
+    real(dp), parameter :: positive(pairs) = [ &
+        0.18343464249564980494_dp, 0.52553240991632898582_dp, 0.79666647741362673959_dp, 0.96028985649753623168_dp]
+    real(dp), parameter :: node(instants) = [positive, -positive]
+    real(dp), parameter :: weight(pairs) = [ &
+        0.36268378337836198297_dp, 0.31370664587788728734_dp, 0.22238103445337447054_dp, 0.10122853629037625915_dp]
 
     !> The angles, followed through every step, or constant.
     type :: follower_t
@@ -26,10 +47,6 @@ module spintop_step_path
         real(dp) :: error = 0
         type(passages_t) :: passed = passages_t(), given_passed = passages_t()
         class(formulation_t), pointer :: formulation => null()
-    contains
-        procedure :: go_to
-        procedure :: walk_to
-        procedure :: motion => motion_of_follower
     end type follower_t
 
     !> The motion within the last step, by dense output.
@@ -54,6 +71,29 @@ module spintop_step_path
 
 contains
 
+    !> Counts the work up to a time within the last step.
+    subroutine count_until(self, stepper, t)
+        class(work_account_t), intent(inout) :: self
+        class(stepper_t), intent(inout) :: stepper !! the method, after the step
+        real(dp), intent(in) :: t !! time within the last step, s
+        real(dp) :: half, times(instants), y(instants, max_states), power(instants, works), sum, change, new
+        integer :: part
+
+        if (.not. t > self%t) return
+        half = (t - self%t) / 2
+        times = self%t + half + node * half
+        call stepper%states_within(times, y)
+        call stepper%formulation%action%find_powers(times, y, power)
+        do part = 1, works
+            sum = dot_product(weight, power(:pairs, part) + power(pairs + 1:, part))
+            change = half * sum + self%rest(part)
+            new = self%total(part) + change
+            self%rest(part) = change - (new - self%total(part))
+            self%total(part) = new
+        end do
+        self%t = t
+    end subroutine count_until
+
     !> The motion at a time within the last step.
     subroutine motion_in_step(self, t, motion)
         class(step_path_t), intent(inout) :: self
@@ -62,8 +102,8 @@ contains
         type(follower_t) :: follower
         follower = self%seen(max(1, count(self%seen%t <= t)))
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        call follower%walk_to(self%stepper, t, self%stepper%interpolate(t))
-        motion = follower%motion()
+        call walk_to(follower, self%stepper, t, self%stepper%interpolate(t))
+        motion = motion_of_follower(follower)
         if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
     end subroutine motion_in_step
 
@@ -128,30 +168,18 @@ contains
 
     !> Moves to a later time and state.
     subroutine go_to(self, t, y)
-        class(follower_t), intent(inout) :: self
+        type(follower_t), intent(inout) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
         logical :: sure
         call try(self, t, y, there, sure)
-        call copy_from(self, there)
+        self = there
     end subroutine go_to
-
-    !> Copies another follower of the same motion.
-    pure subroutine copy_from(self, other)
-        class(follower_t), intent(inout) :: self
-        type(follower_t), intent(in) :: other
-        self%t = other%t
-        self%y = other%y
-        self%angle = other%angle
-        self%given_angle = other%given_angle
-        self%passed = other%passed
-        self%given_passed = other%given_passed
-    end subroutine copy_from
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
     !> in between are known.
     recursive subroutine walk_to(self, stepper, t, y)
-        class(follower_t), intent(inout) :: self
+        type(follower_t), intent(inout) :: self
         class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(follower_t) :: there
@@ -167,26 +195,23 @@ contains
         if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
                                .or. stepper%is_spent()
         if (sure) then
-            call copy_from(self, there)
+            self = there
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
-            call self%walk_to(stepper, middle, stepper%interpolate(middle))
-            call self%walk_to(stepper, t, y)
+            call walk_to(self, stepper, middle, stepper%interpolate(middle))
+            call walk_to(self, stepper, t, y)
         end if
     end subroutine walk_to
 
     !> The follower at a later time and state.
     subroutine try(self, t, y, there, sure)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         type(follower_t), intent(out) :: there
         logical, intent(out) :: sure  !! whether the turns are certain
         logical :: beside
-        there%angle = self%angle
-        there%given_angle = self%given_angle
-        there%passed = self%passed
-        there%given_passed = self%given_passed
+        there = self
         there%t = t
         there%y = y
         sure = .true.
@@ -206,7 +231,7 @@ contains
 
     !> The same for the angles in the axes of the input.
     subroutine try_given(self, there, sure)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         type(follower_t), intent(inout) :: there
         logical, intent(inout) :: sure
         type(motion_t) :: last, next
@@ -224,7 +249,7 @@ contains
 
     !> The motion at the time of the follower.
     type(motion_t) function motion_of_follower(self) result(motion)
-        class(follower_t), intent(in) :: self
+        type(follower_t), intent(in) :: self
         motion = self%formulation%motion(self%t, self%y, self%angle)
         ! In a pole the attitude does not tell phi and psi.
         if (self%passed%arrived) motion%angle(1:3:2) = self%angle(1:3:2)

@@ -4,17 +4,37 @@
 !> runs a copy; so one serves all threads.
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_compensated_sum, only: add_change
-    use spintop_kinds, only: dp
-    use spintop_error_tolerances, only: error_weight_t
-    use spintop_formulation, only: formulation_t, max_states, structure_none
+    use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
+    use spintop_kinds, only: dp, epsilon_dp
     use spintop_motions, only: instants
-    use spintop_projection, only: projection_t, project_nothing
+    use spintop_projection, only: project_nothing, projection_t
     use spintop_status, only: is_ok, status_non_finite
     implicit none
     private
-    public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step
+    public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step, smallest_spacings, smallest_step
 
+    !> The admissible errors, prepared for a run.
+    type :: error_weight_t
+        !> Absolute part of the admissible error of each component, and the part relative to its magnitude.
+        real(dp) :: absolute(max_states) = 0, relative(max_states) = 0
+        !> Scale of each component.
+        real(dp) :: scale(max_states) = 1
+        !> MATLAB's rule: the magnitude below which the error of a component is absolute.
+        real(dp) :: threshold(max_states) = 0
+        !> Number of components in use.
+        integer :: states = 0
+        logical, private :: cyclic(max_states) = .false.
+    contains
+        procedure :: set
+        procedure :: allowed
+        procedure :: matlab_magnitude
+    end type error_weight_t
+
+    !> Smallest error that can be required, relative to a number.
+    real(dp), parameter :: rounding = 8 * epsilon_dp
+
+    !> Smallest step in units of the spacing of the time.
+    real(dp), parameter :: smallest_spacings = 16
     !> So many evaluations of the motion within steps count as one step of `max_steps`.
     integer, parameter :: looks_per_step = 16
 
@@ -163,6 +183,46 @@ module spintop_stepper
 
 contains
 
+    !> Prepares for a motion, for which the formulation has been prepared.
+    pure subroutine set(self, formulation, relative, absolute)
+        class(error_weight_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: relative, absolute !! tolerances
+        type(formulation_info_t) :: info
+
+        self%scale = formulation%scale
+        self%absolute = absolute * self%scale
+        self%relative = relative
+        self%cyclic = formulation%cyclic
+        where (self%cyclic)
+            self%absolute = (absolute + relative) * self%scale
+            self%relative = rounding
+        end where
+        info = formulation%info()
+        self%states = info%states
+        self%threshold = absolute / relative
+        ! The formulations of the paper have angles as a state, and no quaternion. For them MATLAB's rule has
+        ! its original meaning, in SI units.
+        if (info%quaternion > 0) self%threshold = self%threshold * self%scale
+    end subroutine set
+
+    !> Admissible error of each component in a step between two states.
+    pure function allowed(self, y, y_new)
+        class(error_weight_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), y_new(max_states) !! states at the beginning and at the end of the step
+        real(dp) :: allowed(max_states)
+        allowed = self%absolute + self%relative * max(abs(y), abs(y_new))
+    end function allowed
+
+    !> Magnitude by which MATLAB's step control divides an error, before it compares the ratio with the
+    !> relative tolerance (Shampine and Reichelt, SIAM J. Sci. Comput. 18, 1997).
+    pure function matlab_magnitude(self, y, y_new) result(magnitude)
+        class(error_weight_t), intent(in) :: self
+        real(dp), intent(in) :: y(max_states), y_new(max_states) !! states at the beginning and at the end of the step
+        real(dp) :: magnitude(max_states)
+        magnitude = max(abs(y), abs(y_new), self%threshold)
+    end function matlab_magnitude
+
     !> Adds the cost of another run.
     pure subroutine add(self, other)
         class(counts_t), intent(inout) :: self
@@ -223,6 +283,14 @@ contains
         class(stepper_t), intent(inout) :: self
         call self%weight%set(self%formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
     end subroutine set_weight
+
+    !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than the
+    !> control of a step.
+    pure real(dp) function smallest_step(h, t)
+        real(dp), intent(in) :: h, t !! s
+        smallest_step = smallest_spacings * max(epsilon(t) * t, tiny(t))
+        if (h <= smallest_step) smallest_step = smallest_spacings * spacing(t)
+    end function smallest_step
 
     !> Evaluates the right-hand side and counts it; an infinite or undefined slope is `status_non_finite`.
     subroutine evaluate(self, t, y, dy, status)
@@ -288,5 +356,17 @@ contains
         self%grid = other%grid
         self%counts = other%counts
     end subroutine go_on_from
+
+    !> Adds a change to a state.
+    pure subroutine add_change(y, change, rest, y_new)
+        real(dp), intent(in) :: y(max_states) !! the state
+        real(dp), intent(in) :: change(max_states) !! its change over a step
+        real(dp), intent(inout) :: rest(max_states) !! what the last sum lacks, then what this one lacks
+        real(dp), intent(out) :: y_new(max_states) !! the state after the step
+        real(dp) :: total(max_states)
+        total = change + rest
+        y_new = y + total
+        rest = total - (y_new - y)
+    end subroutine add_change
 
 end module spintop_stepper

@@ -4,7 +4,7 @@
 !> The single conditions are separate procedures, for detailed messages.
 module spintop_suitability
     use spintop_kinds, only: dp
-    use spintop_arkode_tables, only: arkode_table_t, find_arkode_table
+    use spintop_arkode, only: arkode_table_t, find_arkode_table
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_formulation, only: formulation_t, formulation_info_t, structure_none

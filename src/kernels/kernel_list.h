@@ -66,6 +66,15 @@ PROCEDURE(square_lanes, (degree, x, product), int degree, const double *x, doubl
 PROCEDURE(find_force_slopes, (degree, axes, arm, gravity, power, c, slope, first), int degree, const double *axes,
           const double *arm, const double *gravity, const double *power, const double *c, double *slope, double *first)
 
+// lane_steps.h: lengths of the steps of motions in lanes, what is in them, and where they end.
+PROCEDURE(choose_durations, (order, absolute, relative, growth, safety, stretch, c, scale, t, t_end, h, duration, size),
+          int order, double absolute, double relative, double growth, double safety, double stretch, const double *c,
+          const double *scale, const double *t, const double *t_end, double *h, double *duration, double *size)
+PROCEDURE(states_at, (order, c, t, states), int order, const double *c, const double *t, double *states)
+PROCEDURE(rates_at, (order, c, t, rates), int order, const double *c, const double *t, double *rates)
+PROCEDURE(add_steps, (order, c, duration, t_end, t_last, t, state, rest), int order, const double *c, const double *duration,
+          const double *t_end, double *t_last, double *t, double *state, double *rest)
+
 // lane_roots.h: where polynomials in lanes pass zero.
 PROCEDURE(find_changes, (n, share, rounding, a, noise, sign, changes, near), int n, const double *share, double rounding,
           const double *a, double *noise, double *sign, double *changes, double *near)

@@ -1,13 +1,16 @@
-!> Sizes and types of the arguments of the kernels in C, as kernels.h has them (`test/program/kernel_types_test.py` compares).
+!> Sizes and types of the arguments of the kernels in C, as kernels.h has them (`test/program/kernel_types_test.py` compares), and
+!> constants of power series: tables that depend on the number of a term, made by the compiler.
 !>
 !> A kernel is declared where it is called: in the module of the formulation or the method that it belongs to.
 module spintop_kernel_types
     use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use, intrinsic :: iso_fortran_env, only: sp => real32
+    use spintop_kinds, only: dp, qp
     implicit none
     private
     public :: one_constants, lane_constants, numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
     public :: body_products_t, stage_factors_t, symmetric_top_t, stage_effects_t, body_numbers_t, motion_kinds_t
-    public :: lane_body_t
+    public :: lane_body_t, short_share, share_rest, acceleration_share, acceleration_rest, per_binomial
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -68,5 +71,21 @@ module spintop_kernel_types
     type, bind(C) :: lane_body_t
         real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
     end type lane_body_t
+
+    !> Indices in the tables: no compiler need know a type within a constructor.
+    integer :: k, n
+    !> 1/k as a number in single precision and a remainder. A factor that is rounded in the same way in every
+    !> step would make energy and momentum drift. A remainder of a double would be smaller than the rounding
+    !> error of the product, and therefore lost where products and sums are not fused.
+    real(dp), parameter :: short_share(*) = [(real(1 / real(k, sp), dp), k=1, highest_order)]
+    real(dp), parameter :: share_rest(*) = [(real(1 / real(k, qp) - 1 / real(k, sp), dp), k=1, highest_order)]
+    !> The same of 1/((k + 1) (k + 2)), by which coefficient k of a second derivative becomes the next but one of the state.
+    real(dp), parameter :: acceleration_share(0:*) = [(real(1 / real((k + 1) * (k + 2), sp), dp), k=0, highest_order)]
+    real(dp), parameter :: acceleration_rest(0:*) = &
+        [(real(1 / real((k + 1) * (k + 2), qp) - 1 / real((k + 1) * (k + 2), sp), dp), k=0, highest_order)]
+    !> 1 over the binomial coefficient n over k.
+    real(dp), parameter :: per_binomial(0:highest_order, 0:highest_order) = reshape( &
+        [((gamma(real(k + 1, dp)) * gamma(real(max(n - k, 0) + 1, dp)) / gamma(real(n + 1, dp)), &
+           k=0, highest_order), n=0, highest_order)], [highest_order + 1, highest_order + 1])
 
 end module spintop_kernel_types

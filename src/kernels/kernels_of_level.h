@@ -18,20 +18,20 @@
 #include "one_body/effects_stages.h"
 #include "one_body/top_series.h"
 
-#include "series/motion_kinds.h"
-#include "series/one_motion_of_level.h"
-#include "series/lane_motion_of_level.h"
-
 #include "binary_powers.h"
 
 #include "one_body/series_terms.h"
 #include "one_body/dop853_error.h"
 
-#include "many_bodies/lane_vectors.h"
-
 #include "many_bodies/lane_products.h"
 #include "many_bodies/lane_roots.h"
 #include "many_bodies/lane_series.h"
+#include "many_bodies/lane_steps.h"
+
+#include "series/algebra_names.h"
+#include "series/motion_kinds.h"
+#include "series/one_motion_of_level.h"
+#include "series/lane_motion_of_level.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

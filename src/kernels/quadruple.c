@@ -26,6 +26,8 @@ struct share {
     int is_sum;
 };
 
+#include "series/algebra_names.h"
+
 #include "series/algebra_quadruple.h"
 #include "series/motion_kinds.h"
 #include "series/motion_series.h"

@@ -35,6 +35,10 @@ inlined vector load(const double *from) {
     return value;
 }
 
+// A row of lanes, which may lie anywhere.
+inlined vector get(const double *rows_of_lanes, int row) { return load(rows_of_lanes + lanes * row); }
+inlined void put(double *rows_of_lanes, int row, vector value) { memcpy(rows_of_lanes + lanes * row, &value, sizeof value); }
+
 inlined void get_parts(vector *v, const double *from) {
     for_all(p, parts) v[p] = load(from + width * p);
 }

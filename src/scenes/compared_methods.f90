@@ -3,7 +3,7 @@ module spintop_compared_methods
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
-    use spintop_method_aliases, only: method_aliases
+    use spintop_methods, only: method_aliases
     use spintop_parameters, only: unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t

@@ -2,7 +2,7 @@
 !> projection after each step.
 module spintop_plan_controls
     use spintop_kinds, only: dp
-    use spintop_arkode_tables, only: arkode_table_names
+    use spintop_arkode, only: arkode_table_names
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_info_t
     use spintop_parameters, only: is_set, unset_integer

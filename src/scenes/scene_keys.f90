@@ -13,8 +13,7 @@ module spintop_scene_keys
     use spintop_parts, only: describe_parts, parts_t
     use spintop_formulations, only: formulation_infos
     use spintop_key_aliases, only: key_aliases
-    use spintop_method_aliases, only: method_aliases
-    use spintop_methods, only: method_infos
+    use spintop_methods, only: method_aliases, method_infos
     use spintop_fit_keys, only: describe_fit, fit_scene_t
     use spintop_effects_keys, only: describe_effects, effects_scene_t
     use spintop_uncertainty_keys, only: describe_uncertainty, uncertainty_scene_t

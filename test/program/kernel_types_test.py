@@ -83,7 +83,8 @@ def check(folder, command, name, text):
 
 def prototypes(folder):
     """The types and the declared kernels in C, as gfortran writes them."""
-    source = (KERNELS / "kernel_types.f90").read_text(encoding="utf-8")
+    modules = (ROOT / "src/foundation/kinds.f90", KERNELS / "kernel_types.f90")
+    source = "\n".join(path.read_text(encoding="utf-8") for path in modules)
     for name, text in DECLARATIONS.items():
         source += f"""
             module {name}_declared

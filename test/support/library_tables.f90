@@ -1,6 +1,6 @@
 !> The Butcher tables of ARKODE, for tests of each of them.
 module library_tables
-    use spintop_arkode_tables, only: arkode_table_names, arkode_table_t, find_arkode_table
+    use spintop_arkode, only: arkode_table_names, arkode_table_t, find_arkode_table
     use spintop_text, only: string_t
     implicit none
     private

@@ -6,7 +6,7 @@
 !> work and turn the momentum, and no bound of its angular velocity, which is not that of the momentum.
 module spintop_body_with_effects
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_attitude, only: conjugate_quaternion, quaternion_product
+    use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
     use spintop_body_quadruple, only: quaternion_body_t
@@ -15,13 +15,12 @@ module spintop_body_with_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, max_aside, max_series_order, max_states, structure_group, &
         structure_quadruple, structure_series
-    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t
+    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, stage_effects_t, share_rest, &
+        short_share
     use spintop_kinds, only: dp, no_number
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_rigid_body, only: bracket_of_turns, move_by_turns
-    use spintop_series_shares, only: share_rest, short_share
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none
@@ -45,9 +44,6 @@ module spintop_body_with_effects
         procedure :: kinematics
         procedure :: find_stages
         procedure :: expand
-        procedure :: velocity
-        procedure, nopass :: bracket => bracket_of_turns
-        procedure, nopass :: move => move_by_turns
     end type body_with_effects_t
 
     interface
@@ -125,14 +121,6 @@ contains
         status = status_ok
     end subroutine prepare
 
-    !> What acts in a state.
-    pure subroutine loads_at(self, t, y, loads)
-        class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        type(loads_t), intent(out) :: loads
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
-    end subroutine loads_at
-
     !> q' = q (0, w)/2, and P' as in `spintop_loads`.
     pure subroutine derivative(self, t, y, dy, status)
         class(body_with_effects_t), intent(in) :: self
@@ -147,7 +135,7 @@ contains
             call c_find_stages(0, 0, self%stage, t, y, 0.0_dp, none, 1, none, dy)
             return
         end if
-        call loads_at(self, t, y, loads)
+        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
         dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
         dy(5:7) = loads%rate
         dy(8) = 0
@@ -161,25 +149,13 @@ contains
         real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
         type(loads_t) :: loads
         if (present(rate)) then
-            call loads_at(self, t, y, loads)
+            call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
             rate = acceleration(self%body, loads)
         else
             call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
         end if
         omega = loads%omega
     end subroutine kinematics
-
-    !> The angular velocity, from the rate of the attitude, and the rate of the momentum.
-    pure subroutine velocity(self, y, dy, xi)
-        class(body_with_effects_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), dy(max_states) !! the state and its rate
-        real(dp), intent(out) :: xi(max_states) !! the velocity
-        real(dp) :: spin(4)
-        spin = 2 * quaternion_product(conjugate_quaternion(y(1:4)), dy(1:4)) / sum(y(1:4)**2)
-        xi(1:3) = spin(2:4)
-        xi(4:6) = dy(5:7)
-        xi(7:8) = 0
-    end subroutine velocity
 
     !> Constants of the stages.
     pure subroutine set_stages(self)

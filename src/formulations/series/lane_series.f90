@@ -26,9 +26,9 @@ module spintop_lane_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
     use spintop_body_numbers, only: numbers_of
-    use spintop_kernel_types, only: body_numbers_t, lane_body_t, lane_constants, lanes, more_rows, motion_kinds_t, rows
+    use spintop_kernel_types, only: body_numbers_t, lane_body_t, lane_constants, lanes, more_rows, motion_kinds_t, &
+        rows, share_rest, short_share
     use spintop_kinds, only: dp
-    use spintop_series_shares, only: share_rest, short_share
     implicit none
     private
     public :: expand, lanes, parts, quotient, numerator, rows, carry_tangents, components
@@ -40,7 +40,7 @@ module spintop_lane_series
     !> Components of a perturbation: delta, epsilon. lane_series.h repeats their number.
     integer, parameter :: components = 6
     !> The first of some further rows of a term: rotation of the frame, torque in space axes, acceleration of
-    !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. lane_rows.h repeats them.
+    !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. kernels.h repeats them.
     integer, parameter :: row_frame = 1, row_torque = 4, row_push = 7, row_drags = 16, rows_of_drag = 9, row_moment = 6
 
     !> The effects in all lanes.

@@ -4,12 +4,11 @@
 !> lines of weights without a node, of the method and of an embedded one. `order 5 4` gives the orders of both.
 module spintop_tableau
     use, intrinsic :: iso_c_binding, only: c_int
-    use spintop_arkode, only: arkode_t
-    use spintop_arkode_tables, only: arkode_table_t, find_orders, max_arkode_stages
+    use spintop_arkode, only: arkode_t, arkode_table_t, find_orders, max_arkode_stages
     use spintop_kinds, only: dp
     use spintop_literals, only: read_real
     use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_text, only: to_text
+    use spintop_text, only: replace_all, split, string_t, to_text
     implicit none
     private
     public :: tableau_t, parse_tableau, tableau_info, create_tableau_stepper
@@ -63,20 +62,17 @@ contains
         type(tableau_t), intent(out) :: tableau !! the table, if there is no problem
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
         real(dp) :: values(max_arkode_stages)
+        type(string_t), allocatable :: lines(:)
         character(:), allocatable :: line
-        integer :: first, length, number, order_line, count, rows, bar
+        integer :: number, order_line, count, rows, bar
 
         problem = ''
         rows = 0
-        number = 0
         order_line = 0
-        first = 1
-        do while (first <= len(text) .and. problem == '')
-            length = scan(text(first:) // new_line('a'), new_line('a')) - 1
-            line = text(first:first + length - 1)
-            line = clean(line(:scan(line // '#', '#') - 1))
-            first = first + length + 1
-            number = number + 1
+        call split(replace_all(replace_all(text, achar(9), ' '), achar(13), ' '), new_line('a'), lines)
+        do number = 1, size(lines)
+            if (problem /= '') exit
+            line = trim(lines(number)%text(:scan(lines(number)%text // '#', '#') - 1))
             bar = index(line, '|')
             if (line == '') then
                 cycle
@@ -99,41 +95,25 @@ contains
         if (problem /= '') problem = 'line ' // to_text(order_line) // ': ' // problem
     end subroutine parse_tableau
 
-    !> A line without tabs, carriage returns and blanks at its ends.
-    pure function clean(line) result(text)
-        character(*), intent(in) :: line
-        character(:), allocatable :: text
-        integer :: i
-        text = line
-        do i = 1, len(text)
-            if (iachar(text(i:i)) < 32) text(i:i) = ' '
-        end do
-        text = trim(adjustl(text))
-    end function clean
-
     !> The numbers of a text, which may be fractions.
     subroutine read_numbers(text, values, count, problem)
         character(*), intent(in) :: text
         real(dp), intent(out) :: values(max_arkode_stages)
         integer, intent(out) :: count
         character(:), allocatable, intent(out) :: problem
-        character(:), allocatable :: rest
-        integer :: length
+        type(string_t), allocatable :: words(:)
+        integer :: i
 
         values = 0
         count = 0
         problem = ''
-        rest = trim(adjustl(text))
-        do while (rest /= '')
-            length = index(rest // ' ', ' ') - 1
-            if (count == max_arkode_stages) then
-                problem = 'a table has at most ' // to_text(max_arkode_stages) // ' stages'
-                return
-            end if
-            count = count + 1
-            call read_number(rest(:length), values(count), problem)
+        call split(text, ' ', words)
+        do i = 1, size(words)
+            if (words(i)%text == '') cycle
+            if (count == max_arkode_stages) problem = 'a table has at most ' // to_text(max_arkode_stages) // ' stages'
             if (problem /= '') return
-            rest = trim(adjustl(rest(length + 1:)))
+            count = count + 1
+            call read_number(words(i)%text, values(count), problem)
         end do
     end subroutine read_numbers
 

@@ -15,13 +15,13 @@ module spintop_constancy
     use spintop_effects, only: timeless_effects
     use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
     use spintop_event, only: event_quantities_t, event_t, occasion_none
-    use spintop_instants, only: greatest_fall_rate
     use spintop_kinds, only: dp, pi
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_quantities, only: angular_acceleration
     implicit none
     private
-    public :: find_constant, find_noise, driven_rate, noise_of_step, noise_of_tolerance, noise_within_step
+    public :: find_constant, find_noise, driven_rate, greatest_fall_rate, noise_of_step, noise_of_tolerance
+    public :: noise_within_step, time_of_start
     public :: margin, rounding_distance
 
     !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
@@ -30,6 +30,8 @@ module spintop_constancy
     !> A quantity within so many times its noise of a level may be there.
     real(dp), parameter :: margin = 4
 
+    !> An event sooner after the start than this fraction of the time of one radian is the start.
+    real(dp), parameter :: start_share = 1.0e-9_dp
     !> The first part of a motion, in which the body turns by two radians at most: number of steps, and the turn in one, rad.
     integer, parameter :: steps = 40
     real(dp), parameter :: turn_of_step = 0.05_dp
@@ -166,6 +168,26 @@ contains
         near%given_angle = motion%given_angle
         near%norm_error = motion%norm_error
     end function neighbour
+
+    !> The time after the start within which an event is the start itself, s.
+    pure real(dp) function time_of_start(body, start) result(time)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: pace
+        pace = norm2(start%omega) + 2 * greatest_fall_rate(body)
+        time = 0
+        if (pace > 0) time = start_share / pace
+    end function time_of_start
+
+    !> A rate whose square the angular acceleration due to the weight does not exceed, rad/s.
+    pure real(dp) function greatest_fall_rate(body) result(rate)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        real(dp) :: arm(3)
+        associate (r => body%centre_of_mass)
+            arm = sqrt([r(2)**2 + r(3)**2, r(3)**2 + r(1)**2, r(1)**2 + r(2)**2])
+        end associate
+        rate = sqrt(norm2(body%mass * body%gravity * arm / body%inertia))
+    end function greatest_fall_rate
 
     !> What the weight changes of the angular velocity while the body turns by a radian, rad/s.
     pure real(dp) function driven_rate(fall, omega)

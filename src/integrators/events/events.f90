@@ -1,25 +1,27 @@
 !> Events of a motion: the instants at which quantities of it pass levels.
 !>
-!> The motion is searched in intervals so short that the quantities vary smoothly in them (`spintop_instants`). Polynomials
+!> The motion is searched in intervals so short that the quantities vary smoothly in them: in one of them the attitude turns by
+!> less than `largest_turn`, and an axis moves by less than the fraction `largest_way` of its distance from the vertical. Polynomials
 !> through values there show by their coefficients in Bernstein form whether a quantity is monotone, or does not reach its level;
 !> else the interval is halved, first in the polynomial, and where its error hides the answer by new values. Any number of
 !> passages is therefore found. The following are not events: a level that is touched and not passed, to the rounding error of
 !> the quantity, which is measured where it matters; passages of one that equals its level within rounding errors; the start.
 !> Each evaluation counts as work; the search ends when the path allows no more.
 module spintop_events
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_bernstein, only: coarse, fine, halve, interpolation, interpolation_t, root_of, value_at
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_compare, only: is_equal, is_finite
-    use spintop_constancy, only: find_constant, find_noise, margin, rounding_distance
-    use spintop_event, only: event_quantities_t, event_t, occasion_none
-    use spintop_instants, only: find_next_instant, greatest_fall_rate, is_short, time_of_start
+    use spintop_constancy, only: find_constant, find_noise, greatest_fall_rate, margin, rounding_distance, time_of_start
+    use spintop_event, only: event_quantities_t, event_t, occasion_none, path_t
     use spintop_kinds, only: dp, pi
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_path, only: path_t
+    use spintop_pole_passages, only: through_pole
     use spintop_status, only: is_ok, status_ok, status_bad_events
+    use spintop_vectors, only: cross
     implicit none
     private
     public :: event_t, event_search_t, path_t
@@ -99,6 +101,11 @@ module spintop_events
         end subroutine handle_event
     end interface
 
+    !> Maximum rotation of the attitude in an interval, rad, and maximum path of the axis relative to its distance from the
+    !> vertical.
+    real(dp), parameter :: largest_turn = 1.6_dp, largest_way = 0.8_dp
+    !> An interval of so many spacings of the time is not divided.
+    real(dp), parameter :: least_spacings = 8
     !> Passages for which there is room at first.
     integer, parameter :: first_room = 16
     !> A coarse polynomial suffices in an interval no longer than this part of the longest.
@@ -196,6 +203,44 @@ contains
             end if
         end do
     end subroutine find_events
+
+    !> The end of the interval that begins at time `now`, at most `last`; the body turns no faster than `pace`.
+    pure subroutine find_next_instant(motion, axis, now, last, pace, next, share)
+        type(motion_t), intent(in) :: motion     !! at time `now`
+        real(dp), intent(in) :: axis(3)          !! of the body; zero if no axis matters
+        real(dp), intent(in) :: now, last, pace  !! s, s, rad/s
+        real(dp), intent(out) :: next, share     !! the end, s; how long the interval is, by the longest that might be
+        real(dp) :: gap
+        gap = min(time_near_pole(motion, axis), 4 * (last - now)) ! no larger number is needed
+        if (is_finite(pace) .and. pace * gap > largest_turn) gap = largest_turn / pace
+        gap = max(gap, 2 * least_spacings * spacing(max(abs(now), abs(last))))
+        next = last
+        if (last - now > gap) next = now + (last - now) / (aint((last - now) / gap) + 1)
+        share = (next - now) / gap
+    end subroutine find_next_instant
+
+    !> Time in which a body axis moves by a fraction of its distance from the vertical, s: for this path s,
+    !> the speed v and the acceleration a in space, the solution of v t + a t^2/2 = s. Practically infinite
+    !> without an axis.
+    pure real(dp) function time_near_pole(motion, axis) result(time)
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: axis(3)
+        real(dp) :: way, speed, acceleration, velocity(3), change(3)
+        time = huge(1.0_dp)
+        if (.not. any(abs(axis) > 0)) return
+        way = largest_way * max(norm2(cross(vertical_from_quaternion(motion%quaternion), axis)), through_pole)
+        velocity = cross(motion%omega, axis)
+        change = cross(motion%omega_rate, axis) + cross(motion%omega, velocity)
+        speed = sqrt(sum(velocity**2))
+        acceleration = sqrt(sum(change**2))
+        if (speed + acceleration > 0) time = 2 * way / (speed + sqrt(speed**2 + 2 * acceleration * way))
+    end function time_near_pole
+
+    !> Whether an interval of time is too short to be divided.
+    pure logical function is_short(a, b)
+        real(dp), intent(in) :: a, b !! ends of the interval, s
+        is_short = b - a <= least_spacings * spacing(max(abs(a), abs(b)))
+    end function is_short
 
     !> Whether an occasion is one of the events.
     pure logical function knows(self, occasion)
@@ -401,7 +446,7 @@ contains
         side%t = t
         side%distance = first - level
         side%sign = 0
-        if (abs(side%distance) > start_rounding * (abs(first) + abs(level))) side%sign = sign_of(side%distance)
+        if (abs(side%distance) > start_rounding * (abs(first) + abs(level))) side%sign = merge(1, -1, side%distance > 0)
     end subroutine aim
 
     !> Whether an angle with turns changes too much between two instants to be followed.
@@ -410,12 +455,6 @@ contains
         real(dp), intent(in) :: before, after
         turns_far = (event%every_turn .or. event%turn_by_turn) .and. abs(after - before) > farthest_turn
     end function turns_far
-
-    !> 1 or -1.
-    elemental integer function sign_of(x)
-        real(dp), intent(in) :: x
-        sign_of = merge(1, -1, x > 0)
-    end function sign_of
 
     !> Divides the interval from `a` to `b` until the quantity of event `k` passes its level at most once in each part, and takes
     !> the parts in order. `g` is the polynomial of the distance from the level, with a bound of its error. `steady` is how often
@@ -476,7 +515,7 @@ contains
             if (.not. abs(distance) <= huge(1.0_dp)) side%sign = 0
             if (.not. (abs(distance) > error .and. abs(distance) <= huge(1.0_dp))) return
             call update_is_clear(self, path, k, a, b, g)
-            new_sign = sign_of(distance)
+            new_sign = merge(1, -1, distance > 0)
             if (side%sign == -new_sign .and. side%has_passed .and. .not. side%is_clear) then
                 self%n_passages = side%found_before ! the level is touched
                 side%is_clear = .true.

@@ -10,10 +10,8 @@ module spintop_segments
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_formulation, only: structure_none, structure_series
     use spintop_kinds, only: dp
-    use spintop_lying_still, only: resting_t
-    use spintop_sticking, only: rest_t
-    use spintop_friction_rows, only: end_at_row
-    use spintop_reversals, only: check_direction, end_before_reversal, end_step_at, may_reverse
+    use spintop_rest, only: resting_t, rest_t
+    use spintop_step_ends, only: end_at_row, check_direction, end_before_reversal, end_step_at, may_reverse
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, stepper_t
     implicit none
@@ -41,7 +39,6 @@ module spintop_segments
         procedure :: begin
         procedure :: advance
         procedure :: end_step
-        procedure :: stepper_of
         procedure, private :: latest_end
     end type segments_t
 
@@ -80,21 +77,6 @@ contains
         self%crossing%projection = method%projection
     end subroutine begin
 
-    !> What steps through the segment.
-    function stepper_of(self, method) result(stepper)
-        class(segments_t), target, intent(in) :: self
-        class(stepper_t), target, intent(in) :: method !! the method
-        class(stepper_t), pointer :: stepper
-        select case (self%kind)
-        case (by_runge_kutta)
-            stepper => self%crossing
-        case (by_rest)
-            stepper => self%lying
-        case default
-            stepper => method
-        end select
-    end function stepper_of
-
     !> Goes over to the next segment.
     subroutine go_over(self, kind, method, stepper, status)
         class(segments_t), target, intent(inout) :: self
@@ -107,7 +89,9 @@ contains
         self%must_cross = .false.
         if (kind /= self%kind) then
             self%kind = kind
-            next => self%stepper_of(method)
+            next => method
+            if (kind == by_runge_kutta) next => self%crossing
+            if (kind == by_rest) next => self%lying
             call next%go_on_from(stepper)
             stepper => next
         end if

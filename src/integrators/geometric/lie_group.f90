@@ -1,19 +1,21 @@
 !> Explicit Lie-group methods of order 4. Each step ends on the group, so the norm of a quaternion is
 !> conserved.
 !>
-!> Elements of the algebra are applied in the order of time. A formulation defines their action and their
-!> bracket. Velocities xi take the place of the slopes of a Runge-Kutta method.
+!> An element of the algebra is a rotation vector of the attitude, about body or space axes, and changes of the variables
+!> behind the quaternion, cyclically; elements are applied in the order of time. The motion of a state is y' = d/ds move(y, s
+!> xi) at s = 0: velocities xi take the place of the slopes of a Runge-Kutta method.
 module spintop_lie_group
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one
     use spintop_kinds, only: dp
-    use spintop_butcher, only: butcher_t, max_stages
+    use spintop_runge_kutta, only: butcher_t, max_stages, stage_sum
     use spintop_fixed_step, only: fixed_step_t
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: is_ok
     use spintop_stepper, only: run_state_t
+    use spintop_vectors, only: cross
     implicit none
     private
-    public :: munthe_kaas_t, commutator_free_t
+    public :: munthe_kaas_t, commutator_free_t, velocity, bracket, move
 
     !> The method of Munthe-Kaas (Applied Numerical Mathematics 29, 1999; Iserles, Munthe-Kaas, Norsett and
     !> Zanna, Acta Numerica 9, 2000): a Runge-Kutta method on the algebra, whose element u moves the state
@@ -45,22 +47,22 @@ contains
         change = 0
         do i = 1, self%table%stages
             u = h * stage_sum(k, self%table%a(:, i), i - 1)
-            call self%formulation%move(self%y, u, change)
+            call move(self%formulation, self%y, u, change)
             call find_velocity(self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
             if (.not. is_ok(status)) return
             k(:, i) = xi + algebra_correction(self%formulation, u, xi)
         end do
-        call self%formulation%move(self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
+        call move(self%formulation, self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
 
     !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
     !> xi]/2 + [u, [u, xi]]/12.
-    function algebra_correction(formulation, u, xi) result(correction)
+    pure function algebra_correction(formulation, u, xi) result(correction)
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: u(max_states), xi(max_states)
-        real(dp) :: correction(max_states), bracket(max_states)
-        bracket = formulation%bracket(u, xi)
-        correction = bracket / 2 + formulation%bracket(u, bracket) / 12
+        real(dp) :: correction(max_states), first(max_states)
+        first = bracket(formulation, u, xi)
+        correction = first / 2 + bracket(formulation, u, first) / 12
     end function algebra_correction
 
     !> One step of five moves, two of which end it.
@@ -74,17 +76,17 @@ contains
         change = 0
         call find_velocity(self%run_state_t, self%t, self%y, k1, status)
         if (.not. is_ok(status)) return
-        call self%formulation%move(self%y, h / 2 * k1, to_second)
+        call move(self%formulation, self%y, h / 2 * k1, to_second)
         call find_velocity(self%run_state_t, self%t + h / 2, self%y + to_second, k2, status)
         if (.not. is_ok(status)) return
-        call self%formulation%move(self%y, h / 2 * k2, change)
+        call move(self%formulation, self%y, h / 2 * k2, change)
         call find_velocity(self%run_state_t, self%t + h / 2, self%y + change, k3, status)
         if (.not. is_ok(status)) return
         change = to_second
         call move_on(self%run_state_t, h * (k3 - k1 / 2), change)
         call find_velocity(self%run_state_t, self%t + h, self%y + change, k4, status)
         if (.not. is_ok(status)) return
-        call self%formulation%move(self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
+        call move(self%formulation, self%y, h / 12 * (3 * k1 + 2 * (k2 + k3) - k4), change)
         call move_on(self%run_state_t, h / 12 * (3 * k4 + 2 * (k2 + k3) - k1), change)
     end subroutine step_by_moves
 
@@ -94,7 +96,7 @@ contains
         real(dp), intent(in) :: u(max_states)
         real(dp), intent(inout) :: change(max_states)
         real(dp) :: more(max_states)
-        call run%formulation%move(run%y + change, u, more)
+        call move(run%formulation, run%y + change, u, more)
         change = change + more
     end subroutine move_on
 
@@ -106,7 +108,50 @@ contains
         integer, intent(out) :: status
         real(dp) :: dy(max_states)
         call run%evaluate(t, y, dy, status)
-        call run%formulation%velocity(y, dy, xi)
+        xi = velocity(run%formulation, y, dy)
     end subroutine find_velocity
+
+    !> The element of the algebra along which a state moves whose slope is `dy`; finite where these are.
+    pure function velocity(formulation, y, dy) result(xi)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
+        real(dp), dimension(max_states) :: xi, x, rate
+        real(dp) :: turn(4)
+        x = cshift(y, formulation%attitude - 1)
+        rate = cshift(dy, formulation%attitude - 1)
+        if (formulation%turns_in_space) then
+            turn = quaternion_product(rate(1:4), conjugate_quaternion(x(1:4)))
+        else
+            turn = quaternion_product(conjugate_quaternion(x(1:4)), rate(1:4))
+        end if
+        xi = [2 * turn(2:) / sum(x(1:4)**2), rate(5:), 0.0_dp]
+    end function velocity
+
+    !> The bracket [a, b] of two elements: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ... Rotations
+    !> about body axes are composed from left to right, those about space axes from right to left; changes add up.
+    pure function bracket(formulation, a, b)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: a(max_states), b(max_states) !! elements, in the order of time
+        real(dp) :: bracket(max_states)
+        bracket = 0
+        bracket(1:3) = cross(a(1:3), b(1:3))
+        if (formulation%turns_in_space) bracket = -bracket
+    end function bracket
+
+    !> Change of a state by the exponential of an element.
+    pure subroutine move(formulation, y, xi, change)
+        class(formulation_t), intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: y(max_states), xi(max_states) !! state and element
+        real(dp), intent(out) :: change(max_states) !! of the state
+        real(dp) :: q(4), turn(4)
+        turn = rotation_minus_one(xi(1:3))
+        q = y(formulation%attitude:formulation%attitude + 3)
+        if (formulation%turns_in_space) then
+            q = quaternion_product(turn, q)
+        else
+            q = quaternion_product(q, turn)
+        end if
+        change = cshift([q, xi(4:7)], 1 - formulation%attitude)
+    end subroutine move
 
 end module spintop_lie_group

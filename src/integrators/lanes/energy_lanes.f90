@@ -8,12 +8,11 @@ module spintop_energy_lanes
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: body_numbers_t, more_rows, most_drags, motion_kinds_t
     use spintop_kinds, only: dp, no_number
-    use spintop_lane_monitor, only: lane_monitor_t
-    use spintop_lane_polynomials, only: multiply, square
+    use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
+    use spintop_bernstein, only: multiply, square
     use spintop_lane_series, only: row_drags, row_frame, row_moment, row_push, row_torque, rows, rows_of_drag
     use spintop_motion, only: motion_t
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
     public :: energy_lanes_t

@@ -8,21 +8,19 @@ module spintop_lane_watch
     use spintop_attitude, only: nearest_turn
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
-    use spintop_constancy, only: margin
+    use spintop_constancy, only: margin, time_of_start
     use spintop_formulation, only: max_series_order
-    use spintop_instants, only: time_of_start
     use spintop_kinds, only: dp, pi
     use spintop_lane_azimuth, only: changes_to, largest_turn, sharp
-    use spintop_lane_monitor, only: lane_monitor_t
-    use spintop_lane_polynomials, only: find_changes, find_roots, most_roots, refine_root, rounding
+    use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
+    use spintop_bernstein, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: states_at
     use spintop_motion, only: motion_t, passages_t
     use spintop_pole_passages, only: half_turns, through_pole
     use spintop_poles, only: polar_precession_rate, precession_is_lost
     use spintop_quantities, only: angular_acceleration
-    use spintop_series_shares, only: per_binomial
-    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
+    use spintop_kernel_types, only: per_binomial
     use spintop_turning_record, only: interrupt, lower, turning_points_t, turns_at, upper
     use spintop_watched_quantities, only: watch_nutation_rate, watch_phi, watch_precession_rate, watch_psi, watched_t
     implicit none

@@ -12,14 +12,13 @@ module spintop_many_bodies
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: motion_kinds_t
     use spintop_body_numbers, only: kinds_of
-    use spintop_lane_monitor, only: monitor_slot_t
+    use spintop_taylor_lanes, only: monitor_slot_t, taylor_lanes_t, lanes
     use spintop_motion, only: motion_t
     use spintop_quantities, only: angular_acceleration
     use spintop_status, only: is_ok, status_bad_input, status_bad_span, status_unsuitable
     use spintop_stepper, only: controls_t
     use spintop_suitability, only: controls_status
     use spintop_taylor, only: taylor_info
-    use spintop_taylor_lanes, only: taylor_lanes_t, lanes
     use spintop_validity, only: body_status, motion_status
     implicit none
     private

@@ -7,25 +7,25 @@
 module spintop_taylor_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_intptr_t, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, pi, qp
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
+    use spintop_kinds, only: dp, pi, qp
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
-    use spintop_lane_steps, only: add_terms, choose_durations, end_before_reversals, non_finite
-    use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite
+    use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
+    use spintop_motion_scales, only: motion_scales, motion_scales_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
-    use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small
+    use spintop_status, only: status_non_finite, status_ok, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t, looks_per_step
     use spintop_taylor, only: order_for
     implicit none
     private
-    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order
+    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share_of_tolerance = 0.004_dp
@@ -99,6 +99,55 @@ module spintop_taylor_lanes
     !> Orders of least cost, found by measurement. They are lower than for a single body, because other lanes
     !> are computed while a term waits for the last one.
     real(dp), parameter :: order_at_one = 9, order_a_digit = 0.92_dp
+
+    !> Monitors one family of quantities in all lanes.
+    type, abstract :: lane_monitor_t
+    contains
+        procedure(prepare), deferred :: prepare
+        procedure(begin), deferred :: begin
+        procedure(observe), deferred :: observe
+        procedure(finish), deferred :: finish
+    end type lane_monitor_t
+
+    !> An element of a list of monitors.
+    type :: monitor_slot_t
+        class(lane_monitor_t), allocatable :: monitor
+    end type monitor_slot_t
+
+    abstract interface
+        !> Makes room for so many cases, of which nothing is known yet.
+        subroutine prepare(self, cases)
+            import :: lane_monitor_t
+            class(lane_monitor_t), intent(inout) :: self
+            integer, intent(in) :: cases !! number of cases
+        end subroutine prepare
+
+        !> A case begins in a lane.
+        subroutine begin(self, run, lane, body, start)
+            import :: body_t, lane_monitor_t, motion_t, taylor_lanes_t
+            class(lane_monitor_t), intent(inout) :: self
+            type(taylor_lanes_t), intent(in) :: run !! the lanes
+            integer, intent(in) :: lane !! index of the lane
+            type(body_t), intent(in) :: body !! mass properties of the body
+            type(motion_t), intent(in) :: start !! the motion at the start
+        end subroutine begin
+
+        !> All lanes have taken a step, from `t_last` to `t`; lanes at rest took one of no length. A monitor may end a
+        !> lane within the step (`stop`): those behind it in the list see the step up to there.
+        subroutine observe(self, run)
+            import :: lane_monitor_t, taylor_lanes_t
+            class(lane_monitor_t), intent(inout) :: self
+            type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        end subroutine observe
+
+        !> The case in a lane is at its end.
+        subroutine finish(self, run, lane, case)
+            import :: lane_monitor_t, taylor_lanes_t
+            class(lane_monitor_t), intent(inout) :: self
+            type(taylor_lanes_t), intent(in) :: run !! the lanes
+            integer, intent(in) :: lane, case !! index of the lane, and of its case
+        end subroutine finish
+    end interface
 
 contains
 
@@ -218,7 +267,8 @@ contains
                 worst = max(worst, maxval(trouble))
             end if
             if (worst > 0) call end_lanes(self, trouble)
-            call add_terms(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest, self%steps)
+            call add_steps(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest)
+            self%steps = self%steps + merge(1, 0, now%duration > 0)
             now%side_last = now%side
             now%other_last = now%other
             self%passed_last = self%passed

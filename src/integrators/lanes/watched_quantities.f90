@@ -3,12 +3,11 @@
 module spintop_watched_quantities
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
-    use spintop_constancy, only: driven_rate
+    use spintop_constancy, only: driven_rate, greatest_fall_rate
     use spintop_formulation, only: max_series_order
-    use spintop_instants, only: greatest_fall_rate
     use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp, pi
-    use spintop_lane_polynomials, only: multiply, multiply_slopes, rounding, square
+    use spintop_bernstein, only: multiply, multiply_slopes, rounding, square
     use spintop_lane_series, only: numerator, parts, rows
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole

@@ -10,16 +10,15 @@ module spintop_dop853
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_info_t, max_aside, max_states
     use spintop_motions, only: instants
+    use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
-    use spintop_stepper, only: run_state_t
+    use spintop_stepper, only: run_state_t, smallest_step
     implicit none
     private
     public :: dop853_t
 
     !> Fraction of the step that the error estimate allows, and bounds of its change from step to step.
     real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
-    !> Smallest step in units of the spacing of the time.
-    real(dp), parameter :: smallest_spacings = 16
     !> Power of the error estimate in the step size.
     real(dp), parameter :: power = 8
     !> By which powers of the error of a step, and of that before it, the next one changes: the control that DOP853 offers
@@ -175,14 +174,6 @@ contains
         self%last_error = max(error, least_error)
     end subroutine advance_adaptively
 
-    !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than
-    !> the control of a step.
-    pure real(dp) function smallest_step(h, t)
-        real(dp), intent(in) :: h, t
-        smallest_step = smallest_spacings * max(epsilon(t) * t, tiny(t))
-        if (h <= smallest_step) smallest_step = smallest_spacings * spacing(t)
-    end function smallest_step
-
     !> The stages of a step of size h, and the change of the state over it.
     subroutine step(self, h, change, status)
         class(dop853_t), intent(inout) :: self
@@ -195,8 +186,8 @@ contains
         self%k(:, 1) = self%slope
         call find_stages(self, self%t, self%y, h, 2, main_stages, status)
         if (.not. is_ok(status)) return
-        change = h * (weighted(self%k, self%table%b, main_stages) &
-                      + weighted(self%k, self%table%b_rest, main_stages))
+        change = h * (stage_sum(self%k, self%table%b, main_stages) &
+                      + stage_sum(self%k, self%table%b_rest, main_stages))
     end subroutine step
 
     !> Stages of a step of size h from a time and a state: at once where the formulation offers this.
@@ -218,7 +209,7 @@ contains
             return
         end if
         do i = from, to
-            stage = moved(y, h, self%k, self%table%a(:, i), i - 1)
+            stage = y + h * stage_sum(self%k, self%table%a(:, i), i - 1)
             call self%evaluate(t + self%table%c(i) * h, stage, self%k(:, i), status)
             if (.not. is_ok(status)) return
         end do
@@ -231,35 +222,6 @@ contains
         zero = x - x
         is_finite = ((zero(1) + zero(5)) + (zero(2) + zero(6))) + ((zero(3) + zero(7)) + (zero(4) + zero(8))) >= 0
     end function is_finite
-
-    !> Sum of the first n stages with the weights given.
-    pure function weighted(k, weight, n) result(total)
-        real(dp), intent(in) :: k(max_states, all_stages), weight(all_stages)
-        integer, intent(in) :: n
-        real(dp) :: total(max_states)
-        integer :: i, j
-        total = 0
-        do i = 1, n
-            ! Without this order of loops gfortran vectorizes over the stages, which is three times slower.
-            !$omp simd
-            do j = 1, max_states
-                total(j) = total(j) + weight(i) * k(j, i)
-            end do
-        end do
-    end function weighted
-
-    !> The state plus h times a weighted sum of the first n stages.
-    pure function moved(y, h, k, weight, n) result(stage)
-        real(dp), intent(in) :: y(max_states), h, k(max_states, all_stages), weight(all_stages)
-        integer, intent(in) :: n
-        real(dp) :: stage(max_states), total(max_states)
-        integer :: j
-        total = weighted(k, weight, n)
-        !$omp simd
-        do j = 1, max_states
-            stage(j) = y(j) + h * total(j)
-        end do
-    end function moved
 
     !> Dense output of order 7 within the last step.
     function state_within(self, t) result(y)
@@ -317,7 +279,7 @@ contains
         call find_stages(self, self%t_last, self%y_last, h, from, all_stages, status)
         if (.not. is_ok(status)) return
         do i = 1, 4
-            self%term(:, 4 + i) = h * weighted(self%k, self%table%dense(:, i), all_stages)
+            self%term(:, 4 + i) = h * stage_sum(self%k, self%table%dense(:, i), all_stages)
         end do
     end subroutine find_terms
 

@@ -1,4 +1,4 @@
-// Where polynomials pass zero, one in each lane of a vector; see lane_polynomials.f90, which has the method.
+// Where polynomials pass zero, one in each lane of a vector; see bernstein.f90, which has the method.
 
 // Rounds of the change to Bernstein form at once.
 enum { most_rounds = 6 };

@@ -33,7 +33,8 @@ static double sum_stages(int since, int stages, const double *weight, const doub
     const double fifth = h * h * sum_of_all(squares[0]), both = (fifth + h * h * 0.01 * sum_of_all(squares[1])) * states;
     if (!(fifth <= DBL_MAX && both <= DBL_MAX)) return fifth + both;
     // Of no error: about -500.
-    const double error = binary_logarithm(fifth) - 0.5 * binary_logarithm(both);
-    *growth = power_of_two(most - share * error);
+    const vector logarithms = binary_logarithm((vector){fifth, both});
+    const double error = logarithms[0] - 0.5 * logarithms[1];
+    *growth = power_of_two((vector){most - share * error})[0];
     return error;
 }

@@ -22,7 +22,9 @@ static double length_of_step(int order, const double *c, const double *absolute,
     }
     const double most = largest(last), most_before = largest(before);
     if (!(most <= DBL_MAX && most_before <= DBL_MAX)) return most + most_before;
-    return power_of_two(-larger(binary_logarithm(most) * (1.0 / order), binary_logarithm(most_before) * (1.0 / (order - 1))));
+    const vector both = {most, most_before}, per_order = {1.0 / order, 1.0 / (order - 1)};
+    const vector logarithms = binary_logarithm(both) * per_order;
+    return power_of_two((vector){-larger(logarithms[0], logarithms[1])})[0];
 }
 
 // Horner's rule in four sums, of every fourth term each, as each waits for its last step. The order is 4 at least.

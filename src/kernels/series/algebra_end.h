@@ -1,35 +1,5 @@
-// Ends the names of an algebra, so that the next one may have them.
+// Ends what an algebra has set, so that the next one may set it.
 
-#undef num
-#undef vec
-#undef attitude_sums
-#undef load_num
-#undef store_num
-#undef load_vec
-#undef load_constant
-#undef store_vec
-#undef store_constant
-#undef vec_of
-#undef ahead
-#undef behind
-#undef load_ahead
-#undef load_behind
-#undef add
-#undef sub
-#undef mul
-#undef by
-#undef sum_of
-#undef power_of
-#undef inverse_of
-#undef power_term
-#undef find_circle
-#undef find_swing
-#undef find_axes
-#undef begin_attitude
-#undef add_attitude
-#undef append_attitude
-#undef store_attitude
-#undef put_state
 #undef NAME
 #undef element
 #undef stride

@@ -3,7 +3,6 @@
 
 #define NAME(name) lanes_##name
 #define element double
-#include "algebra_names.h"
 
 // A row has so many numbers, of which so many are computed at once; rows of a vector in a term, numbers of one in constants;
 // rows that turn. Where the processor has 32 registers there is room for two sums instead of one, and for two turns of the

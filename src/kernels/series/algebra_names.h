@@ -1,4 +1,5 @@
-// Names that each algebra of motion_series.h has for itself; algebra_end.h ends them.
+// Names that each algebra of motion_series.h has for itself, by its NAME. They are included once, before the first algebra and
+// behind all that uses these words otherwise.
 
 #define num NAME(num)
 #define vec NAME(vec)

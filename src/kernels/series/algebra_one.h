@@ -3,7 +3,6 @@
 
 #define NAME(name) one_##name
 #define element double
-#include "algebra_names.h"
 
 #define stride 1
 #define at_once 1

@@ -2,7 +2,6 @@
 
 #define NAME(name) quadruple_##name
 #define element quadruple
-#include "algebra_names.h"
 
 #define stride 1
 #define at_once 1

@@ -3,7 +3,7 @@
 #include "algebra_lanes.h"
 #include "motion_series.h"
 
-_Static_assert((int)lanes_rows == (int)rows && (int)lanes_more == (int)more_rows, "the rows are those of lane_rows.h");
+_Static_assert((int)lanes_rows == (int)rows && (int)lanes_more == (int)more_rows, "the rows are those of kernels.h");
 _Static_assert((int)lanes_total == (int)total && (int)lanes_drags == (int)drags && (int)lanes_of_drag == (int)of_drag, "drags");
 
 static void set_lane(const struct body_numbers *body, int lane, double *constants) {

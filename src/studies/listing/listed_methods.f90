@@ -1,13 +1,12 @@
 !> The methods and the formulations in the lists of `spintop list`.
 module spintop_listed_methods
-    use spintop_arkode_tables, only: arkode_table_names
+    use spintop_arkode, only: arkode_table_names
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_kinds, only: dp
     use spintop_listed_items, only: listing_t
-    use spintop_method_aliases, only: method_aliases
-    use spintop_methods, only: create_stepper, exact_info, method_infos
+    use spintop_methods, only: method_aliases, create_stepper, exact_info, method_infos
     use spintop_status, only: is_ok
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_suitability, only: can_run

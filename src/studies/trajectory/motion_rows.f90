@@ -7,11 +7,10 @@ module spintop_motion_rows
     use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_formulation, only: formulation_t, max_states
-    use spintop_integration, only: integrate, outcome_t
+    use spintop_integration, only: integrate, outcome_t, observer_t
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
-    use spintop_observer, only: observer_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t

@@ -2,10 +2,9 @@
 module spintop_azimuth_lanes
     use spintop_body, only: body_t
     use spintop_kinds, only: dp
-    use spintop_lane_monitor, only: lane_monitor_t
+    use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
     use spintop_motion, only: motion_t
     use spintop_sweep_quantities, only: precession_period
-    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     implicit none
     private
     public :: azimuth_lanes_t

@@ -6,7 +6,7 @@ module spintop_sweep_monitors
     use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
     use spintop_lyapunov, only: growth_lanes_t
-    use spintop_lane_monitor, only: lane_monitor_t, monitor_slot_t
+    use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t
     use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t, stop_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t

@@ -454,12 +454,13 @@ export class Stage {
   }
 
   /** A moment as the address of a PNG of this size; empty without WebGL. */
-  still(width, height, moment = this.#moment) {
+  still(width, height, moment = null) {
     const wasOpen = this.isOpen;
-    this.open();
-    if (!this.#renderer || !moment) return "";
     const before = this.#moment;
-    this.#moment = moment;
+    this.open();
+    if (!this.#renderer) return "";
+    if (moment) this.show(moment);
+    if (!this.#moment) return "";
     this.#resize(width, height);
     const address = this.#renderer.domElement.toDataURL("image/png");
     this.#moment = before;

@@ -103,28 +103,17 @@ contains
         type(shard_t), intent(out) :: shard !! the part, if the line is valid
         integer(int64), intent(out) :: cases !! of the whole
         logical, intent(out) :: valid !! whether it is valid
-        integer :: colon, status
+        character(32) :: words(4)
+        integer :: status, status_of_cases
 
         cases = 0
+        words = ''
         shard = shard_t()
-        colon = index(text, ':')
-        valid = .false.
-        if (index(text, 'part ') /= 1 .or. colon == 0) return
-        call read_pair(text(len('part '):colon - 1))
-        if (.not. valid) return
-        read (text(index(text, ' ', back=.true.) + 1:), *, iostat=status) cases
+        read (text, *, iostat=status) words ! part I of N:
+        call read_shard(trim(words(2)) // '/' // words(4)(:index(words(4) // ':', ':') - 1), shard, valid)
+        read (text(index(text, ' ', back=.true.) + 1:), *, iostat=status_of_cases) cases
         ! Only a line that this program would write is accepted.
-        valid = status == 0 .and. shard%line(cases) == text
-
-    contains
-
-        subroutine read_pair(pair)
-            character(*), intent(in) :: pair
-            integer :: of
-            of = index(pair, ' of ')
-            if (of > 0) call read_shard(trim(adjustl(pair(:of))) // '/' // pair(of + len(' of '):), shard, valid)
-        end subroutine read_pair
-
+        if (valid) valid = status == 0 .and. status_of_cases == 0 .and. shard%line(cases) == text
     end subroutine read_shard_line
 
 end module spintop_shard

@@ -4,9 +4,8 @@ module spintop_command_line
     use spintop_exit_codes, only: exit_codes
     use spintop_listing, only: topic_names
     use spintop_options, only: most_threads, options_t, shell_word
-    use spintop_line_list, only: line_list_t, line_width
     use spintop_shard, only: most_shards, read_shard
-    use spintop_text, only: string_t, did_you_mean, to_text
+    use spintop_text, only: append, append_wrapped, did_you_mean, line_width, string_t, to_text
     implicit none
     private
     public :: request_t, read_command_line, describe_usage
@@ -68,33 +67,31 @@ contains
     !> The help text.
     subroutine describe_usage(lines)
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
-        type(line_list_t) :: text
         type(option_t) :: option
         character(24) :: name
         integer :: i
 
         do i = 1, size(usage)
-            call text%add(trim(usage(i)))
+            call append(lines, trim(usage(i)))
         end do
-        call text%add('')
-        call text%add_wrapped('', 'topics: ' // topic_names(', '), 0, line_width)
-        call text%add('')
-        call text%add('options')
+        call append(lines, '')
+        call append_wrapped(lines, '', 'topics: ' // topic_names(', '), 0, line_width)
+        call append(lines, '')
+        call append(lines, 'options')
         do i = 1, size(known_options)
             option = known_options(i)
             name = trim(option%name) // ' ' // option%value
             if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
-            call text%add('  ' // name // trim(option%what))
+            call append(lines, '  ' // name // trim(option%what))
         end do
-        call text%add('')
-        call text%add('exit codes')
+        call append(lines, '')
+        call append(lines, 'exit codes')
         do i = 1, size(exit_codes)
             name = to_text(exit_codes(i)%code)
-            call text%add('  ' // name // trim(exit_codes(i)%what))
+            call append(lines, '  ' // name // trim(exit_codes(i)%what))
         end do
         name = '128 + N'
-        call text%add('  ' // name // 'ended by signal N')
-        call text%get(lines)
+        call append(lines, '  ' // name // 'ended by signal N')
     end subroutine describe_usage
 
     !> Reads the arguments of the program.

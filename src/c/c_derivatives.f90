@@ -7,7 +7,7 @@ module spintop_c_derivatives
     use spintop_errors, only: error_t, input_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_plain_text, only: escaped
+    use spintop_text, only: escaped
     use spintop_other_accuracy, only: other_accuracies
     use spintop_plan, only: plan_t
     use spintop_scene_keys, only: scene_t

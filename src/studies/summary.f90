@@ -9,7 +9,6 @@ module spintop_summary
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
-    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3
@@ -17,7 +16,7 @@ module spintop_summary
     use spintop_status, only: count_failed, is_good_end, is_ok, last_status, status_meaning, status_name, status_step_limit
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
-    use spintop_text, only: append, to_text, string_t
+    use spintop_text, only: append, escaped, string_t, to_text
     implicit none
     private
     public :: summary_t, decimal, rounded, slow_sleeper, text_column

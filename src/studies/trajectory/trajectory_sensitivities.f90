@@ -10,7 +10,7 @@ module spintop_trajectory_sensitivities
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
-    use spintop_plain_text, only: escaped
+    use spintop_text, only: escaped
     use spintop_other_accuracy, only: other_accuracies
     use spintop_plan, only: plan_t, sample_time
     use spintop_scene_keys, only: scene_t

@@ -6,7 +6,7 @@ module spintop_euler_angles
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_states
     use spintop_kinds, only: dp, epsilon_dp
     use spintop_motion, only: motion_t, motion_from_angles
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok, status_pole
     implicit none
     private

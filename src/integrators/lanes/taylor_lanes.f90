@@ -17,7 +17,7 @@ module spintop_taylor_lanes
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
     use spintop_lane_steps, only: add_terms, choose_durations, end_before_reversals, non_finite
     use spintop_motion, only: motion_t, motion_from_quaternion, passages_t
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
     use spintop_status, only: status_ok, status_non_finite, status_step_limit, status_step_too_small

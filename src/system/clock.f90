@@ -7,15 +7,15 @@ module spintop_clock
     public :: seconds, processor_seconds, pause_for, utc_now
 
     abstract interface
-        real(c_double) function time_of_clock() bind(C)
+        real(c_double) function c_time() bind(C)
             import :: c_double
-        end function time_of_clock
+        end function c_time
     end interface
 
     !> Time of a monotonic clock, s.
-    procedure(time_of_clock), bind(C, name='spintop_seconds') :: seconds
+    procedure(c_time), bind(C, name='spintop_seconds') :: seconds
     !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
-    procedure(time_of_clock), bind(C, name='spintop_processor_seconds') :: processor_seconds
+    procedure(c_time), bind(C, name='spintop_processor_seconds') :: processor_seconds
 
     interface
         !> Suspends the calling thread, so that others can use the processor.

@@ -45,33 +45,33 @@ module spintop_files
     ! error. Paths end with a null character. What other modules call is written out: from them gfortran 12 passes values by
     ! reference to what is declared by an abstract interface.
     abstract interface
-        integer(c_int) function on_path(path) bind(C)
+        integer(c_int) function c_on_path(path) bind(C)
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
-        end function on_path
+        end function c_on_path
 
-        integer(c_int) function on_paths(path, other) bind(C)
+        integer(c_int) function c_on_paths(path, other) bind(C)
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*), other(*)
-        end function on_paths
+        end function c_on_paths
 
-        integer(c_int) function opening(path, file) bind(C)
+        integer(c_int) function c_opening(path, file) bind(C)
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
-        end function opening
+        end function c_opening
     end interface
 
-    procedure(on_path), bind(C, name='spintop_check_target') :: c_check_target
-    procedure(on_path), bind(C, name='spintop_sync_folder') :: c_sync_folder
-    procedure(on_path), bind(C, name='spintop_remove') :: c_remove
-    procedure(on_path), bind(C, name='spintop_remove_folder') :: c_remove_folder
-    procedure(on_path), bind(C, name='spintop_make_folder') :: c_make_folder
-    procedure(on_path), bind(C, name='spintop_is_folder') :: c_is_folder
-    procedure(on_paths), bind(C, name='spintop_rename') :: c_rename
-    procedure(on_paths), bind(C, name='spintop_is_same_file') :: c_is_same_file
-    procedure(opening), bind(C, name='spintop_open_own') :: c_open_own
-    procedure(opening), bind(C, name='spintop_open_locked') :: c_open_locked
+    procedure(c_on_path), bind(C, name='spintop_check_target') :: c_check_target
+    procedure(c_on_path), bind(C, name='spintop_sync_folder') :: c_sync_folder
+    procedure(c_on_path), bind(C, name='spintop_remove') :: c_remove
+    procedure(c_on_path), bind(C, name='spintop_remove_folder') :: c_remove_folder
+    procedure(c_on_path), bind(C, name='spintop_make_folder') :: c_make_folder
+    procedure(c_on_path), bind(C, name='spintop_is_folder') :: c_is_folder
+    procedure(c_on_paths), bind(C, name='spintop_rename') :: c_rename
+    procedure(c_on_paths), bind(C, name='spintop_is_same_file') :: c_is_same_file
+    procedure(c_opening), bind(C, name='spintop_open_own') :: c_open_own
+    procedure(c_opening), bind(C, name='spintop_open_locked') :: c_open_locked
 
     interface
         !> Closes a file.

@@ -20,30 +20,30 @@ module spintop_process
 
     ! Functions of process.c and posix.c, which describe them.
     abstract interface
-        subroutine without_arguments() bind(C)
-        end subroutine without_arguments
+        subroutine c_command() bind(C)
+        end subroutine c_command
 
-        integer(c_long_long) function amount() bind(C)
+        integer(c_long_long) function c_amount() bind(C)
             import :: c_long_long
-        end function amount
+        end function c_amount
     end interface
 
     !> Opens closed standard streams, so that no other file takes their numbers; makes an exceeded file-size limit an error of
     !> writing; and installs the handlers of signals and of errors of the run-time libraries. To be called once, before any
     !> file is opened.
-    procedure(without_arguments), bind(C, name='spintop_begin_process') :: begin_process
+    procedure(c_command), bind(C, name='spintop_begin_process') :: begin_process
     !> Ends the process by the signal that wants it to end.
-    procedure(without_arguments), bind(C, name='spintop_end_by_signal') :: end_by_signal
+    procedure(c_command), bind(C, name='spintop_end_by_signal') :: end_by_signal
     !> At its end the process does nothing more in its libraries: one of them is in a state that it does not expect.
-    procedure(without_arguments), bind(C, name='spintop_leave_libraries') :: leave_libraries
+    procedure(c_command), bind(C, name='spintop_leave_libraries') :: leave_libraries
     !> Ends the messages on signals.
-    procedure(without_arguments), bind(C, name='spintop_watch_no_more') :: stop_watching_signals
+    procedure(c_command), bind(C, name='spintop_watch_no_more') :: stop_watching_signals
     !> Peak memory of the process so far, and memory of the machine, bytes.
-    procedure(amount), bind(C, name='spintop_peak_memory') :: peak_memory
-    procedure(amount), bind(C, name='spintop_physical_memory') :: physical_memory
-    procedure(amount), bind(C, name='spintop_stack_limit') :: c_stack_limit
-    procedure(amount), bind(C, name='spintop_thread_stack') :: c_thread_stack
-    procedure(amount), bind(C, name='spintop_end_is_wanted') :: c_end_is_wanted
+    procedure(c_amount), bind(C, name='spintop_peak_memory') :: peak_memory
+    procedure(c_amount), bind(C, name='spintop_physical_memory') :: physical_memory
+    procedure(c_amount), bind(C, name='spintop_stack_limit') :: c_stack_limit
+    procedure(c_amount), bind(C, name='spintop_thread_stack') :: c_thread_stack
+    procedure(c_amount), bind(C, name='spintop_end_is_wanted') :: c_end_is_wanted
 
     interface
         !> Ends the process with an exit code.

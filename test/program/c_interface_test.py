@@ -169,6 +169,18 @@ class CInterfaceTest(unittest.TestCase):
                 ]
                 self.assertEqual([numbers(line) for line in lines], expected)
 
+    def test_work_of_effects(self) -> None:
+        """The work of effects, and the energy error, which accounts for it, are those of the program."""
+        text = (
+            f"{TOP} {START} &effects drag_moment = 0.1, 0.1, 0.1 / &span t_end = 2 samples = 9 /"
+            "&integration method = 'dop853' / &output columns = 't', 'work', 'energy_error' /"
+        )
+        table = self.table(text)
+        lines = self.run_it(self.driver(), "at", text, *table["t"]).splitlines()
+        expected = [[float(cell) for cell in row] for row in zip(*table.values(), strict=True)]
+        self.assertEqual([numbers(line) for line in lines], expected)
+        self.assertLess(expected[-1][1], -1e-3)
+
     def test_a_motion_that_ends(self) -> None:
         """Rows that were not reached are NaN, and the error has the status."""
         text = (

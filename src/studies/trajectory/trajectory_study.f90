@@ -148,7 +148,7 @@ contains
             return
         end if
         began = seconds()
-        call compute_motion(job%input%scene, job%case, job%plan, times, writer, outcome, recorder)
+        call compute_motion(job%case, job%plan, times, writer, outcome, recorder, job%input%scene)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
         status = outcome%status

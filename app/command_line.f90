@@ -4,9 +4,8 @@ module spintop_command_line
     use spintop_exit_codes, only: exit_codes
     use spintop_listing, only: topic_names
     use spintop_options, only: most_threads, options_t, shell_word
-    use spintop_line_list, only: line_list_t, line_width
     use spintop_shard, only: most_shards, read_shard
-    use spintop_text, only: string_t, did_you_mean, to_text
+    use spintop_text, only: append, append_wrapped, did_you_mean, line_width, string_t, to_text
     implicit none
     private
     public :: request_t, read_command_line, describe_usage
@@ -21,7 +20,7 @@ module spintop_command_line
     type :: request_t
         integer :: action = action_run
         type(options_t) :: options
-        !> Inputs to run, parts to merge, or tables to verify.
+        !> Inputs to run, parts to merge, tables to verify, or the topic to list.
         type(string_t), allocatable :: inputs(:)
         !> What to list ('' for all topics), or the table to merge into.
         character(:), allocatable :: topic, merged
@@ -68,33 +67,31 @@ contains
     !> The help text.
     subroutine describe_usage(lines)
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
-        type(line_list_t) :: text
         type(option_t) :: option
         character(24) :: name
         integer :: i
 
         do i = 1, size(usage)
-            call text%add(trim(usage(i)))
+            call append(lines, trim(usage(i)))
         end do
-        call text%add('')
-        call text%add_wrapped('', 'topics: ' // topic_names(', '), 0, line_width)
-        call text%add('')
-        call text%add('options')
+        call append(lines, '')
+        call append_wrapped(lines, '', 'topics: ' // topic_names(', '), 0, line_width)
+        call append(lines, '')
+        call append(lines, 'options')
         do i = 1, size(known_options)
             option = known_options(i)
             name = trim(option%name) // ' ' // option%value
             if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
-            call text%add('  ' // name // trim(option%what))
+            call append(lines, '  ' // name // trim(option%what))
         end do
-        call text%add('')
-        call text%add('exit codes')
+        call append(lines, '')
+        call append(lines, 'exit codes')
         do i = 1, size(exit_codes)
             name = to_text(exit_codes(i)%code)
-            call text%add('  ' // name // trim(exit_codes(i)%what))
+            call append(lines, '  ' // name // trim(exit_codes(i)%what))
         end do
         name = '128 + N'
-        call text%add('  ' // name // 'ended by signal N')
-        call text%get(lines)
+        call append(lines, '  ' // name // 'ended by signal N')
     end subroutine describe_usage
 
     !> Reads the arguments of the program.
@@ -118,10 +115,10 @@ contains
                 only_inputs = .true.
             else if (only_inputs .or. index(argument, '-') /= 1) then
                 if (size(request%inputs) == 0 .and. .not. only_inputs) then
-                    if (argument == 'list') call read_topic(i, request, error)
-                    if (argument == 'merge') call read_parts(i, request, error)
-                    if (argument == 'verify') call read_tables(i, request, error)
-                    if (argument == 'list' .or. argument == 'merge' .or. argument == 'verify') return
+                    if (any(argument == [character(6) :: 'list', 'merge', 'verify'])) then
+                        call read_command(argument, i, request, error)
+                        return
+                    end if
                 end if
                 request%inputs = [request%inputs, string_t(argument)]
             else
@@ -235,70 +232,49 @@ contains
         end if
     end subroutine read_threads
 
-    !> What to list: the arguments after `list`, which is argument `i`. Without a topic the topics are listed,
-    !> or all of them as JSON.
-    subroutine read_topic(i, request, error)
+    !> Reads what follows a command, which is argument `i`: words, and the one option that it may take. `list` has a topic, or
+    !> none for all of them, `merge` the table to merge into and its parts, `verify` tables.
+    subroutine read_command(command, i, request, error)
+        character(*), intent(in) :: command
         integer, intent(in) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: argument
+        character(:), allocatable :: argument, option
         integer :: k
-        request%action = action_list
-        request%topic = ''
+        option = trim(merge('--json  ', '--strict', command == 'list'))
         do k = i + 1, command_argument_count()
             argument = argument_at(k)
-            if (argument == '--json') then
-                request%as_json = .true.
-            else if (index(argument, '-') == 1) then
-                error = wrong('list takes no option but --json')
-            else if (request%topic /= '') then
-                error = wrong('list takes one topic')
-            else
-                request%topic = argument
-            end if
-        end do
-    end subroutine read_topic
-
-    !> Reads the table to merge into and its parts: all arguments after `merge`, which is argument `i`.
-    subroutine read_parts(i, request, error)
-        integer, intent(in) :: i
-        type(request_t), intent(inout) :: request
-        type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: argument
-        integer :: k
-        request%action = action_merge
-        if (command_argument_count() < i + 2) then
-            error = wrong('merge takes a table to write and the parts to join')
-            return
-        end if
-        request%merged = argument_at(i + 1)
-        do k = i + 2, command_argument_count()
-            argument = argument_at(k)
-            request%inputs = [request%inputs, string_t(argument)]
-        end do
-    end subroutine read_parts
-
-    !> Reads the tables to verify: all arguments after `verify`, which is argument `i`.
-    subroutine read_tables(i, request, error)
-        integer, intent(in) :: i
-        type(request_t), intent(inout) :: request
-        type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: argument
-        integer :: k
-        request%action = action_verify
-        request%options%verifies = .true.
-        do k = i + 1, command_argument_count()
-            argument = argument_at(k)
-            if (argument == '--strict') then
-                request%options%strict = .true.
-            else if (index(argument, '-') == 1) then
-                error = wrong('verify takes no option but --strict')
-            else
+            if (command == 'merge' .or. index(argument, '-') /= 1) then
                 request%inputs = [request%inputs, string_t(argument)]
+            else if (argument /= option) then
+                error = wrong(command // ' takes no option but ' // option)
+            else
+                request%as_json = command == 'list'
+                request%options%strict = command == 'verify'
             end if
         end do
-        if (size(request%inputs) == 0) error = wrong('verify takes a table, which has its input in its header')
-    end subroutine read_tables
+        associate (words => size(request%inputs))
+            select case (command)
+            case ('list')
+                request%action = action_list
+                request%topic = ''
+                if (words > 1) error = wrong('list takes one topic')
+                if (words == 1) request%topic = request%inputs(1)%text
+            case ('merge')
+                request%action = action_merge
+                if (words < 2) then
+                    error = wrong('merge takes a table to write and the parts to join')
+                else
+                    request%merged = request%inputs(1)%text
+                    request%inputs = request%inputs(2:)
+                end if
+            case ('verify')
+                request%action = action_verify
+                request%options%verifies = .true.
+                if (words == 0) error = wrong('verify takes a table, which has its input in its header')
+            end select
+        end associate
+    end subroutine read_command
 
     !> Name of an option, without an equals sign and a value after it.
     pure function option_name(argument) result(name)

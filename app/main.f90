@@ -2,10 +2,9 @@
 !> the writer prints messages and answers requests other than studies.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_colour, only: in_colour
+    use spintop_terminal, only: in_colour
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_verify, action_version
-    use spintop_plain_text, only: visible
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
@@ -19,7 +18,7 @@ program spintop_main
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
-    use spintop_text, only: join, string_t, to_text
+    use spintop_text, only: join, string_t, to_text, visible
     use spintop_verification, only: verify_table
     implicit none
     type(ranks_t) :: ranks

@@ -6,14 +6,13 @@ module spintop_checked_functions
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: unchecked_state => euler_poisson_state
-    use spintop_fast_top, only: fast_top_t, unchecked_fast_top => fast_top
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: unchecked_kinetic => kinetic_energy, unchecked_potential => potential_energy, &
-        unchecked_vertical => vertical_momentum, unchecked_axial => axial_momentum, &
-        unchecked_residuals => euler_residuals, unchecked_tip => axis_tip, &
-        unchecked_height_rate => axis_height_rate
-    use spintop_support_force, only: unchecked_force => support_force
-    use spintop_steady_motion, only: unchecked_critical => critical_omega3
+    use spintop_quantities, only: unchecked_kinetic => kinetic_energy, &
+        unchecked_potential => potential_energy, unchecked_vertical => vertical_momentum, &
+        unchecked_axial => axial_momentum, unchecked_residuals => euler_residuals, unchecked_tip => axis_tip, &
+        unchecked_height_rate => axis_height_rate, unchecked_force => support_force
+    use spintop_steady_motion, only: unchecked_critical => critical_omega3, fast_top_t, &
+        unchecked_fast_top => fast_top
     use spintop_status, only: is_ok
     use spintop_validity, only: body_status, motion_status
     implicit none
@@ -27,32 +26,28 @@ contains
     pure real(dp) function kinetic_energy(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        kinetic_energy = no_number
-        if (are_valid(body, motion)) kinetic_energy = unchecked_kinetic(body, motion)
+        kinetic_energy = unchecked_kinetic(body, checked(motion, body))
     end function kinetic_energy
 
     !> Potential energy above the height of the pivot, J.
     pure real(dp) function potential_energy(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        potential_energy = no_number
-        if (are_valid(body, motion)) potential_energy = unchecked_potential(body, unit(motion))
+        potential_energy = unchecked_potential(body, checked(motion, body))
     end function potential_energy
 
     !> Angular momentum about the vertical, kg m^2/s ("c1" of Eq 41).
     pure real(dp) function vertical_momentum(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        vertical_momentum = no_number
-        if (are_valid(body, motion)) vertical_momentum = unchecked_vertical(body, unit(motion))
+        vertical_momentum = unchecked_vertical(body, checked(motion, body))
     end function vertical_momentum
 
     !> Angular momentum about body z, kg m^2/s.
     pure real(dp) function axial_momentum(body, motion)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        axial_momentum = no_number
-        if (are_valid(body, motion)) axial_momentum = unchecked_axial(body, motion)
+        axial_momentum = unchecked_axial(body, checked(motion, body))
     end function axial_momentum
 
     !> Residual of Euler's equations, I omega' + omega x I omega - torque, N m. The first two components are
@@ -61,8 +56,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: residual(3)
-        residual = no_number
-        if (are_valid(body, motion)) residual = unchecked_residuals(body, unit(motion))
+        residual = unchecked_residuals(body, checked(motion, body))
     end function euler_residuals
 
     !> Support force on the body in space axes, N (Eqs 47-50 for any rigid body).
@@ -70,8 +64,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
         real(dp) :: force(3)
-        force = no_number
-        if (are_valid(body, motion)) force = unchecked_force(body, unit(motion))
+        force = unchecked_force(body, checked(motion, body))
     end function support_force
 
     !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or
@@ -80,15 +73,13 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: tip(3)
-        tip = no_number
-        if (are_valid(body, motion)) tip = unchecked_tip(body, unit(motion))
+        tip = unchecked_tip(body, checked(motion, body))
     end function axis_tip
 
     !> Rate of the height of body z, cos(theta), 1/s: zero at the turning points of theta.
     pure real(dp) function axis_height_rate(motion) result(rate)
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
-        rate = no_number
-        if (is_ok(motion_status(motion))) rate = unchecked_height_rate(unit(motion))
+        rate = unchecked_height_rate(checked(motion))
     end function axis_height_rate
 
     !> The state (Gamma, Pi) of a motion: upward vertical and angular momentum, kg m^2/s, in body axes.
@@ -96,8 +87,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         real(dp) :: x(6)
-        x = no_number
-        if (are_valid(body, motion)) x = unchecked_state(body, motion)
+        x = unchecked_state(body, checked(motion, body))
     end function euler_poisson_state
 
     !> Threshold spin omega3 of the sleeping top, above which it is stable, rad/s: sqrt(4 mgl I1)/I3. NaN also for a
@@ -115,18 +105,22 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         real(dp), intent(in) :: theta, omega3 !! inclination at the start, rad; axial angular velocity, rad/s
         motion = fast_top_t(no_number, no_number, no_number, no_number, no_number, no_number, no_number)
-        if (is_top(body) .and. is_finite(theta) .and. is_finite(omega3)) then
-            motion = unchecked_fast_top(body, theta, omega3)
-        end if
+        if (is_top(body) .and. is_finite(theta + omega3)) motion = unchecked_fast_top(body, theta, omega3)
     end function fast_top
 
-    !> Whether the body and the motion are valid.
-    pure logical function are_valid(body, motion)
-        type(body_t), intent(in) :: body
+    !> The motion, its quaternion scaled to unit norm. NaN if it, or the body, is not valid: so is then what is computed of it.
+    pure type(motion_t) function checked(motion, body)
         type(motion_t), intent(in) :: motion
-        are_valid = is_ok(body_status(body))
-        if (are_valid) are_valid = is_ok(motion_status(motion, body))
-    end function are_valid
+        type(body_t), intent(in), optional :: body
+        integer :: status
+        status = motion_status(motion, body)
+        if (present(body)) status = max(status, body_status(body))
+        checked = motion
+        checked%quaternion = motion%quaternion / norm2(motion%quaternion)
+        if (is_ok(status)) return
+        checked%quaternion = no_number
+        checked%omega = no_number
+    end function checked
 
     !> Whether a body is an undamped symmetric top.
     pure logical function is_top(body)
@@ -134,12 +128,5 @@ contains
         is_top = is_ok(body_status(body))
         if (is_top) is_top = body%is_lagrange() .and. body%inertia(1) > 0
     end function is_top
-
-    !> The motion, with its quaternion scaled to unit norm.
-    pure type(motion_t) function unit(motion)
-        type(motion_t), intent(in) :: motion
-        unit = motion
-        unit%quaternion = motion%quaternion / norm2(motion%quaternion)
-    end function unit
 
 end module spintop_checked_functions

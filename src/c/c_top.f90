@@ -43,7 +43,7 @@ module spintop_c_top
 
     !> Most times of a call.
     integer(c_size_t), parameter :: most_times = huge(1_c_int)
-    character(*), parameter :: small_memory = 'the memory is too small for the derivatives at so many times'
+    character(*), parameter :: small_memory = 'the memory is too small for so many times'
     !> The text ''.
     character(c_char), target :: no_text = c_null_char
 
@@ -169,18 +169,16 @@ contains
         call c_f_pointer(handle, top)
         call c_f_pointer(t, times, [n])
         call c_f_pointer(cells, found, [n, size(top%columns, kind=c_size_t)])
-        if (top%derivatives%count == 0) then
-            call top%motion%find(times, found, status, t_reached)
-        else
-            allocate (values(n, top%motion%columns), stat=status)
-            if (is_wrong(status /= 0, small_memory, error)) return
-            call top%motion%find(times, values, status, t_reached)
-            associate (own => size(top%chosen))
-                found(:, :own) = values(:, :own)
-                call top%derivatives%find(times, values(:, own + 1:), found(:, own + 1:), lacks_memory)
-            end associate
-            if (is_wrong(lacks_memory, small_memory, error)) return
-        end if
+        allocate (values(top%motion%columns, n), stat=status)
+        if (is_wrong(status /= 0, small_memory, error)) return
+        call top%motion%find(times, values, status, t_reached)
+        associate (own => size(top%chosen))
+            found(:, :own) = transpose(values(:own, :))
+            if (top%derivatives%count > 0) then
+                call top%derivatives%find(times, values(own + 1:, :), found(:, own + 1:), lacks_memory)
+                if (is_wrong(lacks_memory, small_memory, error)) return
+            end if
+        end associate
         code = hand_status(status, t_reached, error)
     end function find_motion
 
@@ -227,7 +225,7 @@ contains
             call recorder%keep_table(top%chosen, job%case, job%input%scene)
             call writer%set_columns(top%chosen, job%case, job%input%scene)
             allocate (writer%kept(size(top%chosen), plan%samples))
-            call compute_motion(job%input%scene, job%case, plan, times, writer, outcome, recorder)
+            call compute_motion(job%case, plan, times, writer, outcome, recorder, job%input%scene)
         end associate
         call writer%columns%close()
         call describe_status(outcome%status, outcome%end_time(), message)

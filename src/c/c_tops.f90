@@ -8,7 +8,6 @@ module spintop_c_tops
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_input
     use spintop_exact_block, only: block_size, exact_block_t
-    use spintop_exact_cases, only: exact_cases_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads
     use spintop_status, only: is_ok
@@ -200,7 +199,7 @@ contains
         integer(int64) :: at
         integer :: i, k
 
-        arrays = arrays_of(block%exact_cases_t)
+        arrays = arrays_of(block)
         do k = 1, size(data_names)
             room => arrays(k)%values
             room(:block%n) = 0
@@ -229,7 +228,7 @@ contains
         integer :: i
         logical :: any_failed
 
-        arrays = arrays_of(block%exact_cases_t)
+        arrays = arrays_of(block)
         associate (n => block%n)
             any_failed = any(.not. is_ok(block%status(:n)))
             do i = 1, size(request%wanted)
@@ -243,7 +242,7 @@ contains
 
     !> The arrays of a block: those of the data, and those of the quantities, in the order of their names.
     function arrays_of(cases) result(arrays)
-        type(exact_cases_t), target, intent(inout) :: cases
+        type(exact_block_t), target, intent(inout) :: cases
         type(block_array_t) :: arrays(size(data_names) + size(quantity_names))
         arrays = [block_array_t(cases%inertia1), block_array_t(cases%inertia3), block_array_t(cases%mgl), &
                   block_array_t(cases%theta), block_array_t(cases%phi_rate), block_array_t(cases%theta_rate), &

@@ -11,7 +11,7 @@
 module spintop_conditioning
     use spintop_kinds, only: dp, pi, epsilon_dp, no_number
     use spintop_compare, only: is_zero
-    use spintop_status, only: is_ok
+    use spintop_status, only: is_ok, status_ok
     use spintop_attitude, only: quaternion_product, rotation_angle
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t, motion_from_angles
@@ -28,8 +28,9 @@ module spintop_conditioning
     real(dp), parameter :: displacement = 8 * epsilon_dp, hopeless = 0.1_dp
     !> Largest relative error of a rounded number.
     real(dp), parameter :: rounding = epsilon_dp / 2
-    !> Maximum number of data: three of the body, two of effects, and of a start four of the attitude, three rates.
-    integer, parameter :: most_data = 3 + 2 + 7
+    !> Number of data, of which a case has some: three moments of inertia, the weight, rotor and frame, and of a start four of
+    !> the attitude and three rates.
+    integer, parameter :: most_data = 3 + 1 + 2 + 7
 
     !> What is displaced: the body, its start, the rotation of the frame, rad/s, and the momentum of the rotor, kg m^2/s.
     type :: data_t
@@ -65,6 +66,8 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor(3) !! constant momentum of a rotor, body axes, kg m^2/s
         type(data_t) :: given, other
+        real(dp) :: weight
+        integer :: n
 
         if (present(rotor)) then
             call prepare_exact_motion(body, start, conditioning%exact, status, rotor)
@@ -80,99 +83,74 @@ contains
 
         conditioning%time = start%t
         conditioning%rate = norm2(given%start%omega)
-        if (body%is_lagrange()) then
-            call displace_inertia(conditioning, given, 1, 2)
-            call displace_inertia(conditioning, given, 3, 3)
-            ! Mass, gravity and height of the centre of mass act through their product only.
+        associate (angle => given%start%angle(1:3:2))
+            if (rates_describe(given%start)) conditioning%constant = norm2(half_unit(angle) * angle)
+        end associate
+        do n = 1, most_data
             other = given
-            other%body%gravity = displaced_value(body%gravity)
-            call add(conditioning, given, other, norm2(half_unit([body%mass, body%gravity, body%centre_of_mass(3)])))
-        else
-            call displace_inertia(conditioning, given, 1, 1)
-            call displace_inertia(conditioning, given, 2, 2)
-            call displace_inertia(conditioning, given, 3, 3)
-        end if
-        other = given
-        other%rotor = displaced_value(given%rotor)
-        if (.not. is_zero(given%rotor)) call add(conditioning, given, other, half_unit(given%rotor))
-        other = given
-        other%frame = displaced_value(given%frame)
-        if (.not. is_zero(given%frame)) call add(conditioning, given, other, half_unit(given%frame))
-
-        if (rates_describe(given%start)) then
-            call displace_angles(conditioning, given)
-        else
-            call displace_quaternion(conditioning, given)
-        end if
+            call displace(other, n, weight)
+            if (.not. weight > 0) cycle
+            associate (k => conditioning%count + 1)
+                call prepare(other, conditioning%displaced(k), status)
+                if (.not. is_ok(status)) cycle
+                conditioning%weight(k) = weight / displacement
+                conditioning%frame_change(k) = other%frame - given%frame
+            end associate
+            conditioning%count = conditioning%count + 1
+        end do
+        status = status_ok
     end subroutine prepare_conditioning
 
-    !> Moments of inertia that are equal and stay so.
-    pure subroutine displace_inertia(conditioning, given, first, last)
-        type(conditioning_t), intent(inout) :: conditioning
-        type(data_t), intent(in) :: given
-        integer, intent(in) :: first, last
-        type(data_t) :: other
-        other = given
-        other%body%inertia(first:last) = displaced_value(given%body%inertia(first:last))
-        call add(conditioning, given, other, half_unit(given%body%inertia(first)))
-    end subroutine displace_inertia
-
-    !> Data of a start that is given by angles and rates.
-    pure subroutine displace_angles(conditioning, given)
-        type(conditioning_t), intent(inout) :: conditioning
-        type(data_t), intent(in) :: given
-        type(data_t) :: other
-        real(dp) :: angle(3), rate(3)
-        integer :: n
-        other = given
-        associate (start => given%start)
-            angle = start%angle
-            angle(2) = displaced_value(angle(2))
-            ! In the other direction if the axis would pass the pole and phi would jump.
-            if (angle(2) > pi) angle(2) = start%angle(2) * (1 - displacement)
-            other%start = motion_from_angles(start%t, angle, start%rate)
-            call add(conditioning, given, other, half_unit(start%angle(2)))
-            do n = 1, 3
-                rate = start%rate
-                rate(n) = displaced_value(rate(n))
-                other%start = motion_from_angles(start%t, start%angle, rate)
-                call add(conditioning, given, other, half_unit(start%rate(n)))
-            end do
-            conditioning%constant = norm2(half_unit(start%angle(1:3:2)) * start%angle(1:3:2))
+    !> Displaces the n-th of the data, and gives its relative rounding error: zero if it is zero, or if there is none. Moments
+    !> of inertia that are equal stay so; mass, gravity and height of the centre of mass act through their product only.
+    pure subroutine displace(given, n, weight)
+        type(data_t), intent(inout) :: given
+        integer, intent(in) :: n
+        real(dp), intent(out) :: weight
+        real(dp) :: time, angle(3), rate(3)
+        logical :: is_top
+        weight = 0
+        is_top = given%body%is_lagrange()
+        associate (body => given%body, start => given%start)
+            select case (n)
+            case (1:3)
+                if (n == 2 .and. is_top) return
+                call shift(body%inertia(n), weight)
+                if (is_top) body%inertia(2) = body%inertia(1)
+            case (4)
+                if (.not. is_top) return
+                weight = norm2(half_unit([body%mass, body%gravity, body%centre_of_mass(3)]))
+                body%gravity = displaced_value(body%gravity)
+            case (5)
+                call shift(given%rotor, weight)
+            case (6)
+                call shift(given%frame, weight)
+            case (7:10)
+                if (rates_describe(start)) then
+                    time = start%t
+                    angle = start%angle
+                    rate = start%rate
+                    if (n == 7) call shift(angle(2), weight)
+                    if (n > 7) call shift(rate(n - 7), weight)
+                    ! In the other direction if the axis would pass the pole and phi would jump.
+                    if (angle(2) > pi) angle(2) = start%angle(2) * (1 - displacement)
+                    start = motion_from_angles(time, angle, rate)
+                else
+                    call shift(start%quaternion(n - 6), weight)
+                end if
+            case default
+                if (.not. rates_describe(start)) call shift(start%omega(n - 10), weight)
+            end select
         end associate
-    end subroutine displace_angles
+    end subroutine displace
 
-    !> Data of a start that is given by quaternion and omega.
-    pure subroutine displace_quaternion(conditioning, given)
-        type(conditioning_t), intent(inout) :: conditioning
-        type(data_t), intent(in) :: given
-        type(data_t) :: other
-        integer :: n
-        do n = 1, 4
-            other = given
-            other%start%quaternion(n) = displaced_value(given%start%quaternion(n))
-            call add(conditioning, given, other, half_unit(given%start%quaternion(n)))
-        end do
-        do n = 1, 3
-            other = given
-            other%start%omega(n) = displaced_value(given%start%omega(n))
-            call add(conditioning, given, other, half_unit(given%start%omega(n)))
-        end do
-    end subroutine displace_quaternion
-
-    !> Adds the exact solution of displaced data, of which `weight` is the relative error.
-    pure subroutine add(conditioning, given, other, weight)
-        type(conditioning_t), intent(inout) :: conditioning
-        type(data_t), intent(in) :: given, other
-        real(dp), intent(in) :: weight
-        integer :: status, n
-        n = conditioning%count + 1
-        call prepare(other, conditioning%displaced(n), status)
-        if (.not. is_ok(status)) return
-        conditioning%count = n
-        conditioning%weight(n) = weight / displacement
-        conditioning%frame_change(n) = other%frame - given%frame
-    end subroutine add
+    !> Displaces a number, and gives its relative rounding error.
+    pure subroutine shift(x, weight)
+        real(dp), intent(inout) :: x
+        real(dp), intent(out) :: weight
+        weight = half_unit(x)
+        x = displaced_value(x)
+    end subroutine shift
 
     !> Prepares the exact solution of data, as seen from a frame that does not turn.
     pure subroutine prepare(given, exact, status)

@@ -1,6 +1,6 @@
 !> The exact solution of many undamped symmetric tops together, in double precision.
 !>
-!> The cases are processed in strips by the stages of `exact_strip` and `exact_pole`: the solution in circular
+!> The cases are processed in strips by the stages of `exact_strip`: the solution in circular
 !> functions (`circular_form`), up to k^2 = 0.99, in loops that the compiler vectorizes. A case that these
 !> loops may not compute to `block_accuracy` is computed by the scalar routine, which works in extended
 !> precision and in all forms. The result of a case has the same bits at every position in a block and for all
@@ -12,12 +12,15 @@
 module spintop_exact_block
     use spintop_kinds, only: dp, pi
     use spintop_array_functions, only: find_circular, find_inclinations
-    use spintop_exact_cases, only: exact_cases_t, compute_alone, block_size
-    use spintop_exact_pole, only: strip_length, largest_nome, place_pole
-    use spintop_exact_strip, only: strip_t, find_roots, find_roots_of_moving, find_moduli, &
+    use spintop_body, only: body_t
+    use spintop_compare, only: is_finite
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_quantities, only: kinetic_energy, potential_energy
+    use spintop_exact_strip, only: strip_t, strip_length, largest_nome, place_pole, find_roots, find_roots_of_moving, find_moduli, &
         find_nome, find_start_phases, find_phases
     use spintop_pole_passages, only: through_pole
-    use spintop_status, only: status_bad_input, status_ok
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok
     implicit none
     private
     public :: exact_block_t, block_size, block_accuracy
@@ -30,8 +33,35 @@ module spintop_exact_block
     !> is.
     real(dp), parameter :: least_difference = 1.0e-2_dp
 
-    !> Cases to be computed together. A thread keeps one block, sets `n` and the data, and calls `compute`.
-    type, extends(exact_cases_t) :: exact_block_t
+    !> Maximum number of cases.
+    integer, parameter :: block_size = 512
+
+    !> Cases to be computed together, one per element of each array, SI units and radians. A thread keeps one block, sets `n`
+    !> and the data, and calls `compute`.
+    type :: exact_block_t
+        !> Number of cases, up to `block_size`.
+        integer :: n = 0
+        !> Data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates of phi and
+        !> theta (rad/s), angular velocity about the body axis (rad/s), phi and psi (rad), end of the span
+        !> (s), and a time for which phi is needed (s).
+        real(dp), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &
+            omega3, phi, psi, t_end, t_period
+        !> Turning angles (rad), cos(theta_max), and cos(theta_min) - cos(theta_max) without cancellation.
+        real(dp), dimension(block_size) :: theta_min, theta_max, u_min, delta_u
+        !> Nutation period (s), change of phi per nutation (rad), mean precession rate, and the value of phi'
+        !> that is largest in magnitude (rad/s).
+        real(dp), dimension(block_size) :: period, precession, precession_rate, phi_rate_max
+        !> Angles (rad) and nutation rate (rad/s) at `t_end`, and the change of energy since the start,
+        !> relative to the kinetic energy at the start plus m g l.
+        real(dp), dimension(block_size) :: theta_end, phi_end, psi_end, theta_rate_end, energy_error
+        !> Change of phi from the start to `t_period`, rad.
+        real(dp), dimension(block_size) :: phi_at_period
+        !> Status of each case: `status_ok`, a status of `prepare_exact_motion`, or `status_non_finite` if a
+        !> result is not finite. The period and the change of phi per period may be infinite (on the
+        !> separatrix, and for an axis at rest).
+        integer, dimension(block_size) :: status = status_ok
+        !> Number of cases that were computed by the scalar routine.
+        integer :: fallbacks = 0
     contains
         procedure :: compute
     end type exact_block_t
@@ -351,5 +381,61 @@ contains
                                    abs(block%phi_at_period(j)) <= huge(0.0_dp))
         end do
     end subroutine describe_period
+
+    !> Computes case i by the scalar routine: the quantities of a whole nutation; with `wants_end` the motion
+    !> at `t_end`; with `wants_period` phi at `t_period`.
+    subroutine compute_alone(self, i, wants_end, wants_period)
+        class(exact_block_t), intent(inout) :: self
+        integer, intent(in) :: i
+        logical, intent(in) :: wants_end, wants_period
+        type(body_t) :: body
+        type(motion_t) :: start, motion
+        type(exact_motion_t) :: exact
+        real(dp) :: energy, total
+
+        self%fallbacks = self%fallbacks + 1
+        body%inertia = [self%inertia1(i), self%inertia1(i), self%inertia3(i)]
+        body%gravity = self%mgl(i)
+        body%centre_of_mass(3) = 1
+        start = motion_from_angles(0.0_dp, [self%phi(i), self%theta(i), self%psi(i)], &
+            [self%phi_rate(i), self%theta_rate(i), &
+             self%omega3(i) - self%phi_rate(i) * cos(self%theta(i))])
+        call prepare_exact_motion(body, start, exact, self%status(i))
+        if (.not. is_ok(self%status(i))) return
+
+        associate (nutation => exact%nutation)
+            self%theta_min(i) = nutation%theta_min
+            self%theta_max(i) = nutation%theta_max
+            self%u_min(i) = cos(nutation%theta_max)
+            self%delta_u(i) = nutation%delta_u
+            self%period(i) = nutation%period
+            self%precession(i) = nutation%precession
+            self%precession_rate(i) = nutation%precession_rate
+            self%phi_rate_max(i) = nutation%phi_rate_max
+        end associate
+        if (wants_end) then
+            motion = exact%at(self%t_end(i))
+            self%phi_end(i) = motion%angle(1)
+            self%theta_end(i) = motion%angle(2)
+            self%psi_end(i) = motion%angle(3)
+            self%theta_rate_end(i) = motion%rate(2)
+            energy = kinetic_energy(body, start) + potential_energy(body, start)
+            self%energy_error(i) = abs(kinetic_energy(body, motion) &
+                + potential_energy(body, motion) - energy)
+            if (self%energy_error(i) > 0) self%energy_error(i) = self%energy_error(i) &
+                / (kinetic_energy(body, start) + self%mgl(i))
+        end if
+        if (wants_period) then
+            motion = exact%at(self%t_period(i))
+            self%phi_at_period(i) = motion%angle(1) - self%phi(i)
+        end if
+        ! Only the period, and the change of phi per period, may be infinite.
+        total = self%theta_min(i) + self%theta_max(i) + self%precession_rate(i) &
+                + self%phi_rate_max(i)
+        if (wants_end) total = total + self%theta_end(i) + self%phi_end(i) + self%psi_end(i) &
+                               + self%theta_rate_end(i) + self%energy_error(i)
+        if (wants_period) total = total + self%phi_at_period(i)
+        if (.not. is_finite(total)) self%status(i) = status_non_finite
+    end subroutine compute_alone
 
 end module spintop_exact_block

@@ -5,7 +5,7 @@
 module spintop_rigid_body
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp
-    use spintop_attitude, only: vertical_from_quaternion
+    use spintop_attitude, only: vertical_from_quaternion, half_turn
     use spintop_body, only: body_t
     use spintop_compare, only: is_zero
     use spintop_body_quadruple, only: quaternion_body_t
@@ -14,10 +14,8 @@ module spintop_rigid_body
         structure_group, structure_quadruple, structure_series, structure_split
     use spintop_kernel_types, only: body_products_t, stage_factors_t, share_rest, short_share
     use spintop_motion, only: motion_t
-    use spintop_motion_slopes, only: verticals
-    use spintop_motions, only: instants, motions_t
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
-    use spintop_small_turn, only: half_turn
+    use spintop_motions, only: instants, motions_t, verticals
+    use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     implicit none
     private

@@ -7,14 +7,13 @@
 module spintop_space_frame
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp, xp
-    use spintop_attitude, only: conjugate_quaternion, to_space
+    use spintop_attitude, only: conjugate_quaternion, to_space, half_turn
     use spintop_body, only: body_t
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
     use spintop_kernel_types, only: symmetric_top_t, acceleration_rest, acceleration_share
     use spintop_motion, only: motion_t
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
     use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega, vector
-    use spintop_small_turn, only: half_turn
+    use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     implicit none
     private

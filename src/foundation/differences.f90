@@ -88,49 +88,18 @@ contains
         real(dp), intent(out) :: derivative !! per unit of the number
         real(dp), intent(out) :: error !! the estimate of its error
         integer, intent(out), optional :: row !! the last difference from which it is extrapolated; 0 where there is none
-        real(dp) :: table(rows, 0:rows - 1), noise(rows), bend(rows), width(rows), range, factor, estimate
-        logical :: is_known(node_count)
-        integer :: above, below, first, best, i, k
+        real(dp) :: derivatives(1), errors(1), noise(rows), bend(rows)
+        integer :: best
 
-        if (present(row)) row = 0
-        derivative = nan
-        error = nan
-        is_known = self%is_valid .and. is_finite(values)
-        call find_sides(self%is_valid, above, below)
-        factor = ratio**2
-        if (above == centre .or. below == centre) factor = ratio
-        first = rows + 1
-        best = 0
-        range = 0
-        do i = rows, 1, -1
-            if (.not. all(is_known([node(above, i), node(below, i), centre]))) exit
-            first = i
-        end do
-        do i = first, rows
-            associate (up => node(above, i), down => node(below, i))
-                width(i) = self%x(up) - self%x(down)
-                table(i, 0) = (values(up) - values(down)) / width(i)
-                noise(i) = 2 * epsilon(1.0_dp) * maxval(abs(values([up, down, centre]))) / width(i)
-                bend(i) = (values(up) - values(centre) + (values(down) - values(centre))) / width(i)
-                range = max(range, abs(values(up) - values(centre)), abs(values(down) - values(centre)))
-            end associate
-            do k = 1, i - first
-                table(i, k) = table(i, k - 1) + (table(i, k - 1) - table(i - 1, k - 1)) / (factor**k - 1)
-                estimate = max(abs(table(i, k) - table(i, k - 1)), abs(table(i, k) - table(i - 1, k - 1)))
-                estimate = safety * (estimate + noise(i))
-                if (estimate >= error) cycle ! false for NaN
-                derivative = table(i, k)
-                error = estimate
-                best = i
-            end do
-        end do
-        if (best == 0) return
-        if (error <= largest_error * abs(derivative) + largest_noise * noise(best) .and. &
-            abs(table(rows, 0) - derivative) <= largest_noise * noise(rows) + largest_rest * range / width(rows) .and. &
-            .not. (factor > ratio .and. has_kink(bend(best - 1:), noise(best - 1:)))) then
-            if (present(row)) row = best
-            return
+        call extrapolate(self, reshape(values, [1, node_count]), derivatives, errors, best, noise, bend)
+        derivative = derivatives(1)
+        error = errors(1)
+        if (best > 0) then
+            if (.not. error <= largest_error * abs(derivative) + largest_noise * noise(best) .or. &
+                has_kink(bend(best - 1:), noise(best - 1:))) best = 0
         end if
+        if (present(row)) row = best
+        if (best > 0) return
         derivative = nan
         error = nan
     end subroutine differentiate
@@ -138,18 +107,34 @@ contains
     !> The derivatives of quantities that belong together, as those at the times of a motion, with estimates of their errors.
     !> The same step sizes are best for all of them: what agrees by chance in one of them does not count. Where a quantity has
     !> no value next to the number, all are NaN.
-    subroutine differentiate_together(self, values, derivatives, errors)
+    pure subroutine differentiate_together(self, values, derivatives, errors)
         class(nodes_t), intent(in) :: self
         real(dp), intent(in) :: values(:, :) !! of the quantities (rows) at the nodes (columns); NaN where they have none
         real(dp), intent(out) :: derivatives(:) !! per unit of the number
         real(dp), intent(out) :: errors(:) !! the estimates of their errors
+        real(dp) :: noise(rows), bend(rows)
+        integer :: best
+        call extrapolate(self, values, derivatives, errors, best, noise, bend)
+    end subroutine differentiate_together
+
+    !> Extrapolates the differences of quantities to no step. Without a difference to end at, all is NaN.
+    pure subroutine extrapolate(self, values, derivatives, errors, best, noise, bend)
+        class(nodes_t), intent(in) :: self
+        real(dp), intent(in) :: values(:, :)
+        real(dp), intent(out) :: derivatives(:), errors(:)
+        integer, intent(out) :: best !! the last difference from which they are extrapolated; 0 where there is none
+        real(dp), intent(out) :: noise(rows) !! rounding errors of the differences
+        real(dp), intent(out) :: bend(rows) !! second differences over the step; zero at an end of the domain
         real(dp), dimension(size(derivatives), 0:rows - 1) :: now, last
-        real(dp), dimension(size(derivatives)) :: noise, change
-        real(dp) :: factor, least, estimate, range, width
+        real(dp), dimension(size(derivatives)) :: rounding, change
+        real(dp) :: factor, least, range, width
         integer :: above, below, first, i, k
 
+        best = 0
         derivatives = nan
         errors = nan
+        noise = 0
+        bend = 0
         least = huge(least)
         range = 0
         width = 0
@@ -162,37 +147,41 @@ contains
             first = i
         end do
         do i = first, rows
-            associate (up => node(above, i), down => node(below, i))
-                width = self%x(up) - self%x(down)
-                now(:, 0) = (values(:, up) - values(:, down)) / width
-                noise = 2 * epsilon(1.0_dp) * max(abs(values(:, up)), abs(values(:, down))) / width
-                range = max(range, norm2(values(:, up) - values(:, centre)), norm2(values(:, down) - values(:, centre)))
+            associate (up => values(:, node(above, i)), down => values(:, node(below, i)), middle => values(:, centre))
+                width = self%x(node(above, i)) - self%x(node(below, i))
+                now(:, 0) = (up - down) / width
+                rounding = 2 * epsilon(1.0_dp) * max(abs(up), abs(down), abs(middle)) / width
+                noise(i) = norm2(rounding)
+                if (factor > ratio) bend(i) = norm2(up - middle + (down - middle)) / width
+                range = max(range, norm2(up - middle), norm2(down - middle))
             end associate
             do k = 1, i - first
                 now(:, k) = now(:, k - 1) + (now(:, k - 1) - last(:, k - 1)) / (factor**k - 1)
-                change = max(abs(now(:, k) - now(:, k - 1)), abs(now(:, k) - last(:, k - 1))) + noise
-                estimate = norm2(change)
-                if (.not. estimate < least) cycle
-                least = estimate
+                change = max(abs(now(:, k) - now(:, k - 1)), abs(now(:, k) - last(:, k - 1))) + rounding
+                if (.not. norm2(change) < least) cycle
+                least = norm2(change)
                 derivatives = now(:, k)
                 errors = safety * change
+                best = i
             end do
             last(:, :i - first) = now(:, :i - first)
         end do
-        if (.not. least < huge(least)) return
-        if (norm2(last(:, 0) - derivatives) <= largest_noise * norm2(noise) + largest_rest * range / width) return
+        if (best > 0) then
+            if (norm2(last(:, 0) - derivatives) <= largest_noise * noise(rows) + largest_rest * range / width) return
+        end if
+        best = 0
         derivatives = nan
         errors = nan
 
     contains
 
         !> Whether all quantities have values at a node.
-        logical function is_there(i)
+        pure logical function is_there(i)
             integer, intent(in) :: i
             is_there = self%is_valid(i) .and. all(is_finite(values(:, i)))
         end function is_there
 
-    end subroutine differentiate_together
+    end subroutine extrapolate
 
     !> The two nodes of a difference.
     pure function ends(self, row)

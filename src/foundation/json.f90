@@ -12,8 +12,7 @@
 module spintop_json
     use spintop_compare, only: is_finite
     use spintop_kinds, only: dp
-    use spintop_line_list, only: line_list_t
-    use spintop_text, only: string_t, strings_of, to_text
+    use spintop_text, only: append, string_t, strings_of, to_text
     implicit none
     private
     public :: json_t
@@ -24,12 +23,10 @@ module spintop_json
     !> A document that is being written.
     type :: json_t
         private
-        type(line_list_t) :: lines
-        !> The line that is not yet complete.
-        character(:), allocatable :: line
-        integer :: depth = 0
-        !> What closes each open container, and whether it has an item already.
-        character(:), allocatable :: closing
+        type(string_t), allocatable :: lines(:)
+        !> The line that is not yet complete, and what closes each open container.
+        character(:), allocatable :: line, closing
+        !> Whether each open container has an item already.
         logical, allocatable :: has_item(:)
     contains
         procedure :: begin
@@ -41,7 +38,6 @@ module spintop_json
         !> is not finite), a logical, or a list of texts.
         generic :: add => add_text, add_integer, add_real, add_logical, add_texts, add_strings
         procedure :: add_null
-        procedure :: add_optional
         procedure, private :: add_text, add_integer, add_real, add_logical, add_texts, add_strings
     end type json_t
 
@@ -51,7 +47,6 @@ contains
     subroutine begin(self)
         class(json_t), intent(out) :: self
         self%line = '{'
-        self%depth = 1
         self%closing = '}'
         self%has_item = [.false.]
     end subroutine begin
@@ -60,38 +55,48 @@ contains
     subroutine open_object(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call open_container(self, '{', '}', key)
+        call open_container(self, '{}', key)
     end subroutine open_object
 
     !> Opens a list: a member of an object, or, without a key, an element of a list.
     subroutine open_list(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call open_container(self, '[', ']', key)
+        call open_container(self, '[]', key)
     end subroutine open_list
+
+    subroutine open_container(self, brackets, key)
+        class(json_t), intent(inout) :: self
+        character(2), intent(in) :: brackets
+        character(*), intent(in), optional :: key
+        call add_item(self, brackets(1:1), key)
+        self%closing = self%closing // brackets(2:2)
+        self%has_item = [self%has_item, .false.]
+    end subroutine open_container
 
     !> Closes the innermost container.
     subroutine close_container(self)
         class(json_t), intent(inout) :: self
-        if (self%depth <= depth_of_lines .and. self%has_item(self%depth)) then
-            call self%lines%add(self%line)
-            self%line = repeat(' ', 2 * (self%depth - 1))
-        end if
-        self%line = self%line // self%closing(self%depth:)
-        self%depth = self%depth - 1
-        self%closing = self%closing(:self%depth)
-        self%has_item = self%has_item(:self%depth)
+        associate (depth => size(self%has_item))
+            if (depth <= depth_of_lines .and. self%has_item(depth)) then
+                call append(self%lines, self%line)
+                self%line = repeat(' ', 2 * (depth - 1))
+            end if
+            self%line = self%line // self%closing(depth:)
+            self%closing = self%closing(:depth - 1)
+        end associate
+        self%has_item = self%has_item(:len(self%closing))
     end subroutine close_container
 
     !> Closes the document, and gives its lines.
     subroutine finish(self, lines)
         class(json_t), intent(inout) :: self
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
-        do while (self%depth > 0)
+        do while (self%closing /= '')
             call self%close()
         end do
-        call self%lines%add(self%line)
-        call self%lines%get(lines)
+        call append(self%lines, self%line)
+        call move_alloc(self%lines, lines)
     end subroutine finish
 
     !> Adds a member without a value.
@@ -100,18 +105,6 @@ contains
         character(*), intent(in) :: key !! name of the member
         call add_item(self, 'null', key)
     end subroutine add_null
-
-    !> Adds a text, or null for one that is blank.
-    subroutine add_optional(self, key, value)
-        class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key !! name of the member
-        character(*), intent(in) :: value !! blanks at its end are left out
-        if (value == '') then
-            call self%add_null(key)
-        else
-            call self%add(key, value)
-        end if
-    end subroutine add_optional
 
     subroutine add_text(self, key, value)
         class(json_t), intent(inout) :: self
@@ -131,11 +124,8 @@ contains
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
         real(dp), intent(in) :: value
-        if (is_finite(value)) then
-            call add_item(self, to_text(value), key)
-        else
-            call self%add_null(key)
-        end if
+        if (is_finite(value)) call add_item(self, to_text(value), key)
+        if (.not. is_finite(value)) call self%add_null(key)
     end subroutine add_real
 
     subroutine add_logical(self, key, value)
@@ -164,25 +154,15 @@ contains
         call self%close()
     end subroutine add_strings
 
-    subroutine open_container(self, opening, closing, key)
-        class(json_t), intent(inout) :: self
-        character, intent(in) :: opening, closing
-        character(*), intent(in), optional :: key
-        call add_item(self, opening, key)
-        self%depth = self%depth + 1
-        self%closing = self%closing // closing
-        self%has_item = [self%has_item, .false.]
-    end subroutine open_container
-
     !> Adds the text of a value, or of the beginning of a container, to the innermost container.
     subroutine add_item(self, text, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: text
         character(*), intent(in), optional :: key
-        associate (depth => self%depth)
+        associate (depth => size(self%has_item))
             if (self%has_item(depth)) self%line = self%line // ','
             if (depth <= depth_of_lines) then
-                call self%lines%add(self%line)
+                call append(self%lines, self%line)
                 self%line = repeat(' ', 2 * depth)
             else if (self%has_item(depth)) then
                 self%line = self%line // ' '

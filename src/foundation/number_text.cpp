@@ -1,5 +1,5 @@
 // Numbers to text by std::to_chars: the shortest text that reads back to the same bits,
-// in any locale. Fortran reaches these through spintop_text.
+// in any locale. Fortran reaches these through spintop_text. A text has room for 24 characters a number, and one for a comma.
 
 #include <charconv>
 #include <cmath>
@@ -20,11 +20,6 @@ char *write_real(char *first, char *last, double value) {
 }
 
 } // namespace
-
-// The text must have room for 24 characters a number (and one for a comma).
-extern "C" int spintop_real_to_text(double value, char *text, int capacity) {
-    return static_cast<int>(write_real(text, text + capacity, value) - text);
-}
 
 extern "C" int spintop_integer_to_text(long long value, char *text, int capacity) {
     return static_cast<int>(std::to_chars(text, text + capacity, value).ptr - text);

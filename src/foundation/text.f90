@@ -1,4 +1,4 @@
-!> Words and numbers as text.
+!> Words, numbers, lists of words and of lines as text; and texts that are safe on a terminal or fit into one line.
 module spintop_text
     use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long_long
     use, intrinsic :: iso_fortran_env, only: int64
@@ -6,9 +6,14 @@ module spintop_text
     implicit none
     private
     public :: string_t, append, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
-    public :: strings_of
+    public :: strings_of, append_words, append_wrapped, line_width, wrapped, characters, default_width
     public :: write_reals, write_integer, fixed_text, real_width
+    public :: visible, escaped, is_plain
 
+    !> Width of a text that is not written to a terminal, in columns; lines of lists are broken before a smaller one.
+    integer, parameter :: default_width = 100, line_width = 96
+    !> Minimum number of columns for words beside an indentation.
+    integer, parameter :: least_room = 24
     !> Maximum number of characters of a real number.
     integer, parameter :: real_width = 24
 
@@ -34,14 +39,6 @@ module spintop_text
     end interface did_you_mean
 
     interface
-        integer(c_int) function c_real_to_text(value, text, capacity) &
-                bind(C, name='spintop_real_to_text')
-            import :: c_char, c_double, c_int
-            real(c_double), value :: value
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: capacity
-        end function c_real_to_text
-
         integer(c_int) function c_integer_to_text(value, text, capacity) &
             bind(C, name='spintop_integer_to_text')
             import :: c_char, c_int, c_long_long
@@ -226,6 +223,93 @@ contains
         call move_alloc(longer, list)
     end subroutine append
 
+    !> Adds words as a list with commas after a beginning, on as many lines as needed.
+    pure subroutine append_words(lines, start, words)
+        type(string_t), allocatable, intent(inout) :: lines(:) !! the lines so far
+        character(*), intent(in) :: start !! beginning of the first line
+        type(string_t), intent(in) :: words(:) !! the items of the list
+        character(:), allocatable :: line, word
+        integer :: i
+
+        line = start
+        do i = 1, size(words)
+            word = words(i)%text
+            if (i < size(words)) word = word // ','
+            if (i > 1 .and. len(line) + len(word) > line_width) then
+                call append(lines, trim(line))
+                line = repeat(' ', len(start))
+            end if
+            line = line // word // ' '
+        end do
+        call append(lines, trim(line))
+    end subroutine append_words
+
+    !> Adds a text that is broken at blanks, so that no line is longer than `width` if possible. All lines begin
+    !> with `start`, and the second and further ones have `indent` blanks after it.
+    pure subroutine append_wrapped(lines, start, text, indent, width)
+        type(string_t), allocatable, intent(inout) :: lines(:) !! the lines so far
+        character(*), intent(in) :: start, text !! beginning of each line, and text
+        integer, intent(in) :: indent, width !! blanks, and columns of a line
+        character(:), allocatable :: broken
+        type(string_t), allocatable :: parts(:)
+        integer :: i
+
+        broken = text
+        if (characters(text) > width - len(start)) broken = wrapped(text, 0, width - len(start), indent=indent)
+        call split(broken, new_line('a'), parts, keeps_blanks=.true.)
+        do i = 1, size(parts)
+            call append(lines, start // parts(i)%text)
+        end do
+        if (size(parts) == 0) call append(lines, start // text)
+    end subroutine append_wrapped
+
+    !> A text broken at blanks, so that no line is longer than `width` if possible. The first line begins at
+    !> column `start + 1`. The other lines are indented as far, or by `indent` if it is present. Line ends of
+    !> the text are kept.
+    pure function wrapped(text, start, width, indent) result(lines)
+        character(*), intent(in) :: text !! may contain line ends
+        integer, intent(in) :: start !! columns in use before the first word
+        integer, intent(in) :: width !! columns of a line
+        integer, intent(in), optional :: indent !! blanks before the other lines
+        character(:), allocatable :: lines
+        character, parameter :: line_feed = new_line('a')
+        integer :: at, next, used, blanks, length
+
+        blanks = start
+        if (present(indent)) blanks = indent
+        if (width - blanks < least_room) blanks = min(blanks, 4)
+        lines = ''
+        used = start
+        at = 1
+        do while (at <= len(text))
+            next = at + verify(text(at:) // 'x', ' ') - 1
+            if (next > len(text)) exit
+            length = scan(text(next:) // ' ', ' ' // line_feed) - 1
+            if (lines /= '' .and. used + (next - at) + characters(text(next:next + length - 1)) > width) then
+                lines = lines // line_feed // repeat(' ', blanks)
+                used = blanks
+            else
+                lines = lines // text(at:next - 1)
+                used = used + (next - at)
+            end if
+            lines = lines // text(next:next + length - 1)
+            used = used + characters(text(next:next + length - 1))
+            at = next + length
+            if (at > len(text)) exit
+            if (text(at:at) /= line_feed) cycle
+            lines = lines // line_feed // repeat(' ', blanks)
+            used = blanks
+            at = at + 1
+        end do
+    end function wrapped
+
+    !> Number of characters of a UTF-8 text (continuation bytes do not count).
+    pure integer function characters(text)
+        character(*), intent(in) :: text !! in UTF-8
+        integer :: i
+        characters = count([(iand(iachar(text(i:i)), 192) /= 128, i=1, len(text))])
+    end function characters
+
     !> The text with every occurrence of one character replaced.
     pure function replace_all(text, old, new) result(replaced)
         character(*), intent(in) :: text, new !! the text, and the characters that replace `old`
@@ -268,7 +352,7 @@ contains
         real(dp), intent(in) :: value !! the value
         character(real_width) :: text
         integer :: length
-        length = c_real_to_text(value, text, real_width)
+        length = c_reals_to_text([value], 1, text, real_width)
         text(length + 1:) = ''
     end function fixed_text
 
@@ -304,5 +388,121 @@ contains
         integer, intent(out) :: length !! characters written
         length = c_reals_to_text(values, size(values), text, len(text))
     end subroutine write_reals
+
+    !> The text as a terminal may show it: a tab becomes a blank; other control characters, and bytes that are
+    !> not UTF-8, become '?'; line ends are kept.
+    pure function visible(text) result(shown)
+        character(*), intent(in) :: text !! any bytes
+        character(:), allocatable :: shown
+        integer :: i, length, code
+
+        allocate (character(len(text)) :: shown)
+        shown(:) = text
+        i = 1
+        do while (i <= len(text))
+            length = utf8_length(text(i:))
+            code = iachar(text(i:i))
+            if (code == 9) then
+                shown(i:i) = ' '
+            else if (length == 0 .or. code == 127 .or. (code < 32 .and. code /= 10)) then
+                shown(i:i) = '?'
+            end if
+            i = i + max(1, length)
+        end do
+    end function visible
+
+    !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
+    !> is not UTF-8 or is a control character as \x and two digits, as shells write it in $'...'.
+    pure function escaped(text) result(shown)
+        character(*), intent(in) :: text !! any bytes
+        character(:), allocatable :: shown
+        character(*), parameter :: digits = '0123456789abcdef'
+        character(:), allocatable :: room, piece
+        integer :: i, n, length, code
+
+        allocate (character(4 * len(text)) :: room)
+        n = 0
+        i = 1
+        do while (i <= len(text))
+            length = max(1, utf8_length(text(i:)))
+            code = iachar(text(i:i))
+            if (code == 10) then
+                piece = '\n'
+            else if (code == 9) then
+                piece = '\t'
+            else if (utf8_length(text(i:)) == 0 .or. code == 127 .or. code < 32) then
+                piece = '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1)
+            else
+                piece = text(i:i + length - 1)
+            end if
+            room(n + 1:n + len(piece)) = piece
+            n = n + len(piece)
+            i = i + length
+        end do
+        shown = room(:n)
+    end function escaped
+
+    !> Whether every program reads a text as a single line: it has no control character, no byte that is not
+    !> UTF-8, and none of the two Unicode line separators.
+    pure logical function is_plain(text)
+        character(*), intent(in) :: text !! any bytes
+        character(*), parameter :: line_separator = char(226) // char(128) // char(168), &
+            paragraph_separator = char(226) // char(128) // char(169)
+        is_plain = index(text, new_line('a')) == 0
+        if (is_plain) is_plain = visible(text) == text
+        if (is_plain) is_plain = index(text, line_separator) == 0 .and. index(text, paragraph_separator) == 0
+    end function is_plain
+
+    !> Number of bytes of the character at the beginning of a text; 0 if it is not UTF-8, or is a control
+    !> character.
+    pure integer function utf8_length(text) result(length)
+        character(*), intent(in) :: text
+        integer :: code, i
+
+        code = iachar(text(1:1))
+        select case (code)
+        case (0:127)
+            length = 1
+        case (194:223)
+            length = 2
+        case (224:239)
+            length = 3
+        case (240:244)
+            length = 4
+        case default
+            length = 0
+        end select
+        if (length > len(text)) length = 0
+        do i = 2, length
+            if (iand(iachar(text(i:i)), 192) /= 128) then
+                length = 0
+                return
+            end if
+        end do
+        if (length < 2) return
+        i = iachar(text(2:2))
+        select case (code)
+        case (194)
+            if (i < 160) length = 0 ! a C1 control
+        case (224)
+            if (i < 160) length = 0 ! overlong encoding
+        case (226)
+            if (turns_writing(i, iachar(text(3:3)))) length = 0
+        case (237)
+            if (i > 159) length = 0 ! a surrogate
+        case (240)
+            if (i < 144) length = 0 ! overlong encoding
+        case (244)
+            if (i > 143) length = 0 ! beyond Unicode
+        end select
+    end function utf8_length
+
+    !> Whether the character of bytes 226, `second` and `third` changes the direction of writing, so that
+    !> a line would show another order than it has (U+200E, 200F, 202A to 202E, 2066 to 2069).
+    pure logical function turns_writing(second, third)
+        integer, intent(in) :: second, third
+        turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
+            (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
+    end function turns_writing
 
 end module spintop_text

@@ -6,12 +6,11 @@ module spintop_assignment
     use spintop_literals, only: read_integer, read_logical, read_long, read_real
     use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
         leading_elements, one_per_group, parameter_t, quoted
-    use spintop_plain_text, only: is_plain
     use spintop_quantity_text, only: has_unit, read_quantity
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
         token_string, token_t, token_word
     use spintop_suggestions, only: names_file, suggest_word
-    use spintop_text, only: abbreviate, lower_case, to_text
+    use spintop_text, only: abbreviate, is_plain, lower_case, to_text
     use spintop_units, only: convert_unit
     implicit none
     private

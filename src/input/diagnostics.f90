@@ -6,9 +6,7 @@
 !>        |     ^^^ did you mean 'mass'?
 module spintop_diagnostics
     use spintop_errors, only: error_t, input_error
-    use spintop_plain_text, only: escaped, visible
-    use spintop_text, only: counted, to_text
-    use spintop_wrapping, only: characters, default_width, wrapped
+    use spintop_text, only: characters, counted, default_width, escaped, to_text, visible, wrapped
     implicit none
     private
     public :: diagnostics_t, place_t

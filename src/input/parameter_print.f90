@@ -1,9 +1,8 @@
 !> The table of parameters as text: the resolved namelist, and the list for users.
 module spintop_parameter_print
-    use spintop_line_list, only: line_list_t
     use spintop_parameter, only: parameter_t
     use spintop_parameters, only: parameter_table_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, append_words, string_t, to_text
     implicit none
     private
     public :: print_namelist, list_parameters, given_groups
@@ -16,9 +15,9 @@ contains
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(*), intent(in), optional :: groups !! 'a|b': print only these
-        type(line_list_t) :: text
         integer :: group, i, before, most, number
 
+        allocate (lines(0))
         do group = 1, size(table%groups)
             associate (name => table%groups(group)%name)
                 if (present(groups)) then
@@ -29,29 +28,28 @@ contains
                     if (table%parameters(i)%group == name) most = table%parameters(i)%most_groups()
                 end do
                 do number = 1, most
-                    before = text%count
+                    before = size(lines)
                     do i = 1, table%count
                         if (table%parameters(i)%group /= name) cycle
                         if (most > 1) then
-                            call print_one(table%parameters(i), number, name, before, text)
+                            call print_one(table%parameters(i), number, name, before, lines)
                         else if (table%parameters(i)%value_text() /= '') then
-                            if (text%count == before) call text%add('&' // name)
-                            call print_parameter(table%parameters(i), text)
+                            if (size(lines) == before) call append(lines, '&' // name)
+                            call print_parameter(table%parameters(i), lines)
                         end if
                     end do
-                    if (text%count > before) call text%add('/')
+                    if (size(lines) > before) call append(lines, '/')
                 end do
             end associate
         end do
-        call text%get(lines)
     end subroutine print_namelist
 
     !> What the group of a number has of a parameter of repeated groups.
-    subroutine print_one(parameter, number, name, before, text)
+    subroutine print_one(parameter, number, name, before, lines)
         type(parameter_t), intent(in) :: parameter
         integer, intent(in) :: number, before !! number of the group, and of the lines before it
         character(*), intent(in) :: name
-        type(line_list_t), intent(inout) :: text
+        type(string_t), allocatable, intent(inout) :: lines(:)
         type(string_t), allocatable :: elements(:)
         integer, allocatable :: columns(:)
         integer :: i
@@ -60,9 +58,9 @@ contains
         call parameter%row_text(merge(1, number, parameter%rank == 1), elements, columns)
         do i = 1, size(columns)
             if (parameter%rank == 1 .and. columns(i) /= number) cycle
-            if (text%count == before) call text%add('&' // name)
-            if (parameter%rank == 1) call text%add('    ' // parameter%key // ' = ' // elements(i)%text)
-            if (parameter%rank == 2 .and. i == 1) call text%add_words('    ' // parameter%key // ' = ', elements)
+            if (size(lines) == before) call append(lines, '&' // name)
+            if (parameter%rank == 1) call append(lines, '    ' // parameter%key // ' = ' // elements(i)%text)
+            if (parameter%rank == 2 .and. i == 1) call append_words(lines, '    ' // parameter%key // ' = ', elements)
         end do
     end subroutine print_one
 
@@ -82,9 +80,9 @@ contains
         end do
     end function given_groups
 
-    subroutine print_parameter(parameter, text)
+    subroutine print_parameter(parameter, lines)
         type(parameter_t), intent(in) :: parameter
-        type(line_list_t), intent(inout) :: text
+        type(string_t), allocatable, intent(inout) :: lines(:)
         character(*), parameter :: indent = '    '
         type(string_t), allocatable :: elements(:)
         integer, allocatable :: columns(:)
@@ -97,10 +95,10 @@ contains
             if (parameter%rank == 2) key = key // '(' // to_text(row) // ',:)'
             if (size(columns) == 0) cycle
             if (columns(size(columns)) == size(columns)) then
-                call text%add_words(indent // key // ' = ', elements)
+                call append_words(lines, indent // key // ' = ', elements)
             else
                 do i = 1, size(columns)
-                    call text%add(indent // parameter%element_name(row, columns(i)) // ' = ' // &
+                    call append(lines, indent // parameter%element_name(row, columns(i)) // ' = ' // &
                         elements(i)%text)
                 end do
             end if
@@ -113,7 +111,6 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         integer, parameter :: columns = 5
         type(string_t) :: cells(columns, 0:table%count)
-        type(line_list_t) :: text
         character(:), allocatable :: line
         integer :: widths(columns), i, j
 
@@ -140,13 +137,12 @@ contains
                 line = line // cells(j, i)%text // &
                     repeat(' ', widths(j) - len(cells(j, i)%text) + 2)
             end do
-            call text%add(trim(line))
+            call append(lines, trim(line))
             if (i == 0) cycle
             if (size(table%parameters(i)%choices) > 0) then
-                call text%add_words('    one of: ', table%parameters(i)%choices)
+                call append_words(lines, '    one of: ', table%parameters(i)%choices)
             end if
         end do
-        call text%get(lines)
     end subroutine list_parameters
 
 end module spintop_parameter_print

@@ -19,7 +19,7 @@ module spintop_case
     use spintop_status, only: is_ok
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin
     use spintop_text, only: fixed_text
-    use spintop_validity, only: loses_energy, loses_spin, loses_swing, loses_weight
+    use spintop_validity, only: underflows
     implicit none
     private
     public :: case_t, kept_parts_t, make_case, attitude_parameters
@@ -294,12 +294,9 @@ contains
         if (.not. (all(is_finite(body%weight_moment())) .and. all(is_finite(body%inertia)))) then
             call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
                               'use moderate units')
-        else if (loses_weight(body)) then
-            call problems%add('top', 'the weight times its distance is below 1e-290 N m', &
+        else if (underflows(body)) then
+            call problems%add('top', 'the weight times its distance (N m), or that times the inertia, is below 1e-290', &
                               'use moderate units, or gravity = 0')
-        else if (loses_swing(body)) then
-            call problems%add('top', 'the weight times its distance times the inertia is below 1e-290 kg^2 m^4/s^2', &
-                              'use moderate units')
         end if
     end subroutine check_body
 
@@ -307,10 +304,9 @@ contains
     subroutine check_energy(case, problems)
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
-        if (loses_energy(case%given_body, case%given_start%omega)) then
-            call problems%add('initial', 'the kinetic energy is below 1e-290 J', 'use moderate units')
-        else if (loses_spin(case%given_body, case%given_start%omega)) then
-            call problems%add('initial', 'the square of the angular momentum is below 1e-290 kg^2 m^4/s^2', 'use moderate units')
+        if (underflows(case%given_body, case%given_start%omega)) then
+            call problems%add('initial', 'the kinetic energy (J), or the square of the angular momentum, is below 1e-290', &
+                              'use moderate units')
         else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
             call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
         end if

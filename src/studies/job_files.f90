@@ -5,12 +5,11 @@ module spintop_job_files
     use spintop_fit_table, only: residual_path
     use spintop_job, only: job_t
     use spintop_options, only: options_t
-    use spintop_plain_text, only: escaped
     use spintop_scene_words, only: reference_names
     use spintop_statistics_csv, only: path_beside
     use spintop_table_file, only: stem_of
     use spintop_own_butcher_tables, only: path_of_table
-    use spintop_text, only: string_t
+    use spintop_text, only: escaped, string_t
     implicit none
     private
     public :: name_job, name_outputs, refuse_overwriting, tables_written

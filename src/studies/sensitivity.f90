@@ -3,10 +3,10 @@
 module spintop_sensitivity
     use spintop_axis_entry, only: find_swept
     use spintop_case, only: case_t, make_case
-    use spintop_differences, only: nodes_t, nodes_around
-    use spintop_kinds, only: dp
+    use spintop_differences, only: node_count, nodes_t, nodes_around
+    use spintop_kinds, only: dp, no_number
     use spintop_number_slot, only: number_slot_t
-    use spintop_other_accuracy, only: set_other_accuracy
+    use spintop_other_accuracy, only: other_accuracies, set_other_accuracy
     use spintop_parameters, only: is_set, parameter_table_t
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
@@ -17,7 +17,7 @@ module spintop_sensitivity
     use spintop_table_column, only: column_t
     implicit none
     private
-    public :: sensitivities_t, sensitive_key_t, sensitivity_t, is_sensitivity, split_name
+    public :: sensitivities_t, sensitive_key_t, varied_motions_t, sensitivity_t, is_sensitivity, split_name
 
     !> What separates the column from the key.
     character(*), parameter :: mark = '__'
@@ -45,6 +45,24 @@ module spintop_sensitivity
         type(column_t) :: derivative, error
     end type sensitivity_t
 
+    !> Motions with other values of keys, which give the columns of which there are derivatives.
+    type, abstract :: varied_motions_t
+    contains
+        procedure(find_varied), deferred :: find
+    end type varied_motions_t
+
+    abstract interface
+        !> Finds the columns of a motion with another value of a key. What it does not have stays as it is.
+        subroutine find_varied(self, key, nodes, i, values, accuracy)
+            import :: varied_motions_t, nodes_t, dp
+            class(varied_motions_t), intent(in) :: self
+            integer, intent(in) :: key, i !! index of the key, and that of the node
+            type(nodes_t), intent(in) :: nodes !! the values of the key
+            real(dp), intent(inout) :: values(:, :) !! the columns (rows) at each time
+            integer, intent(in), optional :: accuracy !! the number of another accuracy
+        end subroutine find_varied
+    end interface
+
     !> The sensitivities of a job.
     type :: sensitivities_t
         integer :: count = 0
@@ -56,6 +74,7 @@ module spintop_sensitivity
         procedure :: add
         procedure :: columns
         procedure :: table_columns
+        procedure :: find_derivatives
     end type sensitivities_t
 
 contains
@@ -180,6 +199,55 @@ contains
         nodes = nodes_around(value, keeps_sign=.not. self%slot%accepts(-value))
         call nodes%limit_to([(self%slot%accepts(nodes%x(i)), i=1, size(nodes%x))])
     end function nodes
+
+    !> The derivatives and their errors at each time: the motions at all nodes of a key belong together by their times.
+    subroutine find_derivatives(self, nodes, motions, base, cells, status)
+        class(sensitivities_t), intent(in) :: self
+        type(nodes_t), intent(in) :: nodes(:) !! the values of each key
+        class(varied_motions_t), intent(in) :: motions !! the motions with other values
+        real(dp), intent(in) :: base(:, :) !! the columns (rows) at each time
+        real(dp), intent(out) :: cells(:, :) !! two for each derivative at each time; NaN where it does not exist
+        integer, intent(out) :: status !! 0; otherwise the memory is too small for so many times
+        real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
+        integer, allocatable :: best(:, :)
+        logical :: is_needed(node_count)
+        integer :: key, i, k, row
+
+        cells = no_number
+        allocate (values(size(base, 1), size(base, 2), node_count), best(self%count, size(base, 2)), stat=status)
+        if (status == 0) allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
+        if (status /= 0) return
+        do key = 1, size(nodes)
+            values = no_number
+            values(:, :, 1) = base
+            do i = 2, node_count
+                if (nodes(key)%is_valid(i)) call motions%find(key, nodes(key), i, values(:, :, i))
+            end do
+            is_needed = .false.
+            do i = 1, self%count
+                if (self%list(i)%key /= key) cycle
+                do row = 1, size(base, 2)
+                    call nodes(key)%differentiate(values(self%list(i)%column, row, :), cells(2 * i - 1, row), &
+                                                  cells(2 * i, row), best(i, row))
+                    if (best(i, row) > 0) is_needed(nodes(key)%ends(best(i, row))) = .true.
+                end do
+            end do
+            ! The error of the method shows at other accuracies.
+            others = no_number
+            do k = 1, other_accuracies
+                do i = 1, node_count
+                    if (is_needed(i)) call motions%find(key, nodes(key), i, others(:, :, i, k), k)
+                end do
+            end do
+            do i = 1, self%count
+                if (self%list(i)%key /= key) cycle
+                do row = 1, size(base, 2)
+                    call nodes(key)%add_change(best(i, row), values(self%list(i)%column, row, :), &
+                                               others(self%list(i)%column, row, :, :), cells(2 * i - 1, row), cells(2 * i, row))
+                end do
+            end do
+        end do
+    end subroutine find_derivatives
 
     !> The unit of a derivative.
     pure function unit_per(above, below) result(unit)

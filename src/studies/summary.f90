@@ -5,19 +5,17 @@ module spintop_summary
     use spintop_compare, only: is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_fast_top, only: fast_top_t, fast_top
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
-    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
-    use spintop_steady_motion, only: critical_omega3
+    use spintop_steady_motion, only: critical_omega3, fast_top_t, fast_top
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: count_failed, is_good_end, is_ok, last_status, status_meaning, status_name, status_step_limit
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
-    use spintop_text, only: append, to_text, string_t
+    use spintop_text, only: append, escaped, string_t, to_text
     implicit none
     private
     public :: summary_t, decimal, rounded, slow_sleeper, text_column

@@ -1,22 +1,23 @@
 !> The clock: elapsed time, processor time and the date.
 module spintop_clock
     use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
-    use spintop_posix, only: up_to_null
+    use spintop_files, only: up_to_null
     implicit none
     private
     public :: seconds, processor_seconds, pause_for, utc_now
 
+    abstract interface
+        real(c_double) function c_time() bind(C)
+            import :: c_double
+        end function c_time
+    end interface
+
+    !> Time of a monotonic clock, s.
+    procedure(c_time), bind(C, name='spintop_seconds') :: seconds
+    !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
+    procedure(c_time), bind(C, name='spintop_processor_seconds') :: processor_seconds
+
     interface
-        !> Time of a monotonic clock, s.
-        real(c_double) function seconds() bind(C, name='spintop_seconds')
-            import :: c_double
-        end function seconds
-
-        !> Processor time of the calling thread, s: what it computes, without the time that other programs take.
-        real(c_double) function processor_seconds() bind(C, name='spintop_processor_seconds')
-            import :: c_double
-        end function processor_seconds
-
         !> Suspends the calling thread, so that others can use the processor.
         subroutine pause_for(seconds) bind(C, name='spintop_pause')
             import :: c_double

@@ -1,15 +1,14 @@
 !> Files and folders: reading, and writing with confirmation that the data are on the disk.
 module spintop_files
-    use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error, output_error
-    use spintop_posix, only: c_open, c_open_own, c_open_locked, c_remove_lock_file, c_check_target, &
-        c_check_written, c_write, c_read, c_sync, c_sync_folder, c_truncate, c_close, c_rename, &
-        c_remove, c_remove_folder, c_make_folder, c_make_private_folder, c_inspect, c_is_same_file, check_call
+    use spintop_exit_codes, only: exit_input
     implicit none
     private
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, is_same_file, file_size, path_from
     public :: check_target, sync_file, make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
+    public :: c_write, c_close, check_call, up_to_null
 
     integer, parameter :: no_file = -1
 
@@ -41,6 +40,109 @@ module spintop_files
         procedure :: discard => discard_file
         procedure :: is_open
     end type output_file_t
+
+    ! Functions of posix.c, which describes them. Those that can fail return 0, or a number from which `check_call` makes an
+    ! error. Paths end with a null character. What other modules call is written out: from them gfortran 12 passes values by
+    ! reference to what is declared by an abstract interface.
+    abstract interface
+        integer(c_int) function c_on_path(path) bind(C)
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+        end function c_on_path
+
+        integer(c_int) function c_on_paths(path, other) bind(C)
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*), other(*)
+        end function c_on_paths
+
+        integer(c_int) function c_opening(path, file) bind(C)
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), intent(out) :: file
+        end function c_opening
+    end interface
+
+    procedure(c_on_path), bind(C, name='spintop_check_target') :: c_check_target
+    procedure(c_on_path), bind(C, name='spintop_sync_folder') :: c_sync_folder
+    procedure(c_on_path), bind(C, name='spintop_remove') :: c_remove
+    procedure(c_on_path), bind(C, name='spintop_remove_folder') :: c_remove_folder
+    procedure(c_on_path), bind(C, name='spintop_make_folder') :: c_make_folder
+    procedure(c_on_path), bind(C, name='spintop_is_folder') :: c_is_folder
+    procedure(c_on_paths), bind(C, name='spintop_rename') :: c_rename
+    procedure(c_on_paths), bind(C, name='spintop_is_same_file') :: c_is_same_file
+    procedure(c_opening), bind(C, name='spintop_open_own') :: c_open_own
+    procedure(c_opening), bind(C, name='spintop_open_locked') :: c_open_locked
+
+    interface
+        !> Closes a file.
+        integer(c_int) function c_close(file) bind(C, name='spintop_close')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_close
+
+        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_sync
+
+        !> Writes a number of bytes to an open file.
+        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), value :: count
+        end function c_write
+
+        integer(c_int) function c_check_written(file, path, size) bind(C, name='spintop_check_written')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: path(*)
+            integer(c_long_long), value :: size
+        end function c_check_written
+
+        integer(c_int) function c_open(path, only_regular, file) bind(C, name='spintop_open')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), value :: only_regular
+            integer(c_int), intent(out) :: file
+        end function c_open
+
+        integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(inout) :: bytes(*)
+            integer(c_long_long), value :: room
+            integer(c_long_long), intent(out) :: count
+        end function c_read
+
+        integer(c_int) function c_truncate(file, size) bind(C, name='spintop_truncate')
+            import :: c_int, c_long_long
+            integer(c_int), value :: file
+            integer(c_long_long), value :: size
+        end function c_truncate
+
+        integer(c_long_long) function c_file_size(path) bind(C, name='spintop_file_size')
+            import :: c_char, c_long_long
+            character(c_char), intent(in) :: path(*)
+        end function c_file_size
+
+        integer(c_int) function c_make_private_folder(path) bind(C, name='spintop_make_private_folder')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: path(*)
+        end function c_make_private_folder
+
+        subroutine c_remove_lock_file(path) bind(C, name='spintop_remove_lock_file')
+            import :: c_char
+            character(c_char), intent(in) :: path(*)
+        end subroutine c_remove_lock_file
+
+        subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
+            import :: c_char, c_int
+            integer(c_int), value :: number
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end subroutine c_reason
+    end interface
 
 contains
 
@@ -366,17 +468,35 @@ contains
     !> Size of a file in bytes; -1 if it does not exist.
     integer(int64) function file_size(path)
         character(*), intent(in) :: path !! path of the file
-        integer(c_int) :: folder
-        call c_inspect(path // c_null_char, file_size, folder)
+        file_size = c_file_size(path // c_null_char)
     end function file_size
 
     !> Whether a folder of that name exists.
     logical function is_folder(path)
         character(*), intent(in) :: path !! path of the folder
-        integer(c_long_long) :: size
-        integer(c_int) :: folder
-        call c_inspect(path // c_null_char, size, folder)
-        is_folder = folder /= 0
+        is_folder = c_is_folder(path // c_null_char) /= 0
     end function is_folder
+
+    !> Makes an error of a nonzero returned number: an input error if `reading`, else an output error.
+    subroutine check_call(number, action, path, error, reading)
+        integer(c_int), intent(in) :: number         !! what a function of posix.c returned
+        character(*), intent(in) :: action, path     !! for the message: cannot ACTION PATH
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: reading !! whether the call was one of reading
+        ! This is also called by threads: see `status_names` in spintop_status.
+        character(256) :: reason
+        if (number == 0) return
+        call c_reason(number, reason, len(reason))
+        error = output_error('cannot ' // action // ' ' // path // ': ' // up_to_null(reason))
+        if (.not. present(reading)) return
+        if (reading) error%code = exit_input
+    end subroutine check_call
+
+    !> The text before the first null character, or all of it.
+    pure function up_to_null(room) result(text)
+        character(*), intent(in) :: room !! characters, terminated by a null character
+        character(:), allocatable :: text
+        text = room(:index(room // c_null_char, c_null_char) - 1)
+    end function up_to_null
 
 end module spintop_files

@@ -267,20 +267,21 @@ int spintop_remove_folder(const char *path) {
 // Makes a folder that no other process has; `path` ends with XXXXXX, which become its name.
 int spintop_make_private_folder(char *path) { return mkdtemp(path) == NULL ? errno : 0; }
 
-// size is -1 if there is nothing of that name.
-void spintop_inspect(const char *path, long long *size, int *is_folder) {
+// -1 if there is nothing of that name.
+long long spintop_file_size(const char *path) {
     struct stat info;
-    *size = -1;
-    *is_folder = 0;
-    if (stat(path, &info) < 0) return;
-    *size = (long long)info.st_size;
-    *is_folder = S_ISDIR(info.st_mode);
+    return stat(path, &info) < 0 ? -1 : (long long)info.st_size;
+}
+
+int spintop_is_folder(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
 // Whether two paths name one file, which exists.
 int spintop_is_same_file(const char *a, const char *b) {
     struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && is_same(&one, &other);
 }
 
 int spintop_is_terminal(int file) { return isatty(file); }

@@ -6,6 +6,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -190,7 +191,7 @@ void spintop_begin_process(void) {
 void spintop_set_journal_thread(int there_is_one) { has_journal_thread = there_is_one; }
 
 // Whether a signal is to end the process.
-int spintop_end_is_wanted(void) { return wanted != 0; }
+long long spintop_end_is_wanted(void) { return wanted != 0; }
 
 // Ends the process by that signal.
 void spintop_end_by_signal(void) { report_and_end(wanted); }
@@ -224,32 +225,18 @@ long long spintop_stack_limit(void) {
 
 // Reads a size as OpenMP does: a whole number, and B, K (the default), M or G. -1 if it is none.
 static long long read_size(const char *text) {
-    long long size, unit = 1024;
+    static const char units[] = "bkmg";
+    const char *unit = units + 1;
     char *rest;
     errno = 0;
-    size = strtoll(text, &rest, 10);
+    const long long size = strtoll(text, &rest, 10);
     if (rest == text || errno != 0 || size < 0) return -1;
     while (isspace((unsigned char)*rest)) ++rest;
-    switch (tolower((unsigned char)*rest)) {
-    case 'b':
-        unit = 1;
-        break;
-    case 'm':
-        unit = 1024 * 1024;
-        break;
-    case 'g':
-        unit = 1024 * 1024 * 1024;
-        break;
-    case 'k':
-    case '\0':
-        break;
-    default:
-        return -1;
-    }
-    if (*rest != '\0') ++rest;
+    if (*rest != '\0') unit = strchr(units, tolower((unsigned char)*rest++));
+    if (unit == NULL) return -1;
     while (isspace((unsigned char)*rest)) ++rest;
-    if (*rest != '\0' || size > 0x7fffffffffffffffLL / unit) return -1;
-    return size * unit;
+    const int bits = 10 * (int)(unit - units);
+    return *rest != '\0' || size > LLONG_MAX >> bits ? -1 : size << bits;
 }
 
 // Bytes that the environment gives the stacks of the other threads; -1 if it leaves them as they are.

@@ -3,7 +3,7 @@ module spintop_process
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_posix, only: c_close, c_write, check_call, up_to_null
+    use spintop_files, only: c_close, c_write, check_call, up_to_null
     use spintop_text, only: to_text
     implicit none
     private
@@ -18,18 +18,44 @@ module spintop_process
     !> Minimum stack of a thread, bytes: twice the 224 kB measured for the most demanding sweep.
     integer(int64), parameter :: least_stack = 448 * 1024
 
-    interface
-        !> Opens closed standard streams, so that no other file takes their numbers; makes an exceeded
-        !> file-size limit an error of writing; and installs the handlers of signals and of errors of the
-        !> run-time libraries. To be called once, before any file is opened.
-        subroutine begin_process() bind(C, name='spintop_begin_process')
-        end subroutine begin_process
+    ! Functions of process.c and posix.c, which describe them.
+    abstract interface
+        subroutine c_command() bind(C)
+        end subroutine c_command
 
+        integer(c_long_long) function c_amount() bind(C)
+            import :: c_long_long
+        end function c_amount
+    end interface
+
+    !> Opens closed standard streams, so that no other file takes their numbers; makes an exceeded file-size limit an error of
+    !> writing; and installs the handlers of signals and of errors of the run-time libraries. To be called once, before any
+    !> file is opened.
+    procedure(c_command), bind(C, name='spintop_begin_process') :: begin_process
+    !> Ends the process by the signal that wants it to end.
+    procedure(c_command), bind(C, name='spintop_end_by_signal') :: end_by_signal
+    !> At its end the process does nothing more in its libraries: one of them is in a state that it does not expect.
+    procedure(c_command), bind(C, name='spintop_leave_libraries') :: leave_libraries
+    !> Ends the messages on signals.
+    procedure(c_command), bind(C, name='spintop_watch_no_more') :: stop_watching_signals
+    !> Peak memory of the process so far, and memory of the machine, bytes.
+    procedure(c_amount), bind(C, name='spintop_peak_memory') :: peak_memory
+    procedure(c_amount), bind(C, name='spintop_physical_memory') :: physical_memory
+    procedure(c_amount), bind(C, name='spintop_stack_limit') :: c_stack_limit
+    procedure(c_amount), bind(C, name='spintop_thread_stack') :: c_thread_stack
+    procedure(c_amount), bind(C, name='spintop_end_is_wanted') :: c_end_is_wanted
+
+    interface
         !> Ends the process with an exit code.
         subroutine end_process(code) bind(C, name='spintop_end_process')
             import :: c_int
             integer(c_int), value :: code !! exit code
         end subroutine end_process
+
+        subroutine c_set_journal_thread(there_is_one) bind(C, name='spintop_set_journal_thread')
+            import :: c_int
+            integer(c_int), value :: there_is_one
+        end subroutine c_set_journal_thread
 
         subroutine c_watch(head, tail, rows) bind(C, name='spintop_watch')
             import :: c_char, c_long_long
@@ -43,55 +69,16 @@ module spintop_process
             integer(c_long_long), value :: rows !! number of kept rows
         end subroutine keep_rows
 
-        subroutine c_set_journal_thread(there_is_one) bind(C, name='spintop_set_journal_thread')
-            import :: c_int
-            integer(c_int), value :: there_is_one
-        end subroutine c_set_journal_thread
-
-        integer(c_int) function c_end_is_wanted() bind(C, name='spintop_end_is_wanted')
-            import :: c_int
-        end function c_end_is_wanted
-
-        !> Ends the process by the signal that wants it to end.
-        subroutine end_by_signal() bind(C, name='spintop_end_by_signal')
-        end subroutine end_by_signal
-
         subroutine c_expect_crash(text) bind(C, name='spintop_expect_crash')
             import :: c_char
             character(c_char), intent(in) :: text(*)
         end subroutine c_expect_crash
-
-        !> At its end the process does nothing more in its libraries: one of them is in a state that it does not expect.
-        subroutine leave_libraries() bind(C, name='spintop_leave_libraries')
-        end subroutine leave_libraries
-
-        !> Ends the messages on signals.
-        subroutine stop_watching_signals() bind(C, name='spintop_watch_no_more')
-        end subroutine stop_watching_signals
-
-        !> Peak memory of the process so far, bytes.
-        integer(c_long_long) function peak_memory() bind(C, name='spintop_peak_memory')
-            import :: c_long_long
-        end function peak_memory
-
-        !> Memory of the machine, bytes.
-        integer(c_long_long) function physical_memory() bind(C, name='spintop_physical_memory')
-            import :: c_long_long
-        end function physical_memory
 
         subroutine c_host(text, room) bind(C, name='spintop_host')
             import :: c_char, c_int
             character(c_char), intent(inout) :: text(*)
             integer(c_int), value :: room
         end subroutine c_host
-
-        integer(c_long_long) function c_stack_limit() bind(C, name='spintop_stack_limit')
-            import :: c_long_long
-        end function c_stack_limit
-
-        integer(c_long_long) function c_thread_stack() bind(C, name='spintop_thread_stack')
-            import :: c_long_long
-        end function c_thread_stack
     end interface
 
 contains

@@ -4,12 +4,10 @@ module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: stop_is_wanted, tell_share
     use spintop_clock, only: seconds
-    use spintop_plain_text, only: escaped
     use spintop_kinds, only: dp
     use spintop_process, only: complain_of
     use spintop_terminal, only: error_is_terminal, message_width
-    use spintop_text, only: to_text
-    use spintop_wrapping, only: characters
+    use spintop_text, only: characters, escaped, to_text
     implicit none
     private
     public :: progress_t, progress_text, bar, fitted

@@ -1,16 +1,25 @@
-!> The terminal: whether there is one, its width, and whether it takes colours.
+!> The terminal: whether there is one, its width, and the colours of messages on it: of the words `error` and `warning`, and of
+!> the marks below a quoted line.
 module spintop_terminal
     use, intrinsic :: iso_c_binding, only: c_int
-    use spintop_posix, only: c_is_terminal
-    use spintop_wrapping, only: default_width
+    use spintop_text, only: default_width, join, split, string_t
     implicit none
     private
-    public :: error_is_terminal, error_takes_colour, message_width, output_width
+    public :: error_is_terminal, message_width, output_width, in_colour, coloured
 
     !> Minimum width: on a narrower terminal every line would be a single word.
     integer, parameter :: least_width = 40
 
+    character(*), parameter :: escape = achar(27) // '['
+    character(*), parameter :: red = escape // '1;31m', magenta = escape // '1;35m', green = escape // '1;32m'
+    character(*), parameter :: plain = escape // '0m'
+
     interface
+        integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_is_terminal
+
         integer(c_int) function c_terminal_width(file) bind(C, name='spintop_terminal_width')
             import :: c_int
             integer(c_int), value :: file
@@ -40,16 +49,60 @@ contains
         error_is_terminal = c_is_terminal(2_c_int) /= 0
     end function error_is_terminal
 
-    !> Whether messages on standard error may have colours: it is a terminal that is not dumb, and NO_COLOR is
-    !> not set (https://no-color.org).
-    logical function error_takes_colour()
+    !> A message for standard error: with colours where that is a terminal that takes them, else as it is. One that is dumb
+    !> takes none, nor is there one with NO_COLOR (https://no-color.org).
+    function in_colour(message) result(text)
+        character(*), intent(in) :: message !! one or more lines
+        character(:), allocatable :: text
         character(8) :: kind
         integer :: length
-        error_takes_colour = error_is_terminal()
-        if (.not. error_takes_colour) return
+        text = message
         call get_environment_variable('NO_COLOR', length=length)
         call get_environment_variable('TERM', kind)
-        error_takes_colour = length == 0 .and. kind /= 'dumb'
-    end function error_takes_colour
+        if (error_is_terminal() .and. length == 0 .and. kind /= 'dumb') text = coloured(message)
+    end function in_colour
+
+    !> A message with colours.
+    pure function coloured(message) result(text)
+        character(*), intent(in) :: message !! one or more lines
+        character(:), allocatable :: text
+        type(string_t), allocatable :: lines(:)
+        integer :: i
+        call split(message, new_line('a'), lines, keeps_blanks=.true.)
+        do i = 1, size(lines)
+            lines(i)%text = coloured_line(lines(i)%text)
+        end do
+        text = join(lines, new_line('a'))
+    end function coloured
+
+    pure function coloured_line(line) result(text)
+        character(*), intent(in) :: line
+        character(:), allocatable :: text
+        integer :: first, last
+
+        text = line
+        first = index(line, '^')
+        if (first > 1) then
+            if (verify(line(:first - 1), ' |') == 0 .and. index(line(:first - 1), '|') > 0) then
+                last = first + verify(line(first:) // ' ', '^') - 2
+                text = line(:first - 1) // green // line(first:last) // plain // line(last + 1:)
+                return
+            end if
+        end if
+        call paint(': error: ', red, text)
+        call paint(': warning: ', magenta, text)
+    end function coloured_line
+
+    !> Gives the first occurrence of a word in a line a colour; the word has a separator and a blank at its
+    !> ends, which are left as they are.
+    pure subroutine paint(word, colour, line)
+        character(*), intent(in) :: word, colour
+        character(:), allocatable, intent(inout) :: line
+        integer :: first, last
+        first = index(line, word)
+        if (first == 0) return
+        last = first + len(word) - 2
+        line = line(:first + 1) // colour // line(first + 2:last) // plain // line(last + 1:)
+    end subroutine paint
 
 end module spintop_terminal

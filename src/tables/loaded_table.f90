@@ -7,10 +7,9 @@ module spintop_loaded_table
     use spintop_errors, only: error_t, input_error
     use spintop_kinds, only: dp, no_number
     use spintop_literals, only: is_number_cell
-    use spintop_plain_text, only: escaped
     use spintop_suggestions, only: suggest_word
     use spintop_table_walk, only: table_cursor_t, table_walk_t
-    use spintop_text, only: abbreviate, string_t, to_text
+    use spintop_text, only: abbreviate, escaped, string_t, to_text
     implicit none
     private
     public :: read_table, table_t

@@ -3,11 +3,10 @@ module spintop_provenance
     use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
     use spintop_clock, only: utc_now
-    use spintop_line_list, only: line_list_t
     use spintop_processor, only: processor_level_name
     use spintop_table_column, only: column_t
     use spintop_table_head, only: format_key, table_format, table_head
-    use spintop_text, only: string_t
+    use spintop_text, only: append, string_t
     implicit none
     private
     public :: fact_t, fact_count, program_version, program_revision, gather_facts, header_of
@@ -113,29 +112,27 @@ contains
         type(string_t), intent(in), optional :: remarks(:)
         character(:), allocatable :: head, unit
         type(string_t), allocatable :: lines(:)
-        type(line_list_t) :: text
         integer :: i
 
-        if (part /= '') call text%add(part)
+        if (part /= '') call append(lines, part)
         do i = 1, size(facts)
-            if (facts(i)%value /= '') call text%add(facts(i)%key // ': ' // facts(i)%value)
+            if (facts(i)%value /= '') call append(lines, facts(i)%key // ': ' // facts(i)%value)
         end do
-        call text%add('input:')
+        call append(lines, 'input:')
         do i = 1, size(input)
-            call text%add('    ' // input(i)%text)
+            call append(lines, '    ' // input(i)%text)
         end do
-        call text%add('columns:')
+        call append(lines, 'columns:')
         do i = 1, size(columns)
             unit = ''
             if (columns(i)%unit /= '') unit = ' [' // trim(columns(i)%unit) // ']'
-            call text%add('    ' // trim(columns(i)%name) // unit // ': ' // trim(columns(i)%what))
+            call append(lines, '    ' // trim(columns(i)%name) // unit // ': ' // trim(columns(i)%what))
         end do
         if (present(remarks)) then
             do i = 1, size(remarks)
-                call text%add(remarks(i)%text)
+                call append(lines, remarks(i)%text)
             end do
         end if
-        call text%get(lines)
         head = table_head(lines, columns%name)
     end function header_of
 

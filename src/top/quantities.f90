@@ -1,18 +1,26 @@
-!> Energies, momenta, residuals and the axis of a motion of any rigid body.
+!> Energies, momenta, residuals, the support force and the axis of a motion of any rigid body; and the scales of a motion, in
+!> which its errors are measured, so that they do not depend on the units of mass, length and time.
 module spintop_quantities
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_body_turn, only: turn_to_principal_axes
     use spintop_motion, only: motion_t
     use spintop_euler_poisson, only: euler_poisson_rate, euler_poisson_state
-    use spintop_loads, only: acceleration, frame_energy, loads_t, momentum_rate, total_momentum
-    use spintop_attitude, only: to_space, vertical_from_quaternion
-    use spintop_support_force, only: loads_of
+    use spintop_loads, only: acceleration, find_loads, frame_energy, loads_t, momentum_rate, total_momentum
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
     use spintop_vectors, only: cross
     implicit none
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum
     public :: euler_residuals, axis_tip, axis_height_rate
     public :: kovalevskaya_integral, goryachev_integral, angular_acceleration
+    public :: support_force, specific_force, motion_scales_t, motion_scales
+
+    !> Scales of a motion.
+    type :: motion_scales_t
+        !> Largest angular velocity, rad/s, and angular momentum, kg m^2/s; above zero.
+        real(dp) :: rate = 1, momentum = 1
+    end type motion_scales_t
 
 contains
 
@@ -151,5 +159,105 @@ contains
             angular_acceleration = rate(4:6) / body%inertia
         end if
     end function angular_acceleration
+
+    !> Support force on the body in space axes, N: the mass times the acceleration of the centre of mass,
+    !> minus the weight (Eqs 47-50 for any rigid body).
+    pure function support_force(body, motion) result(force)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
+        real(dp) :: force(3)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call loads_of(body, motion, loads)
+            force = to_space(motion%quaternion, loads%force)
+            return
+        end if
+        force = to_space(motion%quaternion, centre_acceleration(body, motion))
+        force = body%mass * (force + [0.0_dp, 0.0_dp, body%gravity])
+    end function support_force
+
+    !> What an accelerometer at the centre of mass reads, in body axes: all forces but weight over the mass, m/s^2.
+    pure function specific_force(body, motion) result(reading)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude, angular velocity and acceleration at an instant
+        real(dp) :: reading(3)
+        type(loads_t) :: loads
+        if (allocated(body%effects)) then
+            call loads_of(body, motion, loads)
+            reading = (loads%force + loads%drag) / body%mass
+            return
+        end if
+        reading = centre_acceleration(body, motion) + body%gravity * vertical_from_quaternion(motion%quaternion)
+    end function specific_force
+
+    !> Acceleration of the centre of mass in body axes, m/s^2, where the pivot is at rest.
+    pure function centre_acceleration(body, motion) result(acceleration)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        real(dp) :: acceleration(3)
+        associate (r => body%centre_of_mass, w => motion%omega)
+            acceleration = cross(motion%omega_rate, r) + cross(w, cross(w, r))
+        end associate
+    end function centre_acceleration
+
+    !> What acts on a body with effects in a motion: of a body that is given in other than principal axes, only the forces
+    !> and the rate of the momentum are in its own axes.
+    pure subroutine loads_of(body, motion, loads)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
+        type(loads_t), intent(out) :: loads
+        type(body_t) :: principal
+        real(dp) :: p(4), q(4)
+        if (body%has_products()) then
+            call turn_to_principal_axes(body, principal, p)
+            q = quaternion_product(motion%quaternion, conjugate_quaternion(p))
+            call find_loads(principal, principal%effects, motion%t, q, &
+                            total_momentum(principal, motion%t, q, to_space(p, motion%omega)), loads)
+            loads%force = to_space(conjugate_quaternion(p), loads%force)
+            loads%drag = to_space(conjugate_quaternion(p), loads%drag)
+            loads%rate = to_space(conjugate_quaternion(p), loads%rate)
+            return
+        end if
+        call find_loads(body, body%effects, motion%t, motion%quaternion, &
+                        total_momentum(body, motion%t, motion%quaternion, motion%omega), loads)
+    end subroutine loads_of
+
+    !> Bounds from the energy, which does not increase. They are exact for an undamped symmetric top that
+    !> reaches its lowest point, and an order of magnitude for other bodies. A body at rest has the scales of
+    !> its small oscillation; without gravitational torque either, those of a rotation at 1 rad/s.
+    pure type(motion_scales_t) function motion_scales(body, start) result(scales)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! any instant of the motion: attitude and angular velocity
+        real(dp) :: pull, fall, energy, spin, across, middle, largest, moment(3)
+        logical :: is_lagrange
+
+        moment = body%weight_moment()
+        is_lagrange = body%is_lagrange()
+        if (is_lagrange) then
+            pull = abs(moment(3))
+        else
+            pull = norm2(moment)
+        end if
+        fall = pull + dot_product(moment, vertical_from_quaternion(start%quaternion))
+        associate (inertia => body%inertia, omega => start%omega)
+            if (is_lagrange) then
+                spin = omega(3)
+                energy = sum(inertia(1:2) * omega(1:2)**2) / 2 + max(fall, 0.0_dp)
+                across = sqrt(max(2 * energy, pull) / inertia(1))
+                scales%rate = hypot(across, spin)
+                scales%momentum = hypot(inertia(1) * across, inertia(3) * spin)
+            else
+                largest = maxval(inertia)
+                middle = sum(inertia) - largest - minval(inertia)
+                energy = sum(inertia * omega**2) / 2 + max(fall, 0.0_dp)
+                scales%rate = max(norm2(omega), sqrt(max(2 * energy, pull) / middle))
+                scales%momentum = sqrt(max(2 * energy, pull) * largest)
+            end if
+            if (.not. scales%rate > 0) then
+                scales%rate = 1
+                scales%momentum = maxval(inertia)
+            end if
+        end associate
+    end function motion_scales
 
 end module spintop_quantities

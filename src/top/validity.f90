@@ -11,7 +11,7 @@ module spintop_validity
     use spintop_status, only: is_ok, status_bad_body, status_bad_start, status_non_finite, status_ok, status_unsuitable
     implicit none
     private
-    public :: body_status, plain_body_status, motion_status, start_status, loses_weight, loses_swing, loses_energy, loses_spin
+    public :: body_status, plain_body_status, motion_status, start_status, underflows
 
     !> Rotation angle, rad, up to which quaternion and angles count as the same attitude, and relative
     !> difference up to which omega and rates count as the same velocity: data of six digits pass.
@@ -39,7 +39,7 @@ contains
                      body%has_products()) then
                 status = status_bad_body
             else
-                status = merge(status_bad_body, status_ok, loses_weight(body) .or. loses_swing(body))
+                status = merge(status_bad_body, status_ok, underflows(body))
                 if (allocated(body%effects)) then
                     if (.not. body%effects%is_valid()) status = status_bad_body
                 end if
@@ -47,43 +47,24 @@ contains
         end associate
     end function body_status
 
-    !> Whether the gravitational torque underflows although weight and distance are not zero.
-    pure logical function loses_weight(body)
+    !> Whether a product underflows, so that the body would move as if a datum were zero: of a body its weight times its
+    !> distance, and that times the inertia; of the motion of a body without weight its kinetic energy, and the square of its
+    !> momentum.
+    pure logical function underflows(body, omega)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp) :: weight, distance
+        real(dp), intent(in), optional :: omega(3) !! angular velocity in body axes, rad/s
+        real(dp) :: weight, pull, momentum(3)
         weight = abs(body%mass * body%gravity)
-        distance = max(abs(body%centre_of_mass(1)), abs(body%centre_of_mass(2)), abs(body%centre_of_mass(3)))
-        loses_weight = abs(body%gravity) > 0 .and. distance > 0 .and. min(weight, weight * distance) < least_product
-    end function loses_weight
-
-    !> Whether the square of the momentum of a body that swings under its weight, m g l I, underflows.
-    pure logical function loses_swing(body)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp) :: torque
-        torque = maxval(abs(body%weight_moment()))
-        loses_swing = torque > 0 .and. torque * maxval(body%inertia) < least_product
-    end function loses_swing
-
-    !> Whether a body without gravitational torque rotates so slowly that its kinetic energy underflows.
-    pure logical function loses_energy(body, omega)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
-        loses_energy = is_all_rotation(body, omega) .and. all(body%inertia * omega**2 < least_product)
-    end function loses_energy
-
-    !> Whether a body without gravitational torque rotates so slowly that the square of its momentum underflows.
-    pure logical function loses_spin(body, omega)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp), intent(in) :: omega(3) !! angular velocity in body axes, rad/s
-        loses_spin = is_all_rotation(body, omega) .and. all((body%inertia * omega)**2 < least_product)
-    end function loses_spin
-
-    !> Whether a body without gravitational torque rotates.
-    pure logical function is_all_rotation(body, omega)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: omega(3)
-        is_all_rotation = .not. any(abs(body%weight_moment()) > 0) .and. any(abs(omega) > 0 .and. body%inertia > 0)
-    end function is_all_rotation
+        pull = weight * max(abs(body%centre_of_mass(1)), abs(body%centre_of_mass(2)), abs(body%centre_of_mass(3)))
+        underflows = .false.
+        if (abs(body%gravity) > 0 .and. any(abs(body%centre_of_mass) > 0)) then
+            underflows = min(weight, pull, pull * max(body%inertia(1), body%inertia(2), body%inertia(3))) < least_product
+        else if (present(omega)) then
+            momentum = abs(body%inertia * omega)
+            underflows = any(abs(omega) > 0 .and. body%inertia > 0) .and. &
+                (all(momentum * abs(omega) < least_product) .or. all(momentum**2 < least_product))
+        end if
+    end function underflows
 
     !> `body_status` where the equations hold for bodies without effects only: `status_unsuitable` for others.
     pure integer function plain_body_status(body) result(status)
@@ -114,7 +95,7 @@ contains
             if (1 - abs(along) > allowed**2 / 8 + 8 * epsilon_dp) return
         end associate
         if (present(body)) then
-            if (loses_energy(body, motion%omega) .or. loses_spin(body, motion%omega)) return
+            if (underflows(body, motion%omega)) return
         end if
         status = status_ok
     end function motion_status

@@ -256,6 +256,18 @@ def test_small_stacks(spin, driver_program):
         spin.call("stack", "768", *words, command=(driver_program,), code=(0, 2, 3))
 
 
+def test_work_of_effects(spin, driver):
+    """The work of effects, and the energy error, which accounts for it, are those of the program."""
+    text = (
+        f"{TOP} {START} &effects drag_moment = 0.1, 0.1, 0.1 / &span t_end = 2 samples = 9 /"
+        "&integration method = 'dop853' / &output columns = 't', 'work', 'energy_error' /"
+    )
+    rows = spin(text).rows
+    lines = driver("at", text, *spin(text).texts["t"]).splitlines()
+    assert [numbers(line) for line in lines] == rows.to_numpy().tolist()
+    assert rows["work"].iloc[-1] < -1e-3
+
+
 @pytest.mark.parametrize("method", ["exact", "taylor", "dop853", "rk4"])
 @pytest.mark.parametrize("end", ["", "stop_at = 'theta = 0.6'"])
 def test_events_of_a_top(spin, driver, method, end):

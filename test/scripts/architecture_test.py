@@ -19,7 +19,7 @@ MECHANICS = (
     "foundation",
     "system",
     "top kernels",
-    "exact approximate formulations proof",
+    "exact formulations proof",
     "integrators",
     "stability",
     "input tables parallel",

@@ -16,10 +16,9 @@ module spintop_free_motion
     use spintop_kinds, only: dp, xp, pi
     use spintop_attitude, only: angles_from_quaternion, quaternion_product, rates_from_omega
     use spintop_body, only: body_t
-    use spintop_compare, only: is_equal, is_zero
-    use spintop_free_circular_series, only: circular_series_t, least_complement, prepare_circular_series
-    use spintop_free_hyperbolic_series, only: hyperbolic_series_t, prepare_hyperbolic_series
-    use spintop_free_theta, only: free_values_t
+    use spintop_compare, only: is_equal, is_finite, is_zero
+    use spintop_free_series, only: circular_series_t, least_complement, prepare_circular_series, &
+        hyperbolic_series_t, prepare_hyperbolic_series, free_values_t
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_unsuitable
@@ -106,7 +105,7 @@ contains
     pure subroutine set_series(free)
         type(free_motion_t), intent(inout) :: free
         type(momentum_path_t) :: path
-        real(xp) :: rate, ratio, spin
+        real(xp) :: rate, ratio, spin, period
         type(free_values_t) :: values
 
         path = find_momentum_path(free%inertia, free%omega)
@@ -126,14 +125,16 @@ contains
             if (free%is_circular) then
                 call prepare_circular_series(free%circular, path%modulus, path%complement, rate, ratio, spin, path%side, &
                                              a * path%part(2), b * path%part(1))
-                free%period = real(free%circular%period(), dp)
-                free%turn = real(free%circular%turn(total / inertia(1)), dp)
+                period = free%circular%period()
             else
                 call prepare_hyperbolic_series(free%hyperbolic, path%modulus, path%complement, rate, ratio, spin, path%side, &
                                                a * path%part(2), b * path%part(1))
-                free%period = real(free%hyperbolic%period(), dp)
-                free%turn = real(free%hyperbolic%turn(), dp)
+                period = free%hyperbolic%period()
             end if
+            ! The dynamic phase, 2 E T/L, and the geometric one, which there is not on the separatrix.
+            free%period = real(period, dp)
+            free%turn = free%period
+            if (is_finite(free%period)) free%turn = real(total * sum(path%part**2 / inertia) * period + path%geometric_turn(), dp)
         end associate
         call find_values(free, 0.0_xp, values)
         free%unturn = [real(values%upper, dp), -real(values%lower, dp), -aimag(values%lower), -aimag(values%upper)]

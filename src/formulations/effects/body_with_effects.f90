@@ -20,7 +20,7 @@ module spintop_body_with_effects
     use spintop_kinds, only: dp, no_number
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
-    use spintop_motion_scales, only: motion_scales_t, motion_scales
+    use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     use spintop_vectors, only: cross
     implicit none

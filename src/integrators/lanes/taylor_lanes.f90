@@ -17,9 +17,9 @@ module spintop_taylor_lanes
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
     use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
-    use spintop_motion_scales, only: motion_scales, motion_scales_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
+    use spintop_quantities, only: motion_scales, motion_scales_t
     use spintop_status, only: status_non_finite, status_ok, status_step_limit, status_step_too_small
     use spintop_stepper, only: controls_t, looks_per_step
     use spintop_taylor, only: order_for

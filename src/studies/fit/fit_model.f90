@@ -4,7 +4,6 @@ module spintop_fit_model
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
-    use spintop_event_recorder, only: event_recorder_t
     use spintop_exact_path, only: exact_path_t
     use spintop_fit_data, only: measurements_t
     use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
@@ -347,14 +346,13 @@ contains
         real(dp), intent(inout) :: t(:)
         real(dp), intent(inout) :: quantities(:, :)
         type(writer_t), allocatable :: writer
-        type(event_recorder_t), allocatable :: no_recorder
         type(outcome_t) :: outcome
 
         allocate (writer)
         call writer%set_columns(self%columns, self%case, self%scene)
         allocate (writer%kept, mold=quantities)
         writer%kept = no_number
-        call compute_motion(self%scene, self%case, self%plan, t, writer, outcome, no_recorder)
+        call compute_motion(self%case, self%plan, t, writer, outcome)
         if (is_good_end(outcome%status)) quantities = writer%kept
     end subroutine integrate_to_times
 

@@ -19,7 +19,6 @@ module spintop_fit_study
     use spintop_least_squares, only: minimum_t
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
-    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
@@ -30,7 +29,7 @@ module spintop_fit_study
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_text, only: append, counted, string_t, to_text
+    use spintop_text, only: append, counted, escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private

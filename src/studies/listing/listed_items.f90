@@ -2,14 +2,14 @@
 !> and an object of JSON, for scripts, where what does not exist is null.
 module spintop_listed_items
     use spintop_json, only: json_t
-    use spintop_line_list, only: line_list_t
+    use spintop_text, only: append, string_t
     implicit none
     private
     public :: listing_t
 
     !> Lists of items, as text and as members of a JSON object.
     type :: listing_t
-        type(line_list_t) :: text
+        type(string_t), allocatable :: text(:)
         type(json_t) :: json
     contains
         procedure :: add_line
@@ -31,9 +31,9 @@ contains
         second_column = ''
         if (present(second)) second_column = second
         if (second_column == '') then
-            call self%text%add('  ' // first_column // trim(what))
+            call append(self%text, '  ' // first_column // trim(what))
         else
-            call self%text%add('  ' // first_column // second_column // trim(what))
+            call append(self%text, '  ' // first_column // second_column // trim(what))
         end if
     end subroutine add_line
 

@@ -10,7 +10,7 @@ module spintop_listed_methods
     use spintop_status, only: is_ok
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_suitability, only: can_run
-    use spintop_text, only: join, to_text
+    use spintop_text, only: append, join, to_text
     implicit none
     private
     public :: add_methods, add_formulations
@@ -29,9 +29,9 @@ contains
         do i = 1, size(methods)
             call add_method(list, methods(i))
         end do
-        call list%text%add('')
-        call list%text%add('tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', '))
-        call list%text%add('tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))
+        call append(list%text, '')
+        call append(list%text, 'tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', '))
+        call append(list%text, 'tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))
     end subroutine add_methods
 
     subroutine add_method(list, method)

@@ -100,8 +100,8 @@ contains
             call create_study(listed_studies(i), study)
             info = study%info()
             columns = study%columns()
-            if (i > 1) call list%text%add('')
-            call list%text%add('columns of ' // info%phrase // info%remark)
+            if (i > 1) call append(list%text, '')
+            call append(list%text, 'columns of ' // info%phrase // info%remark)
             do k = 1, size(columns)
                 call list%add_line(columns(k)%name, columns(k)%what, columns(k)%unit)
                 call list%json%open_object()
@@ -136,13 +136,13 @@ contains
                 if (.not. is_in(known, trim(columns(k)%unit))) call append(known, trim(columns(k)%unit))
             end do
         end do
-        call list%text%add('')
-        call list%text%add('a column in another unit: its name, _ and a suffix for its unit, as in t_ms, theta_deg, omega3_rpm')
+        call append(list%text, '')
+        call append(list%text, 'a column in another unit: its name, _ and a suffix for its unit, as in t_ms, theta_deg, omega3_rpm')
         call list%json%open_list('column_units')
         do i = 1, size(known)
             call suffixes_of(known(i)%text, suffixes)
             if (size(suffixes) == 0) cycle
-            call list%text%add('    ' // known(i)%text // ': ' // join(suffixes, ', '))
+            call append(list%text, '    ' // known(i)%text // ': ' // join(suffixes, ', '))
             do k = 1, size(suffixes)
                 call find_unit(suffixes(k)%text, known(i)%text, unit, factor, problem)
                 call list%json%open_object()
@@ -174,7 +174,7 @@ contains
             call list%json%add('in_table', pack(named_events%in_table, named_events%name == named_events(i)%name))
             call list%end_item(named_events(i)%what)
         end do
-        call list%text%add('  ' // event_grammar)
+        call append(list%text, '  ' // event_grammar)
     end subroutine add_events
 
     !> The shapes; `needs` are the keys of &top, beside a mass or a density.
@@ -246,7 +246,7 @@ contains
         call describe_scene(scene, table)
         call list_parameters(table, lines)
         do i = 1, size(lines)
-            call list%text%add(lines(i)%text)
+            call append(list%text, lines(i)%text)
         end do
         do i = 1, table%count
             call add_parameter(list%json, table%parameters(i))
@@ -271,7 +271,8 @@ contains
         call json%add('type', kind)
         call json%add('full_name', parameter%full_name())
         call json%add('unit', parameter%unit)
-        call json%add_optional('default', parameter%default)
+        if (parameter%default == '') call json%add_null('default')
+        if (parameter%default /= '') call json%add('default', parameter%default)
         call json%add('range', parameter%rule)
         call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
         call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)

@@ -5,8 +5,7 @@ module spintop_listing
     use spintop_listed_topics, only: add_topic, topics
     use spintop_provenance, only: program_version
     use spintop_terminal, only: output_width
-    use spintop_text, only: string_t, did_you_mean, join
-    use spintop_wrapping, only: wrapped
+    use spintop_text, only: did_you_mean, join, string_t, wrapped
     implicit none
     private
     public :: list_topic, list_as_json, topic_names
@@ -37,7 +36,7 @@ contains
             if (allocated(error)) return
             call list%json%begin()
             call add_topic(list, topic)
-            call list%text%get(lines)
+            call move_alloc(list%text, lines)
         end if
         call fit_lines(output_width(), lines)
     end subroutine list_topic

@@ -14,7 +14,6 @@ module spintop_precision_study
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
-    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_precision_columns, only: mark_front, precision_columns, precision_row_t, precision_view_t, add_row, sort_rows
@@ -32,7 +31,7 @@ module spintop_precision_study
     use spintop_summary, only: summary_t, rounded
     use spintop_case_scene, only: case_scene_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: escaped, string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: run_trial
     use spintop_trial_time, only: time_trial

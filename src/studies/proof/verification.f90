@@ -15,16 +15,14 @@ module spintop_verification
     use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
-    use spintop_line_list, only: line_list_t
     use spintop_loaded_table, only: read_table, table_t
-    use spintop_plain_text, only: escaped
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
     use spintop_scene_keys, only: scene_t
     use spintop_case_scene, only: case_scene_t
     use spintop_table_form, only: check_cases, check_proof_cells, check_times, check_values, findings_t, is_nan
     use spintop_status, only: is_good_end, status_number
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: append, escaped, string_t, to_text
     use spintop_uncertainties, only: data_radii, has_radii
     implicit none
     private
@@ -270,25 +268,23 @@ contains
         type(job_t), intent(in) :: job
         type(verification_t), intent(in) :: found
         type(string_t), allocatable, intent(out) :: lines(:)
-        type(line_list_t) :: text
         integer :: k
 
-        call text%add(job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
+        call append(lines, job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
                       // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
-        if (.not. found%table%has_end) call text%add('  note  the table does not end with the number and the checksum of &
+        if (.not. found%table%has_end) call append(lines, '  note  the table does not end with the number and the checksum of &
             &its rows: it was cut, or written by an earlier version')
-        if (allocated(found%wrong%first)) call text%add('  first wrong  ' // found%wrong%first)
+        if (allocated(found%wrong%first)) call append(lines, '  first wrong  ' // found%wrong%first)
         do k = 0, last_reason
             if (found%reasons(k) == 0) cycle
-            if (k == proved) call text%add('  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
+            if (k == proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
                 &they are at the limit of the claim')
-            if (k /= proved) call text%add('  unproved  ' // to_text(found%reasons(k)) // ': ' // trim(proof_reasons(k)))
+            if (k /= proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': ' // trim(proof_reasons(k)))
         end do
         do k = 1, proof_count
-            if (found%largest(k) > 0) call text%add('  largest bound  ' // trim(found%names(k)) // ' ' &
+            if (found%largest(k) > 0) call append(lines, '  largest bound  ' // trim(found%names(k)) // ' ' &
                                                     // to_text(found%largest(k)))
         end do
-        call text%get(lines)
     end subroutine report
 
 end module spintop_verification

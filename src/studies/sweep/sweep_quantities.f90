@@ -6,7 +6,7 @@ module spintop_sweep_quantities
     use spintop_compare, only: is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_fast_top, only: fast_top_t, fast_top
+    use spintop_steady_motion, only: fast_top_t, fast_top
     use spintop_motion, only: motion_t
     use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes

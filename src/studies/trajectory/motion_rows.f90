@@ -5,6 +5,7 @@ module spintop_motion_rows
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t
+    use spintop_exact_motion, only: exact_motion_t
     use spintop_exact_path, only: exact_path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t, observer_t
@@ -30,6 +31,12 @@ module spintop_motion_rows
         type(motion_table_t) :: table
         !> The values of row i, where rows are kept: `kept(:, i)`. Otherwise they go to the table.
         real(dp), allocatable :: kept(:, :)
+        !> The times of the rows where they are asked for, s: in any order of an exact motion, which is prepared in advance.
+        real(dp), allocatable :: asked(:)
+        type(exact_path_t), allocatable :: path
+        !> How far such a time may be from the end of a step of fixed size, s, and whether one was between steps.
+        real(dp) :: slack = 0
+        logical :: has_missed = .false.
         type(progress_t) :: progress
         real(dp) :: t_end = 0
         !> Time after which no row is written, s.
@@ -47,6 +54,7 @@ module spintop_motion_rows
         procedure :: observe
         procedure :: set_columns
         procedure, private :: write_row
+        procedure, private :: write_angles
     end type writer_t
 
 contains
@@ -56,7 +64,7 @@ contains
         class(writer_t), intent(inout) :: self
         type(trajectory_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! the case of the motion; the rows end with its span
-        type(scene_t), intent(in) :: scene !! contents of the input
+        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         self%chosen = columns
         self%counts_turns = any(columns%quantity() == 'phi' .or. columns%quantity() == 'psi')
         self%wants_work = any(columns%needs_work)
@@ -65,21 +73,21 @@ contains
     end subroutine set_columns
 
     !> Computes the motion, in closed form or step by step, up to the event that ends it.
-    subroutine compute_motion(scene, case, plan, times, writer, outcome, recorder)
-        type(scene_t), intent(in) :: scene !! contents of the input
+    subroutine compute_motion(case, plan, times, writer, outcome, recorder, scene)
         type(case_t), intent(in) :: case !! the case whose motion is computed
         type(plan_t), intent(inout) :: plan !! model and method
-        real(dp), intent(inout) :: times(:) !! times of the rows; none for the exact solution
+        real(dp), intent(inout) :: times(:) !! times of the rows; not needed for the exact solution
         type(writer_t), intent(inout) :: writer !! what takes the rows
         type(outcome_t), intent(out) :: outcome !! how the motion ended
-        type(event_recorder_t), allocatable, intent(inout) :: recorder !! search for events; not allocated without any
+        type(event_recorder_t), intent(inout), optional :: recorder !! search for events
+        type(scene_t), intent(in), optional :: scene !! contents of the input, for a search
 
         if (plan%exact) then
             call sample_exactly(case, plan, writer, outcome, recorder)
         else
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, &
                 outcome, recorder)
-            if (allocated(recorder)) then
+            if (present(recorder)) then
                 if (recorder%ended_by > 0 .and. plan%is_adaptive()) then
                     call compute_again(scene, case, plan, times, writer, outcome)
                 end if
@@ -147,9 +155,14 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
-        integer :: i
+        logical :: is_quick
+        integer :: i, rows
 
-        call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
+        if (allocated(writer%path)) then
+            path = writer%path
+        else
+            call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
+        end if
         if (.not. is_ok(outcome%status)) return
         if (present(recorder)) call recorder%begin(case%body, path%exact%at(0.0_dp))
         if (present(recorder)) call recorder%judge(case%body, case%start)
@@ -163,18 +176,29 @@ contains
             if (recorder%has_enough) t_end = t_known
         end if
         ! The rows have a budget of their own.
-        call path%restart(case, looks_per_step * plan%max_steps + plan%samples)
+        rows = plan%samples
+        if (allocated(writer%asked)) rows = size(writer%asked)
+        call path%restart(case, looks_per_step * plan%max_steps + rows)
         path%counts_turns = writer%counts_turns
-        do i = 1, plan%samples
-            t = sample_time(t_end, plan%samples, i)
-            if (.not. is_ok(outcome%status) .and. t > t_known) exit
-            call path%at(t, motion)
-            if (path%is_spent()) then
-                outcome%status = status_step_limit
-                t_known = outcome%t
-                exit
+        is_quick = allocated(writer%asked) .and. writer%columns%wants_angles_of(path%exact)
+        do i = 1, rows
+            if (allocated(writer%asked)) then
+                t = writer%asked(i)
+            else
+                t = sample_time(t_end, rows, i)
             end if
-            call writer%write_row(motion)
+            if (.not. is_ok(outcome%status) .and. t > t_known) exit
+            if (is_quick) then
+                call writer%write_angles(path%exact, t)
+            else
+                call path%at(t, motion)
+                if (path%is_spent()) then
+                    outcome%status = status_step_limit
+                    t_known = outcome%t
+                    exit
+                end if
+                call writer%write_row(motion)
+            end if
             if (writer%has_enough) exit
             outcome%t = t
         end do
@@ -187,6 +211,16 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: t, y(max_states), near(3) !! time, s; state; angles near those of the motion, rad
         type(motion_t) :: motion
+        if (allocated(self%asked)) then
+            do while (self%rows + 1 < size(self%asked))
+                if (self%asked(self%rows + 1) >= t - self%slack) exit
+                self%has_missed = .true.
+                self%rows = self%rows + 1
+            end do
+            ! The end of the equations, which is shown too, was not asked for.
+            if (self%rows == size(self%asked)) return
+            if (abs(self%asked(self%rows + 1) - t) > self%slack) return
+        end if
         motion = formulation%motion(t, y, near)
         motion%given_angle = self%given_angle
         call self%write_row(motion)
@@ -198,20 +232,36 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         self%last = motion
-        associate (values => self%columns%row(motion, work=self%work))
-            self%is_undefined = .not. self%columns%is_defined(values)
-            self%t_undefined = motion%t
-            self%has_enough = self%is_undefined
-            if (self%is_undefined) return
-            self%rows = self%rows + 1
-            if (allocated(self%kept)) then
-                self%kept(:, self%rows) = values
-            else
-                call self%table%add_row(values, self%error)
-            end if
-        end associate
-        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
-        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+        call write_values(self, motion%t, self%columns%row(motion, work=self%work))
     end subroutine write_row
+
+    !> Writes the row of an exact motion, for columns of angles and where no turns have to be counted.
+    subroutine write_angles(self, exact, t)
+        class(writer_t), intent(inout) :: self
+        type(exact_motion_t), intent(in) :: exact
+        real(dp), intent(in) :: t
+        real(dp) :: values(size(self%chosen))
+        call self%columns%find_exact_row(exact, t, values)
+        call write_values(self, t, values)
+    end subroutine write_angles
+
+    !> Writes a row of a time, unless it is undefined.
+    subroutine write_values(self, t, values)
+        class(writer_t), intent(inout) :: self
+        real(dp), intent(in) :: t, values(:)
+        self%is_undefined = .not. self%columns%is_defined(values)
+        self%t_undefined = t
+        self%has_enough = self%is_undefined
+        if (self%is_undefined) return
+        self%rows = self%rows + 1
+        if (allocated(self%kept)) then
+            self%kept(:, self%rows) = values
+        else
+            call self%table%add_row(values, self%error)
+        end if
+        self%has_enough = allocated(self%error) .or. t >= self%t_stop
+        if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
+        call self%progress%update(int(t / self%t_end * self%total, int64))
+    end subroutine write_values
 
 end module spintop_motion_rows

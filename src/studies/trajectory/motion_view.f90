@@ -11,8 +11,8 @@ module spintop_motion_view
     use spintop_kinds, only: dp
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
-    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy, vertical_momentum
-    use spintop_support_force, only: support_force
+    use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy, vertical_momentum, &
+        support_force
     use spintop_row_proof, only: row_proof_t
     implicit none
     private

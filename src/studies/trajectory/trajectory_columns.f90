@@ -9,9 +9,8 @@ module spintop_trajectory_columns
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
     use spintop_motion, only: motion_t
     use spintop_motion_view, only: motion_view_t
-    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
-        kovalevskaya_integral, vertical_momentum
-    use spintop_support_force, only: specific_force
+    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, &
+        goryachev_integral, kovalevskaya_integral, vertical_momentum, specific_force
     use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, &
         watch_omega, watch_phi, watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, &
         watch_turning, watch_vertical, watch_vertical_momentum

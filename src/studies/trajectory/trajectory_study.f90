@@ -13,7 +13,6 @@ module spintop_trajectory_study
     use spintop_kinds, only: dp
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
-    use spintop_plain_text, only: escaped
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_proof_cost, only: describe_proof_cost
@@ -27,7 +26,7 @@ module spintop_trajectory_study
     use spintop_study_head, only: study_head
     use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
     use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
@@ -149,7 +148,7 @@ contains
             return
         end if
         began = seconds()
-        call compute_motion(job%input%scene, job%case, job%plan, times, writer, outcome, recorder)
+        call compute_motion(job%case, job%plan, times, writer, outcome, recorder, job%input%scene)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
         status = outcome%status

@@ -5,7 +5,6 @@
 module spintop_attitude
     use spintop_compare, only: is_zero
     use spintop_kinds, only: dp, pi, pi_xp, xp
-    use spintop_small_turn, only: half_turn
     implicit none
     private
     public :: quaternion_from_angles, angles_from_quaternion
@@ -13,9 +12,18 @@ module spintop_attitude
     public :: attitude_circular_t, circular_of_attitude, omega_from_circular
     public :: quaternion_product, conjugate_quaternion, to_space, vertical_from_quaternion
     public :: rotation_angle, nearest_turn, follow_angles, may_meet_pole, rotation_minus_one, beside_pole, square_to_pole
+    public :: half_turn
 
     !> Body z is beside a pole at smaller distances from it, rad: it may be passing through it (spintop_pole_passages).
     real(dp), parameter :: beside_pole = 1.0e-9_dp
+
+    !> Largest square of an angle for which the Taylor series, with as many terms, are exact to rounding.
+    real(dp), parameter :: largest_square = 1
+    !> (-1)^k/(2 k + 1)! and (-1)^k/(2 k)!: sin(x)/x and cos(x) are the sums of these times x^(2 k).
+    real(dp), parameter :: s1 = -1 / 6.0_dp, s2 = -s1 / 20, s3 = -s2 / 42, s4 = -s3 / 72, &
+        s5 = -s4 / 110, s6 = -s5 / 156, s7 = -s6 / 210, s8 = -s7 / 272, s9 = -s8 / 342
+    real(dp), parameter :: c1 = -1 / 2.0_dp, c2 = -c1 / 12, c3 = -c2 / 30, c4 = -c3 / 56, &
+        c5 = -c4 / 90, c6 = -c5 / 132, c7 = -c6 / 182, c8 = -c7 / 240, c9 = -c8 / 306
 
     !> Sines and cosines of theta and psi, on which the angular velocity in body axes depends.
     type :: attitude_circular_t
@@ -321,5 +329,27 @@ contains
         r = quaternion_product(conjugate_quaternion(p), q)
         rotation_angle = 2 * atan2(norm2(r(2:4)), abs(r(1)))
     end function rotation_angle
+
+    !> Sine and cosine of half a rotation angle, as splitting methods need them, from the square of the angle x: `sinc` =
+    !> sin(x)/x and `drop` = cos(x) - 1 without cancellation.
+    pure subroutine half_turn(square, sinc, drop)
+        real(dp), intent(in) :: square !! square of the angle x, rad^2
+        real(dp), intent(out) :: sinc, drop !! sin(x)/x and cos(x) - 1
+        real(dp) :: x, x4, x8
+
+        if (square > largest_square) then
+            x = sqrt(square)
+            sinc = sin(x) / x
+            drop = -2 * sin(x / 2)**2
+        else
+            ! In the order of Estrin: half the latency of Horner's.
+            x4 = square**2
+            x8 = x4**2
+            sinc = ((1 + s1 * square) + (s2 + s3 * square) * x4) &
+                   + x8 * (((s4 + s5 * square) + (s6 + s7 * square) * x4) + x8 * (s8 + s9 * square))
+            drop = square * (((c1 + c2 * square) + (c3 + c4 * square) * x4) &
+                + x8 * (((c5 + c6 * square) + (c7 + c8 * square) * x4) + x8 * c9))
+        end if
+    end subroutine half_turn
 
 end module spintop_attitude

@@ -11,14 +11,13 @@ module spintop_nutation_recorder
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_motion_slopes, only: axis_slopes, centre_slopes, find_force_slopes, nutation_slopes, precession_slopes
-    use spintop_motions, only: instants, motions_t
+    use spintop_motions, only: instants, motions_t, axis_slopes, centre_slopes, find_force_slopes, &
+        nutation_slopes, precession_slopes
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
         class_libration, class_circulation
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: exactly_plane, polar_precession_rate, precession_is_lost, swings_over_poles
-    use spintop_quantities, only: angular_acceleration, axis_height_rate
-    use spintop_support_force, only: support_force
+    use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
     implicit none

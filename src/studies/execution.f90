@@ -20,7 +20,7 @@ contains
 
     !> Runs a job with a display of its progress, and returns the lines of its summary and its exit code.
     subroutine run_job(study, job, options, lines, code, error)
-        class(study_t), intent(in) :: study !! the kind of study
+        class(study_t), intent(inout) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! a checked job
         type(options_t), intent(in) :: options !! options of the command line
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text

@@ -96,7 +96,7 @@ module spintop_study
         subroutine run_i(self, job, options, summary, code, error)
             import :: study_t, job_t, options_t, summary_t, error_t
             implicit none
-            class(study_t), intent(in) :: self
+            class(study_t), intent(inout) :: self
             type(job_t), target, intent(inout) :: job !! the job
             type(options_t), intent(in) :: options !! options of the command line
             type(summary_t), intent(out) :: summary !! lines for standard output

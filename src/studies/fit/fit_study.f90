@@ -161,7 +161,7 @@ contains
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
     subroutine run(self, job, options, summary, code, error)
-        class(fit_study_t), intent(in) :: self
+        class(fit_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output

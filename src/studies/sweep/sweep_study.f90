@@ -4,7 +4,7 @@
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_clock, only: seconds, utc_now
-    use spintop_dealt_rows, only: compare_with_writer
+    use spintop_study_head, only: compare_with_writer
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
@@ -106,7 +106,7 @@ contains
     !> is complete stays, where a later run can resume it. Only the writer among the ranks has a summary, and a
     !> code that tells of the cases.
     subroutine run(self, job, options, summary, code, error)
-        class(sweep_study_t), intent(in) :: self
+        class(sweep_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output

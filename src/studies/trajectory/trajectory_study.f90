@@ -106,7 +106,7 @@ contains
 
     !> Computes the motion; the study fails if it ends early.
     subroutine run(self, job, options, summary, code, error)
-        class(trajectory_study_t), intent(in) :: self
+        class(trajectory_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output

@@ -1,14 +1,15 @@
-!> The summary of a work-precision study: the least cost of each accuracy, and the method that has it.
-module spintop_precision_summary
+!> The rows of a work-precision study: their order, the front of the best ones, and in words the least cost of each accuracy and
+!> the method that has it.
+module spintop_precision_rows
+    use spintop_comparison, only: attempt_t
     use spintop_kinds, only: dp
-    use spintop_precision_columns, only: precision_row_t
     use spintop_reference_motion, only: reference_t
     use spintop_status, only: is_ok
     use spintop_summary, only: summary_t, rounded
     use spintop_text, only: to_text
     implicit none
     private
-    public :: summarize_problem, auto_tally_t
+    public :: sort_rows, mark_front, summarize_problem, auto_tally_t
 
     !> Errors for which the cheapest method is reported, rad.
     real(dp), parameter :: wanted_errors(*) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp, 1.0e-12_dp]
@@ -30,10 +31,41 @@ module spintop_precision_summary
 
 contains
 
+    !> Sorts rows by time.
+    pure subroutine sort_rows(rows)
+        type(attempt_t), intent(inout) :: rows(:) !! rows of a problem
+        type(attempt_t) :: row
+        integer :: i, place
+        do i = 2, size(rows)
+            row = rows(i)
+            place = i
+            do while (place > 1)
+                if (rows(place - 1)%time <= row%time) exit
+                rows(place) = rows(place - 1)
+                place = place - 1
+            end do
+            rows(place) = row
+        end do
+    end subroutine sort_rows
+
+    !> Marks the rows, sorted by time, for which no numerical method is both faster and at least as accurate.
+    pure subroutine mark_front(rows)
+        type(attempt_t), intent(inout) :: rows(:) !! rows of a problem, sorted by time
+        real(dp) :: best
+        integer :: i
+        best = huge(best)
+        do i = 1, size(rows)
+            associate (row => rows(i))
+                row%is_front = is_ok(row%trial%status) .and. row%trial%errors%orientation < best
+                if (row%is_front .and. row%is_stepped) best = row%trial%errors%orientation
+            end associate
+        end do
+    end subroutine mark_front
+
     !> Adds the results of a problem, whose rows are sorted by time.
     subroutine summarize_problem(problem, rows, reference, summary)
         character(*), intent(in) :: problem !! name of the problem
-        type(precision_row_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
+        type(attempt_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
         type(reference_t), intent(in) :: reference !! the reference motion
         type(summary_t), intent(inout) :: summary !! lines are added
         integer :: i
@@ -77,7 +109,7 @@ contains
 
     !> The cheapest numerical method for an error, and the ratio of its time to that of the next one.
     function compared(rows, error) result(text)
-        type(precision_row_t), intent(in) :: rows(:)
+        type(attempt_t), intent(in) :: rows(:)
         real(dp), intent(in) :: error
         character(:), allocatable :: text
         integer :: best, next
@@ -87,21 +119,21 @@ contains
             text = 'no method is accurate enough'
             return
         end if
-        text = 'the cheapest is ' // name_of(rows(best)) // ', ' // trim(rows(best)%setting) // ': ' &
+        text = 'the cheapest is ' // rows(best)%name() // ', ' // rows(best)%setting%text() // ': ' &
                // duration(rows(best)%time)
-        next = cheapest(rows, error, rows%is_stepped .and. rows%method /= rows(best)%method)
+        next = cheapest(rows, error, rows%is_stepped .and. rows%choice%method%name /= rows(best)%choice%method%name)
         if (next == nobody) then
             text = text // '; no other method is accurate enough'
         else
             text = text // ', ' // rounded(rows(next)%time / rows(best)%time, 2) // ' times cheaper than ' &
-                   // name_of(rows(next))
+                   // rows(next)%name()
         end if
     end function compared
 
     !> Index of the first row, of rows sorted by time, that is in the mask and has no larger error; 0 if there
     !> is none.
     pure integer function cheapest(rows, error, mask)
-        type(precision_row_t), intent(in) :: rows(:)
+        type(attempt_t), intent(in) :: rows(:)
         real(dp), intent(in) :: error
         logical, intent(in) :: mask(:)
         do cheapest = 1, size(rows)
@@ -115,7 +147,7 @@ contains
     subroutine compare_auto(self, problem, rows)
         class(auto_tally_t), intent(inout) :: self
         character(*), intent(in) :: problem !! name of the problem
-        type(precision_row_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
+        type(attempt_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
         real(dp) :: ratio
         integer :: i, best, own
 
@@ -130,7 +162,7 @@ contains
             if (ratio <= near) self%within = self%within + 1
             if (own == nobody .or. ratio <= self%worst) cycle
             self%worst = ratio
-            self%where = problem // ', for ' // to_text(wanted_errors(i)) // ' where ' // name_of(rows(best)) &
+            self%where = problem // ', for ' // to_text(wanted_errors(i)) // ' where ' // rows(best)%name() &
                          // ' is the cheapest'
         end do
     end subroutine compare_auto
@@ -148,13 +180,6 @@ contains
         call summary%add('auto', text)
     end subroutine summarize_auto
 
-    !> Method and formulation.
-    pure function name_of(row) result(name)
-        type(precision_row_t), intent(in) :: row
-        character(:), allocatable :: name
-        name = trim(row%method) // '/' // trim(row%formulation)
-    end function name_of
-
     !> A time with a suitable unit.
     function duration(time) result(text)
         real(dp), intent(in) :: time
@@ -169,4 +194,4 @@ contains
         end if
     end function duration
 
-end module spintop_precision_summary
+end module spintop_precision_rows

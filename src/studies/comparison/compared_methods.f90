@@ -1,24 +1,34 @@
-!> Methods and formulations as they are named in an input for a comparison: `method` or `method/formulation`.
+!> Methods and formulations as they are named in an input for a comparison, `method` or `method/formulation`; and their
+!> settings.
 module spintop_compared_methods
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
     use spintop_method_aliases, only: method_aliases
-    use spintop_parameters, only: unset, unset_integer
+    use spintop_parameters, only: is_set, unset, unset_integer
     use spintop_problems, only: problems_t
+    use spintop_projection, only: project_nothing, projection_names
     use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: method_info_t
     use spintop_suggestions, only: own_name
     use spintop_text, only: did_you_mean, to_text
     implicit none
     private
-    public :: method_choice_t, add_methods, find_cases, set_adaptive, set_steps
+    public :: method_choice_t, setting_t, add_methods, find_cases, set_method
 
     !> A method with a formulation.
     type :: method_choice_t
         type(method_info_t) :: method
         character(16) :: formulation = 'auto'
     end type method_choice_t
+
+    !> A number of steps of fixed size, or a relative tolerance; with neither, the method has its own.
+    type :: setting_t
+        integer :: steps = unset_integer
+        real(dp) :: tolerance = unset
+    contains
+        procedure :: text => setting_text
+    end type setting_t
 
 contains
 
@@ -74,27 +84,30 @@ contains
         end do
     end subroutine find_cases
 
-    !> Sets an adaptive method in a scene; an unset tolerance means the default of the method.
-    pure subroutine set_adaptive(scene, choice, tolerance)
-        type(scene_t), intent(inout) :: scene !! method and tolerances are set
+    !> Sets a method with its setting in a scene. Keys of &integration that the method does not use are cleared.
+    pure subroutine set_method(scene, choice, setting)
+        type(scene_t), intent(inout) :: scene !! method and setting are set
         type(method_choice_t), intent(in) :: choice !! method and formulation
-        real(dp), intent(in) :: tolerance !! relative tolerance
+        type(setting_t), intent(in) :: setting !! its steps or tolerance
         scene%method = choice%method%name
         scene%formulation = choice%formulation
-        scene%steps = unset_integer
         scene%step = unset
-        scene%relative_tolerance = tolerance
-    end subroutine set_adaptive
+        scene%steps = setting%steps
+        scene%relative_tolerance = setting%tolerance
+        if (setting%steps /= unset_integer .or. .not. choice%method%adaptive) scene%absolute_tolerance = unset
+        if (setting%steps == unset_integer .and. .not. choice%method%adaptive) scene%project = projection_names(project_nothing)
+        if (.not. choice%method%takes_table) scene%table = ''
+        if (.not. choice%method%implicit) scene%solver = 'newton'
+    end subroutine set_method
 
-    !> Sets a method with a fixed step size in a scene.
-    pure subroutine set_steps(scene, choice, steps)
-        type(scene_t), intent(inout) :: scene !! method and number of steps are set
-        type(method_choice_t), intent(in) :: choice !! method and formulation
-        integer, value :: steps !! a copy, because it may be that of the scene
-        call set_adaptive(scene, choice, unset)
-        scene%absolute_tolerance = unset
-        scene%steps = steps
-    end subroutine set_steps
+    !> Description of a setting.
+    function setting_text(self) result(text)
+        class(setting_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = '-'
+        if (self%steps /= unset_integer) text = 'steps ' // to_text(self%steps)
+        if (is_set(self%tolerance)) text = 'tolerance ' // to_text(self%tolerance)
+    end function setting_text
 
     !> Reports a case, method or formulation that does not exist.
     subroutine refuse_name(key, noun, name, known, problems)

@@ -4,12 +4,9 @@
 !> Every case can be run separately, because its settings are parameters of an input file. integration.steps
 !> is the number of steps for methods without step control.
 module spintop_hard_cases
-    use spintop_errors, only: error_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_of_settings, only: make_scene_of_settings
     implicit none
     private
-    public :: hard_case_t, hard_cases, make_scene
+    public :: hard_case_t, hard_cases, settings_of
 
     !> A case of the catalogue.
     type :: hard_case_t
@@ -121,12 +118,11 @@ module spintop_hard_cases
 
 contains
 
-    !> The scene of a case of the catalogue.
-    subroutine make_scene(case, scene, error)
+    !> The settings of a case of the catalogue, those of its body included.
+    pure function settings_of(case) result(settings)
         type(hard_case_t), intent(in) :: case !! entry of the catalogue
-        type(scene_t), target, intent(inout) :: scene !! becomes the scene of the case
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call make_scene_of_settings(trim(bodies(case%body)) // ';' // trim(case%settings), scene, error)
-    end subroutine make_scene
+        character(:), allocatable :: settings
+        settings = trim(bodies(case%body)) // ';' // trim(case%settings)
+    end function settings_of
 
 end module spintop_hard_cases

@@ -385,7 +385,7 @@ class BadInputTest(WorkPrecisionCase):
             (head + row + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
             (head + row.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
             (head + row + "6.66,1,0,0,x,0,0,1\n", "x"),
-            (head + row + "6.66,1,0\n", "the row ends after 3 cells"),
+            (head + row + "6.66,1,0\n", "the row ends before q2"),
             ("", "the table is empty"),
         ):
             table = self.folder / "reference.csv"

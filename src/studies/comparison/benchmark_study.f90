@@ -20,9 +20,8 @@ module spintop_benchmark_study
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference, reference_t
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_benchmark, reference_exact, reference_quadruple, study_kinds
+    use spintop_scene_words, only: reference_exact, reference_quadruple
     use spintop_status, only: is_good_end, is_ok, status_meaning
-    use spintop_study, only: study_info_t
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: counted, to_text
@@ -31,19 +30,16 @@ module spintop_benchmark_study
     use spintop_trial, only: time_trial
     implicit none
     private
-    public :: benchmark_study_t
+    public :: benchmark_study_t, benchmark_columns
 
     !> Published benchmarks and their figures.
     type, extends(comparison_t) :: benchmark_study_t
-        private
         !> Indices in the catalogue.
         integer, allocatable :: places(:)
         !> The quantities of the current benchmark, their true values, and the errors that are allowed for.
         type(figure_t), allocatable :: wanted(:)
         real(dp), allocatable :: truth(:), goals(:)
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: settings
         procedure :: compare
@@ -84,28 +80,12 @@ module spintop_benchmark_study
 
 contains
 
-    !> Properties of studies of benchmarks.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_benchmark)), 'a study of benchmarks', 'studies of benchmarks', '', &
-                            'published benchmark tops: true values, and the errors of the published figures', &
-                            has_parts=.true., has_case=.false.)
-    end function info
-
-    !> All columns.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        columns = benchmark_columns
-    end function columns
-
     !> Finds the benchmarks.
     subroutine check(self, job, problems, diagnostics)
         class(benchmark_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        type(problem_t) :: none
-        type(setting_t), allocatable :: settings(:)
         integer :: i
 
         associate (names => job%input%scene%benchmark_cases)
@@ -115,11 +95,7 @@ contains
         allocate (self%choices(0))
         call add_methods('', tried_methods, method_infos(), ['auto'], self%choices, problems)
         self%count = size(self%places)
-        self%attempts_each = 0
-        do i = 1, size(self%choices)
-            settings = self%settings(self%choices(i), none)
-            self%attempts_each = self%attempts_each + size(settings)
-        end do
+        call self%count_attempts()
         self%phrase = 'the figures of ' // to_text(self%count) // ' published benchmarks'
     end subroutine check
 

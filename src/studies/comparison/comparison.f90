@@ -15,7 +15,7 @@ module spintop_comparison
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: options_t
-    use spintop_overrides, only: read_override
+    use spintop_namelist, only: read_override
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
@@ -26,11 +26,11 @@ module spintop_comparison
     use spintop_row_block, only: row_block_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_status, only: is_ok, last_status, status_ok
-    use spintop_study, only: study_info_t, study_t
+    use spintop_study, only: study_t
     use spintop_study_head, only: compare_with_writer, study_head
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t
-    use spintop_text, only: split, string_t, to_text
+    use spintop_text, only: split, string_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: trial_t
     implicit none
@@ -100,6 +100,7 @@ module spintop_comparison
         procedure :: explain
         procedure :: run
         procedure :: try_all
+        procedure :: count_attempts
         procedure :: count_end
         procedure(settings_i), deferred :: settings
         procedure(compare_i), deferred :: compare
@@ -186,7 +187,6 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: file
-        type(study_info_t) :: info
         type(ranks_t) :: ranks ! alone, unless they share the problems
         type(string_t), allocatable :: words(:)
         character(:), allocatable :: head
@@ -196,16 +196,13 @@ contains
 
         began = seconds()
         code = exit_ok
-        info = self%info()
-        if (info%shares_ranks) ranks = options%ranks
+        if (self%info%shares_ranks) ranks = options%ranks
         first = options%shard%first(self%count)
         last = options%shard%last(self%count)
         axes = 0
         if (allocated(job%axes%axis)) axes = size(job%axes%axis)
-        associate (columns => self%columns())
-            head = study_head(job, [columns%column_t, (job%axis_column(i), i=1, axes)], self%remarks(), &
-                              options%shard%beginning(self%count))
-        end associate
+        head = study_head(job, [self%columns%column_t, (job%axis_column(i), i=1, axes)], self%remarks(), &
+                          options%shard%beginning(self%count))
         call compare_with_writer(ranks, head, error)
         if (allocated(error)) return
         if (ranks%is_writer()) call file%create(job%files%table, head, error)
@@ -274,6 +271,19 @@ contains
             end do
         end do
     end subroutine try_all
+
+    !> Counts the attempts on each problem, where their settings do not depend on it.
+    subroutine count_attempts(self)
+        class(comparison_t), intent(inout) :: self
+        type(problem_t) :: any_problem
+        type(setting_t), allocatable :: settings(:)
+        integer :: i
+        self%attempts_each = 0
+        do i = 1, size(self%choices)
+            settings = self%settings(self%choices(i), any_problem)
+            self%attempts_each = self%attempts_each + size(settings)
+        end do
+    end subroutine count_attempts
 
     !> Plans an attempt.
     subroutine plan_attempt(problem, attempt, scene, plan)

@@ -5,7 +5,7 @@
 module spintop_precision_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
-    use spintop_case_scene, only: case_scene_t
+    use spintop_sweep_axes, only: case_scene_t
     use spintop_compared_methods, only: add_methods, method_choice_t, setting_t
     use spintop_comparison, only: attempt_t, comparison_t, problem_t
     use spintop_diagnostics, only: diagnostics_t
@@ -22,10 +22,9 @@ module spintop_precision_study
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: check_reference, find_reference, read_motion, reference_t
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_precision, reference_auto, reference_exact, reference_names, study_kinds
+    use spintop_scene_words, only: reference_auto, reference_exact, reference_names
     use spintop_status, only: is_ok, status_meaning, status_names, status_ok
     use spintop_stepper, only: method_info_t
-    use spintop_study, only: study_info_t
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: append, string_t, to_text
@@ -51,8 +50,6 @@ module spintop_precision_study
         type(string_t), allocatable, private :: omitted(:)
         type(auto_tally_t), private :: tally
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: choose
         procedure :: read_reference
@@ -123,21 +120,6 @@ module spintop_precision_study
 
 contains
 
-    !> Properties of work-precision studies.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_precision)), 'a work-precision study', 'work-precision studies', &
-                            ', before the swept parameters', &
-                            'error of each method and setting, against time and RHS evaluations', takes_axes=.true., &
-                            has_parts=.true.)
-    end function info
-
-    !> All columns.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        columns = precision_columns
-    end function columns
-
     !> Makes the first problem, the methods and their settings.
     subroutine check(self, job, problems, diagnostics)
         class(precision_study_t), intent(inout) :: self
@@ -145,9 +127,6 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: first
-        type(setting_t), allocatable :: settings(:)
-        type(problem_t) :: none
-        integer :: i
 
         if (job%names_axes()) then
             call job%make_axes(problems, diagnostics)
@@ -157,14 +136,10 @@ contains
         if (.not. allocated(first)) return
         call self%choose(first, problems)
         if (problems%any()) return
-        call self%read_reference(job%input%path, job%input%scene, job%case, problems, diagnostics)
+        call self%read_reference(job%input%path, job%input%scene, job%case, problems)
         self%count = max(1_int64, job%axes%cases)
         self%ends_in_words = .true.
-        self%attempts_each = 0
-        do i = 1, size(self%choices)
-            settings = self%settings(self%choices(i), none)
-            self%attempts_each = self%attempts_each + size(settings)
-        end do
+        call self%count_attempts()
         self%phrase = 'errors and costs of ' // to_text(self%attempts_each) // ' methods and settings'
         if (.not. job%names_axes()) return
         if (allocated(self%stored)) then
@@ -234,13 +209,12 @@ contains
 
     !> Reads the reference motion of a case if the input names a table, and checks that the requested
     !> reference exists.
-    subroutine read_reference(self, input, scene, case, problems, diagnostics)
+    subroutine read_reference(self, input, scene, case, problems)
         class(precision_study_t), intent(inout) :: self
         character(*), intent(in) :: input !! path of the input
         type(scene_t), intent(in) :: scene !! contents of the input
         type(case_t), intent(in) :: case !! the case: whether its body has a closed form decides which references there are
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         character(*), parameter :: key = 'work_precision.reference'
 
         if (self%reference == reference_exact .and. .not. case%body%has_closed_form()) then
@@ -249,7 +223,7 @@ contains
             call check_steps(self, 'span.samples', problems)
         else
             allocate (self%stored)
-            call read_motion(input, key, trim(scene%precision_reference), case, self%stored, problems, diagnostics)
+            call read_motion(input, key, trim(scene%precision_reference), case, self%stored, problems)
             if (.not. allocated(self%stored%motions)) return
             self%samples = size(self%stored%motions)
             call check_steps(self, key, problems)

@@ -6,12 +6,13 @@ module spintop_reference_motion
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
-    use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
+    use spintop_effects_of_scene, only: read_columns
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_files, only: path_from
     use spintop_formulation, only: formulation_t, max_states
     use spintop_formulations, only: create_formulation
     use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_loaded_table, only: table_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_plan, only: sample_time, sample_times
@@ -19,7 +20,6 @@ module spintop_reference_motion
     use spintop_scene_words, only: reference_auto, reference_exact
     use spintop_status, only: is_good_end, is_ok, status_ok
     use spintop_stepper, only: stepper_t
-    use spintop_table_walk, only: table_cursor_t, table_walk_t
     use spintop_text, only: to_text
     implicit none
     private
@@ -197,83 +197,26 @@ contains
     end subroutine observe
 
     !> Reads the reference motion of a case from a CSV table, such as a trajectory that was computed before or by another program,
-    !> with equally spaced times from 0 to the end of the span. Errors in the table are added to the diagnostics, errors of
-    !> its name to the problems.
-    subroutine read_motion(input, key, path, case, reference, problems, diagnostics)
+    !> with equally spaced times from 0 to the end of the span.
+    subroutine read_motion(input, key, path, case, reference, problems)
         character(*), intent(in) :: input !! path of the input: the table's is relative to it
         character(*), intent(in) :: key !! parameter that holds the path
         character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
         type(case_t), intent(in) :: case !! the case: the motion must have its start, its span and its axes
-        type(reference_t), intent(out) :: reference !! the stored motion
+        type(reference_t), intent(out) :: reference !! the stored motion; without motions if there is a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        type(table_walk_t) :: walk
-        type(error_t), allocatable :: error
-        real(dp), allocatable :: cells(:, :)
-        logical :: has_lines
+        type(table_t) :: table
+        real(dp), allocatable :: values(:, :)
 
-        call walk%open(input, path, diagnostics, has_lines, error)
-        if (allocated(error)) then
-            call problems%add(key, error%message, 'its path is relative to the folder of the input')
-            return
-        end if
-        if (.not. has_lines) return
-        call read_cells(walk, cells, diagnostics)
-        if (.not. allocated(cells)) return
-        call check_motion(cells, key, case, problems)
+        call read_columns(path_from(input, path), key, columns, 0, table, values, problems)
         if (problems%any()) return
-        reference%source = path(index(path, '/', back=.true.) + 1:)
-        call read_motions(cells, case, reference)
+        associate (cells => transpose(values))
+            call check_motion(cells, key, case, problems)
+            if (problems%any()) return
+            reference%source = path(index(path, '/', back=.true.) + 1:)
+            call read_motions(cells, case, reference)
+        end associate
     end subroutine read_motion
-
-    !> Reads the required columns: column i of `cells` is a row of the table. Not allocated if there is an
-    !> error.
-    subroutine read_cells(walk, cells, diagnostics)
-        type(table_walk_t), intent(inout) :: walk
-        real(dp), allocatable, intent(out) :: cells(:, :)
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(table_cursor_t) :: head
-        character(:), allocatable :: problem, hint
-        integer :: place(size(columns)), i, k, row, rows
-
-        place = 0
-        k = 0
-        do while (walk%has_cell())
-            call walk%next_cell()
-            k = k + 1
-            where (columns == walk%cell()) place = k
-        end do
-        if (any(place == 0)) then
-            call walk%refuse(diagnostics, 'the table has no column ' // trim(columns(findloc(place, 0, dim=1))), &
-                             'a reference motion has t, q0 to q3 and omega1 to omega3')
-            return
-        end if
-        head = walk%at
-        rows = 0
-        do while (walk%next_line())
-            rows = rows + 1
-        end do
-        walk%at = head
-        allocate (cells(size(columns), rows))
-        do row = 1, rows
-            if (.not. walk%next_line()) exit
-            problem = ''
-            do k = 1, maxval(place)
-                i = findloc(place, k, dim=1)
-                if (.not. walk%has_cell()) then
-                    problem = 'the row ends after ' // to_text(k - 1) // ' cells'
-                    hint = 'a row has a cell for each column'
-                else
-                    call walk%next_cell()
-                    if (i > 0) call walk%read_number(trim(columns(i)), cells(i, row), problem, hint)
-                end if
-                if (problem == '') cycle
-                call walk%refuse(diagnostics, problem, hint)
-                deallocate (cells)
-                return
-            end do
-        end do
-    end subroutine read_cells
 
     !> Checks that the motion belongs to the case.
     subroutine check_motion(cells, key, case, problems)

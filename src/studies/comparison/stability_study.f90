@@ -5,7 +5,7 @@
 !> verdict.
 module spintop_stability_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t, make_case
+    use spintop_case, only: make_case
     use spintop_compared_methods, only: add_methods, find_cases, method_choice_t, setting_t
     use spintop_comparison, only: attempt_t, comparison_t, make_scene_of_settings, problem_t
     use spintop_diagnostics, only: diagnostics_t
@@ -23,10 +23,9 @@ module spintop_stability_study
     use spintop_reference_motion, only: find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_stability, reference_auto, study_kinds
+    use spintop_scene_words, only: reference_auto
     use spintop_status, only: is_ok, status_meaning, status_names
     use spintop_stepper, only: method_info_t
-    use spintop_study, only: study_info_t
     use spintop_study_column, only: listed_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: string_t, to_text
@@ -50,8 +49,6 @@ module spintop_stability_study
         !> The relative tolerance of adaptive methods.
         real(dp) :: tolerance = default_tolerance
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: choose
         procedure :: scene_of
@@ -99,20 +96,6 @@ module spintop_stability_study
     integer, parameter :: fewest_intervals = 40, most_intervals = 1000
 
 contains
-
-    !> Properties of stability studies.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_stability)), 'a stability study', 'stability studies', '', &
-                            'methods on a catalogue of hard motions, with a verdict on each', has_parts=.true., &
-                            shares_ranks=.true., has_case=.false.)
-    end function info
-
-    !> All columns.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        columns = stability_columns
-    end function columns
 
     !> Finds the cases and the methods; checks the case of the input if it is one of them.
     subroutine check(self, job, problems, diagnostics)

@@ -10,7 +10,7 @@ module spintop_fit_data
     use spintop_parameters, only: is_set
     use spintop_plain_text, only: escaped
     use spintop_problems, only: problems_t
-    use spintop_fit_keys, only: fit_scene_t
+    use spintop_scene_keys, only: fit_scene_t
     use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group
     use spintop_text, only: abbreviate, join, to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at

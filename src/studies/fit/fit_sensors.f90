@@ -2,7 +2,7 @@
 module spintop_fit_sensors
     use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_kinds, only: dp
-    use spintop_fit_keys, only: fit_scene_t
+    use spintop_scene_keys, only: fit_scene_t
     use spintop_study_column, only: place_of
     use spintop_text, only: to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns

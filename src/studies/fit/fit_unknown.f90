@@ -4,7 +4,7 @@ module spintop_fit_unknown
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_problems, only: problems_t
-    use spintop_fit_keys, only: sensors_t
+    use spintop_scene_keys, only: sensors_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: place_of
     use spintop_text, only: to_text

@@ -12,8 +12,7 @@ module spintop_sweep_forecast
     use spintop_statistics_result, only: bytes_of_result
     use spintop_summary, only: rounded, summary_t
     use spintop_study_column, only: chosen_column_t
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: columns_at
+    use spintop_sweep_columns, only: sweep_column_t, columns_at
     use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
     use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_worker, only: size_of_block

@@ -17,17 +17,14 @@ module spintop_sweep_study
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_sweep, study_kinds
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
-    use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study, only: study_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: columns_at, sweep_columns, work_for
+    use spintop_sweep_columns, only: columns_at, work_for
     use spintop_sweep_forecast, only: forecast_sweep
-    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, of_oracle
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
     use spintop_sweep_table, only: describe_table, start_table
     use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_worker, only: size_of_block
@@ -43,8 +40,6 @@ module spintop_sweep_study
     !> A case for each combination of the axes, one row each.
     type, extends(study_t) :: sweep_study_t
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -54,29 +49,6 @@ module spintop_sweep_study
     end type sweep_study_t
 
 contains
-
-    !> Properties of sweeps.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_sweep)), 'a sweep', 'sweeps', &
-                            ', besides case, the swept parameters, status and notes', &
-                            'many motions: a row of quantities per combination of parameters', takes_axes=.true., &
-                            takes_columns=.true., has_parts=.true., shares_ranks=.true., resumes=.true., has_statistics=.true., &
-                            has_netcdf=.true., keeps_exact_motion=.false.)
-    end function info
-
-    !> All quantities.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        type(sweep_column_t), allocatable :: known(:)
-        allocate (known, source=sweep_columns())
-        allocate (columns(size(known)))
-        columns%study_column_t = known%study_column_t
-        columns%words = known%is_class .or. known%is_proof
-        columns%is_default = known%is_default
-        columns%compares = known%needs(of_oracle)
-        columns%ends = known%is_end
-    end function columns
 
     !> Plans the first case; the others are made during the run.
     subroutine check(self, job, problems, diagnostics)

@@ -4,8 +4,7 @@ module spintop_motion_rows
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
     use spintop_errors, only: error_t
-    use spintop_event_recorder, only: event_recorder_t
-    use spintop_exact_path, only: exact_path_t
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t
     use spintop_kinds, only: dp

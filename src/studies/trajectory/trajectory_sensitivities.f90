@@ -11,10 +11,9 @@ module spintop_trajectory_sensitivities
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plain_text, only: escaped
-    use spintop_other_accuracy, only: other_accuracies
+    use spintop_sensitivity, only: other_accuracies, sensitive_key_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_scene_keys, only: scene_t
-    use spintop_sensitivity, only: sensitive_key_t
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private

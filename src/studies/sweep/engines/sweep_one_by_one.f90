@@ -6,7 +6,7 @@ module spintop_sweep_one_by_one
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
     use spintop_conditioning, only: inherent_error
-    use spintop_exact_path, only: exact_path_t
+    use spintop_event_recorder, only: exact_path_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
@@ -18,12 +18,13 @@ module spintop_sweep_one_by_one
     use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
+    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
+        at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
+        of_energy, of_fast_top, of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, &
+        of_nutation, of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, &
+        sweep_result_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, &
         set_azimuth, set_end, set_details, precession_period, lowest_height
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
-        of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
-        of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
     use spintop_sweep_stability, only: compute_stability
     implicit none
     private
@@ -82,7 +83,7 @@ contains
                     call find_nutation(case%body, case%start, nutation, status)
                     if (is_ok(status)) then
                         call set_nutation(slot, nutation)
-                        slot%result%com_z_min = lowest_height(case, nutation%theta_max)
+                        slot%result%of(at_com_z_min) = lowest_height(case, nutation%theta_max)
                     else
                         call slot%note%explain(trim(status_meanings(status)))
                     end if
@@ -123,7 +124,7 @@ contains
                 which%fastest = .true.
                 slot%note = before
             end do
-            call compute_stability(slot, slot%result%t_end, wanted)
+            call compute_stability(slot, slot%result%of(at_t_end), wanted)
             if (measures) call set_measured(slot, recorder, wanted)
             call find_free_constants(slot, wanted)
             if (stops) then
@@ -182,13 +183,13 @@ contains
                 end if
             end if
             slot%status = outcome%status
-            values%evaluations = real(outcome%counts%evaluations, dp)
-            if (wanted(of_period)) call set_azimuth(witness%saw_period, witness%azimuth_at_period, values, slot%note)
+            values%of(at_evaluations) = real(outcome%counts%evaluations, dp)
+            if (wanted(of_period)) call set_azimuth(slot, witness%saw_period, witness%azimuth_at_period)
             if (.not. is_good_end(slot%status)) then
                 call slot%fail(slot%status)
                 return
             end if
-            values%t_stuck = outcome%t_stuck
+            values%of(at_t_stuck) = outcome%t_stuck
             call set_end(slot, witness%last, witness%energy_error)
             call slot%explain_turns(outcome%doubtful_passages, wanted)
             if (case%body%has_closed_form()) call compare_with_exact(case, wanted, witness%last, values)
@@ -247,11 +248,11 @@ contains
         if (wanted(of_oracle)) then
             call prepare_exact_motion(case%body, case%start, exact, status)
             if (is_ok(status)) then
-                values%orientation_error = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
+                values%of(at_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
         if (wanted(of_inherent)) then
-            values%inherent_error = inherent_error(case%body, case%start, last%t)
+            values%of(at_inherent_error) = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
 

@@ -2,12 +2,10 @@
 !> were computed: Lyapunov exponents and largest singular values.
 module spintop_sweep_perturbations
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp
     use spintop_lyapunov, only: find_growth, growth_t
-    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_notes, only: note_no_lyapunov, note_no_singular
-    use spintop_sweep_result, only: kinds_of_work, of_lyapunov, of_singular
+    use spintop_sweep_result, only: at_lyapunov_exponent, at_largest_singular_value, note_no_lyapunov, &
+        note_no_singular, kinds_of_work, of_lyapunov, of_singular
     implicit none
     private
     public :: perturbations_t
@@ -49,29 +47,13 @@ contains
         call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
                          wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
         do i = 1, size(list)
-            associate (found => growth(i), result => slots(list(i))%result)
-                if (wanted(of_lyapunov)) call store_or_explain(found%exponent, found%exponent_status, &
-                                                               result%lyapunov_exponent, note_no_lyapunov)
-                if (wanted(of_singular)) call store_or_explain(found%singular, found%singular_status, &
-                                                               result%largest_singular_value, note_no_singular)
+            associate (found => growth(i), slot => slots(list(i)))
+                if (wanted(of_lyapunov)) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
+                                                                    found%exponent_status, note_no_lyapunov)
+                if (wanted(of_singular)) call slot%store_or_explain(at_largest_singular_value, found%singular, &
+                                                                    found%singular_status, note_no_singular)
             end associate
         end do
-
-    contains
-
-        !> Stores a value, or notes the reason why there is none.
-        subroutine store_or_explain(value, how, quantity, reason)
-            real(dp), intent(in) :: value
-            integer, intent(in) :: how, reason
-            real(dp), intent(inout) :: quantity
-            if (is_ok(how)) then
-                quantity = value
-            else
-                call slots(list(i))%note%add(reason, trim(status_meanings(how)))
-                if (how == status_step_limit .or. how == status_non_finite) slots(list(i))%status = how
-            end if
-        end subroutine store_or_explain
-
     end subroutine compute_growths
 
 end module spintop_sweep_perturbations

@@ -1,20 +1,27 @@
-!> What the proof of a motion costs, measured in the running process: it goes step by step.
-module spintop_proof_cost
+!> What a motion costs, measured in the running process: preparation and samples of the exact solution; and its proof, which goes
+!> step by step.
+module spintop_motion_costs
+    use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_q0
     use spintop_clock, only: seconds
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_summary, only: decimal, rounded, summary_t
     use spintop_trajectory_columns, only: trajectory_column_t
     use spintop_uncertainties, only: data_radii
     implicit none
     private
-    public :: describe_proof_cost
+    public :: describe_proof_cost, measure_exact_cost
 
     !> The proof of the first part of the motion is measured: a part that takes so long, s, or all of it.
     real(dp), parameter :: long_enough = 0.1_dp
     integer, parameter :: halvings = 10
+
+    !> Each time is the minimum of several repeats, each of several calls.
+    integer, parameter :: repeats = 7, setups = 50, samples = 500
 
 contains
 
@@ -50,4 +57,33 @@ contains
         end if
     end subroutine describe_proof_cost
 
-end module spintop_proof_cost
+    !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
+    subroutine measure_exact_cost(case, setup, sample)
+        type(case_t), intent(in) :: case !! the case, whose body must have a closed form
+        real(dp), intent(out) :: setup, sample !! time of a preparation, and of one sample, s
+        type(exact_motion_t) :: exact
+        type(motion_t) :: motion
+        real(dp) :: began, unused
+        integer :: repeat, i, status
+
+        setup = huge(setup)
+        sample = huge(sample)
+        unused = 0
+        do repeat = 1, repeats
+            began = seconds()
+            do i = 1, setups
+                call prepare_exact_motion(case%body, case%start, exact, status)
+            end do
+            setup = min(setup, (seconds() - began) / setups)
+            began = seconds()
+            do i = 1, samples
+                motion = exact%at(case%t_end * i / samples)
+                unused = unused + motion%quaternion(1)
+            end do
+            sample = min(sample, (seconds() - began) / samples)
+        end do
+        ! The sum is used, so that the compiler does not remove the computation.
+        if (unused > huge(unused)) sample = unused
+    end subroutine measure_exact_cost
+
+end module spintop_motion_costs

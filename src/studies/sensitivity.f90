@@ -69,6 +69,8 @@ module spintop_sensitivity
         procedure :: add
         procedure :: columns
         procedure :: table_columns
+        procedure :: differentiate
+        procedure :: add_changes
     end type sensitivities_t
 
 contains
@@ -173,6 +175,39 @@ contains
             allocate (columns(0))
         end if
     end function columns
+
+    !> The derivatives with respect to a key, each followed by its error, from the quantities at its nodes; and the nodes that are
+    !> needed with other accuracies.
+    pure subroutine differentiate(self, key, nodes, values, cells, best, is_needed)
+        class(sensitivities_t), intent(in) :: self
+        integer, intent(in) :: key !! index of the key
+        type(nodes_t), intent(in) :: nodes !! its nodes
+        real(dp), intent(in) :: values(:, :) !! columns, nodes; NaN where there is none
+        real(dp), intent(inout) :: cells(:) !! those of the key are set
+        integer, intent(inout) :: best(:) !! the difference on which each derivative of the key rests; 0 where there is none
+        logical, intent(inout) :: is_needed(:) !! nodes are added
+        integer :: i
+        do i = 1, self%count
+            if (self%list(i)%key /= key) cycle
+            call nodes%differentiate(values(self%list(i)%column, :), cells(2 * i - 1), cells(2 * i), best(i))
+            if (best(i) > 0) is_needed(nodes%ends(best(i))) = .true.
+        end do
+    end subroutine differentiate
+
+    !> Adds to the derivatives and their errors what the quantities with other accuracies tell of the error of the method.
+    pure subroutine add_changes(self, key, nodes, values, others, best, cells)
+        class(sensitivities_t), intent(in) :: self
+        integer, intent(in) :: key, best(:) !! index of the key; as `differentiate` gives it
+        type(nodes_t), intent(in) :: nodes !! its nodes
+        real(dp), intent(in) :: values(:, :), others(:, :, :) !! columns, nodes, accuracies
+        real(dp), intent(inout) :: cells(:) !! those of the key change
+        integer :: i
+        do i = 1, self%count
+            if (self%list(i)%key /= key) cycle
+            call nodes%add_change(best(i), values(self%list(i)%column, :), others(self%list(i)%column, :, :), &
+                                  cells(2 * i - 1), cells(2 * i))
+        end do
+    end subroutine add_changes
 
     !> The columns of a table: each derivative, followed by its error.
     pure function table_columns(self) result(columns)

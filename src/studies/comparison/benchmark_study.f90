@@ -7,8 +7,8 @@ module spintop_benchmark_study
     use spintop_benchmark_cases, only: benchmarks, figure_t, figures
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_finite
-    use spintop_compared_methods, only: add_methods, find_cases, method_choice_t, setting_t
-    use spintop_comparison, only: attempt_t, comparison_t, make_scene_of_settings, problem_t
+    use spintop_comparison, only: add_methods, find_cases, method_choice_t, setting_t, attempt_t, comparison_t, &
+        make_scene_of_settings, problem_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, internal_error
     use spintop_job, only: job_t

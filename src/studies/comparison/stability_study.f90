@@ -6,8 +6,8 @@
 module spintop_stability_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: make_case
-    use spintop_compared_methods, only: add_methods, find_cases, method_choice_t, setting_t
-    use spintop_comparison, only: attempt_t, comparison_t, make_scene_of_settings, problem_t
+    use spintop_comparison, only: add_methods, find_cases, method_choice_t, setting_t, attempt_t, comparison_t, &
+        make_scene_of_settings, problem_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, internal_error
     use spintop_formulation, only: structure_quadruple

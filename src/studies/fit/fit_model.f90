@@ -5,9 +5,7 @@ module spintop_fit_model
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
-    use spintop_fit_data, only: measurements_t
-    use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
-    use spintop_fit_unknown, only: key_of
+    use spintop_fit_data, only: measurements_t, columns_of_motion, find_instants, read_sensors, key_of
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number, pi
     use spintop_least_squares, only: residuals_t

@@ -4,12 +4,11 @@ module spintop_fit_study
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_failed, exit_ok
-    use spintop_fit_data, only: measurements_t, read_measurements
+    use spintop_fit_data, only: measurements_t, read_measurements, find_unknown
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
     use spintop_fit_search, only: far_above, finish_search, period_of, search_minimum, search_t, check_measurements
     use spintop_fit_table, only: residual_path, write_estimates, write_residuals
-    use spintop_fit_unknown, only: find_unknown
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp

@@ -47,8 +47,8 @@ module spintop_sweep_rows
         integer, allocatable, private :: axis(:)
         !> Cells of a row of the table before the derivatives.
         integer, private :: cells_before = 0
-        !> The cell of each derivative's quantity among the quantities of the nodes, and the difference on which it rests.
-        integer, allocatable, private :: place(:), best(:)
+        !> The difference on which each derivative rests.
+        integer, allocatable, private :: best(:)
         !> The nodes of the keys, and which of them are needed.
         type(nodes_t), allocatable, private :: nodes(:)
         logical, allocatable, private :: is_needed(:, :)
@@ -107,7 +107,6 @@ contains
                 n = n + 1
                 self%axis(i) = n
             end do
-            self%place = wanted%list%column
             allocate (self%best(wanted%count))
             allocate (self%nodes(size(self%axis)), self%is_needed(node_count, size(self%axis)))
         end associate
@@ -189,10 +188,10 @@ contains
         type(job_t), intent(in) :: job
         real(dp), intent(in) :: parameters(:) !! the values of the axes of the sweep in that case
         real(dp), intent(inout) :: cells(:)
-        real(dp) :: others(node_count, other_accuracies)
+        real(dp), allocatable :: others(:, :, :)
         integer :: i, k
 
-        associate (keys => job%sensitivities%keys, list => job%sensitivities%list)
+        associate (wanted => job%sensitivities, keys => job%sensitivities%keys)
             do i = 1, size(keys)
                 if (keys(i)%axis == 0) then
                     self%nodes(i) = keys(i)%nodes(keys(i)%slot%get())
@@ -203,25 +202,19 @@ contains
             end do
             call self%own%compute(self%nodes, self%is_needed, self%axis, parameters)
             self%is_needed = .false.
-            do i = 1, size(list)
-                associate (key => list(i)%key)
-                    call self%nodes(key)%differentiate(self%own%values(self%place(i), :, key), cells(2 * i - 1), cells(2 * i), &
-                                                       self%best(i))
-                    if (self%best(i) > 0) self%is_needed(self%nodes(key)%ends(self%best(i)), key) = .true.
-                end associate
+            do i = 1, size(keys)
+                call wanted%differentiate(i, self%nodes(i), self%own%values(:, :, i), cells, self%best, self%is_needed(:, i))
             end do
             if (.not. (allocated(self%other) .and. any(self%best > 0))) return
             do k = 1, other_accuracies
                 call self%other(k)%compute(self%nodes, self%is_needed, self%axis, in_other_accuracy(job, parameters, k))
             end do
-            do i = 1, size(list)
-                associate (key => list(i)%key)
-                    do k = 1, other_accuracies
-                        others(:, k) = self%other(k)%values(self%place(i), :, key)
-                    end do
-                    call self%nodes(key)%add_change(self%best(i), self%own%values(self%place(i), :, key), others, &
-                                                    cells(2 * i - 1), cells(2 * i))
-                end associate
+            allocate (others(size(self%own%values, 1), node_count, other_accuracies))
+            do i = 1, size(keys)
+                do k = 1, other_accuracies
+                    others(:, :, k) = self%other(k)%values(:, :, i)
+                end do
+                call wanted%add_changes(i, self%nodes(i), self%own%values(:, :, i), others, self%best, cells)
             end do
         end associate
     end subroutine find_derivatives

@@ -27,8 +27,7 @@ module spintop_sweep_worker
         slot_t, task_t
     use spintop_sweep_exact, only: sweep_exact_t
     use spintop_sweep_lanes, only: sweep_lanes_t
-    use spintop_sweep_one_by_one, only: sweep_stepping_t
-    use spintop_sweep_perturbations, only: perturbations_t
+    use spintop_sweep_one_by_one, only: sweep_stepping_t, perturbations_t
     use spintop_sweep_result, only: at_nutation_period, at_theta_end, at_phi_end, at_psi_end, at_t_end, &
         at_theta_end_bound, at_phi_end_bound, at_psi_end_bound, at_proof, note_t, asks_for_span, of_proof, &
         of_threshold, sweep_result_t, proof_cells

@@ -1,27 +1,31 @@
 !> The rows of a motion: the motion is computed, in closed form or step by step, and each of its rows goes to a table,
-!> or is kept.
+!> or is kept. The motions at all nodes of a key, whose rows belong together by their numbers, give derivatives.
 module spintop_motion_rows
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
+    use spintop_differences, only: node_count, nodes_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
+    use spintop_exit_codes, only: exit_internal
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t
-    use spintop_kinds, only: dp
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t
     use spintop_motion_table, only: motion_table_t
     use spintop_observer, only: observer_t
+    use spintop_plain_text, only: escaped
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
-    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, &
-        status_too_many_events
+    use spintop_sensitivity, only: other_accuracies, sensitive_key_t
+    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
-    public :: writer_t, compute_motion
+    public :: writer_t, compute_motion, find_sensitivities
 
     !> Writes a row for each motion, or keeps it.
     type, extends(observer_t) :: writer_t
@@ -213,5 +217,93 @@ contains
         self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         call self%progress%update(int(motion%t / self%t_end * self%total, int64))
     end subroutine write_row
+
+    !> The derivatives and their errors in each row.
+    subroutine find_sensitivities(job, columns, base, cells, error)
+        type(job_t), target, intent(in) :: job !! the job
+        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
+        real(dp), intent(in) :: base(:, :) !! their values in each row of the motion itself
+        real(dp), intent(out) :: cells(:, :) !! two for each derivative in each row; NaN where it does not exist
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        real(dp), allocatable :: values(:, :, :), others(:, :, :, :)
+        type(nodes_t) :: nodes
+        integer, allocatable :: best(:, :)
+        logical :: is_needed(node_count)
+        integer :: key, i, k, row, status
+
+        cells = no_number
+        allocate (best(job%sensitivities%count, size(base, 2)))
+        allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
+        if (status == 0) allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
+        if (status /= 0) then
+            error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for the derivatives in all rows; &
+                            &use fewer span.samples')
+            return
+        end if
+        associate (wanted => job%sensitivities)
+            do key = 1, size(wanted%keys)
+                nodes = wanted%keys(key)%nodes(wanted%keys(key)%slot%get())
+                values = no_number
+                values(:, :, 1) = base
+                do i = 2, node_count
+                    if (nodes%is_valid(i)) call compute_node(job, columns, wanted%keys(key), nodes%x(i), values(:, :, i))
+                end do
+                is_needed = .false.
+                do row = 1, size(base, 2)
+                    call wanted%differentiate(key, nodes, values(:, row, :), cells(:, row), best(:, row), is_needed)
+                end do
+                ! The error of the method shows at other accuracies.
+                others = no_number
+                do k = 1, other_accuracies
+                    do i = 1, node_count
+                        if (is_needed(i)) call compute_node(job, columns, wanted%keys(key), nodes%x(i), others(:, :, i, k), k)
+                    end do
+                end do
+                do row = 1, size(base, 2)
+                    call wanted%add_changes(key, nodes, values(:, row, :), others(:, row, :, :), best(:, row), cells(:, row))
+                end do
+            end do
+        end associate
+    end subroutine find_sensitivities
+
+    !> The rows of the motion with another value of a key. Rows that it does not have stay as they are.
+    subroutine compute_node(job, columns, key, value, rows, accuracy)
+        type(job_t), target, intent(in) :: job
+        type(trajectory_column_t), intent(in) :: columns(:)
+        type(sensitive_key_t), intent(in) :: key
+        real(dp), intent(in) :: value
+        real(dp), intent(inout) :: rows(:, :)
+        integer, intent(in), optional :: accuracy !! the number of another accuracy
+        type(scene_t), allocatable, target :: scene
+        type(event_recorder_t), allocatable :: recorder
+        type(writer_t), allocatable :: writer
+        type(outcome_t) :: outcome
+        type(case_t) :: case
+        type(plan_t) :: plan
+        real(dp), allocatable :: times(:)
+        logical :: exists
+        integer :: i, stride
+
+        call key%plan_at(job%input%scene, value, scene, case, plan, exists, job%plan, accuracy)
+        if (.not. exists) return
+        ! Where each step is a row, smaller steps are more rows.
+        stride = max(1, (plan%samples - 1) / (job%plan%samples - 1))
+        if (plan%samples - 1 /= stride * (job%plan%samples - 1) .or. stride > 1 .and. .not. present(accuracy)) return
+        if (scene%stop_at /= '') then
+            allocate (recorder)
+            call recorder%set(job%events, job%stop_after, case)
+        end if
+        allocate (writer)
+        call writer%set_columns(columns, case, scene)
+        allocate (writer%kept(size(columns), plan%samples), source=no_number)
+        times = [(sample_time(case%t_end, plan%samples, i), i=1, merge(0, plan%samples, plan%exact))]
+        call compute_motion(scene, case, plan, times, writer, outcome, recorder)
+        do i = 1, size(rows, 2)
+            if (1 + stride * (i - 1) <= writer%rows) rows(:, i) = writer%kept(:, 1 + stride * (i - 1))
+        end do
+        ! The last row is that of the event which ends the motion.
+        if (stride > 1 .and. allocated(recorder) .and. writer%rows > 0) rows(:, size(rows, 2)) = writer%kept(:, writer%rows)
+        call writer%columns%close()
+    end subroutine compute_node
 
 end module spintop_motion_rows

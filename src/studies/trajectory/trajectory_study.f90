@@ -11,7 +11,7 @@ module spintop_trajectory_study
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_motion_rows, only: compute_motion, writer_t
+    use spintop_motion_rows, only: compute_motion, writer_t, find_sensitivities
     use spintop_options, only: options_t
     use spintop_plain_text, only: escaped
     use spintop_plan, only: sample_time
@@ -26,7 +26,6 @@ module spintop_trajectory_study
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
-    use spintop_trajectory_sensitivities, only: find_sensitivities
     implicit none
     private
     public :: trajectory_study_t, run_trajectory

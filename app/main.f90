@@ -10,9 +10,8 @@ program spintop_main
     use spintop_execution, only: explain_job, run_job
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
-    use spintop_job_files, only: tables_written
+    use spintop_preparation, only: tables_written, prepare_jobs, prepared_t, protect_interrupted
     use spintop_listing, only: list_as_json, list_topic
-    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_processor, only: check_level
     use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, print_text
     use spintop_provenance, only: program_version, program_revision

@@ -7,10 +7,9 @@ module spintop_c_derivatives
     use spintop_errors, only: error_t, input_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_other_accuracy, only: other_accuracies
     use spintop_plan, only: plan_t
     use spintop_scene_keys, only: scene_t
-    use spintop_sensitivity, only: sensitive_key_t, sensitivities_t, varied_motions_t
+    use spintop_sensitivity, only: other_accuracies, sensitive_key_t, sensitivities_t, varied_motions_t
     use spintop_text, only: escaped
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none

@@ -1,20 +1,20 @@
-!> An assignment `key(subscripts) = values`: its values are checked and stored.
+!> An assignment `key(subscripts) = values`: its values, which may have units, are read, checked and stored.
 module spintop_assignment
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_kinds, only: dp
-    use spintop_literals, only: read_integer, read_logical, read_long, read_real
+    use spintop_literals, only: read_integer, read_logical, read_long, read_real, is_real_literal
     use spintop_parameter, only: all_elements, kind_integer, kind_long, kind_real, kind_text, &
         leading_elements, one_per_group, parameter_t, quoted
-    use spintop_quantity_text, only: has_unit, read_quantity
-    use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, &
-        token_string, token_t, token_word
+    use spintop_parameters, only: parameter_table_t
+    use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_open, token_string, &
+        token_t, token_word, token_end, token_group, token_slash
     use spintop_suggestions, only: names_file, suggest_word
-    use spintop_text, only: abbreviate, is_plain, lower_case, to_text
-    use spintop_units, only: convert_unit
+    use spintop_text, only: abbreviate, lower_case, to_text, is_plain
+    use spintop_units, only: convert_unit, units_of
     implicit none
     private
-    public :: assignment_t
+    public :: assignment_t, read_values, skip_values, read_quantity, names_a_unit, has_unit
 
     character(*), parameter :: quotes_hint = 'a number with its unit is in quotes, as ''20 deg'''
 
@@ -373,5 +373,181 @@ contains
         call fail(self, parameter, diagnostics, place, message, hint)
         self%refused = .true.
     end subroutine refuse
+
+    !> Reads the values after an equals sign into the parameter.
+    subroutine read_values(scanner, group, table, parameter, assignment, diagnostics)
+        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
+        character(*), intent(in) :: group !! name of the group that has the key
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(parameter_t), intent(inout) :: parameter !! the parameter
+        type(assignment_t), intent(inout) :: assignment !! the assignment
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(token_t) :: token
+        logical :: after_value
+
+        after_value = .false.
+        do
+            if (at_end_of_values(scanner, group, table, parameter%kind == kind_text)) return
+            call scanner%next(token)
+            select case (token%kind)
+            case (token_word)
+                call read_word(scanner, token, parameter, assignment, diagnostics)
+            case (token_string)
+                call assignment%store_values(parameter, token, scanner%string(token), 1, diagnostics)
+            case (token_comma)
+                if (.not. after_value) call assignment%refuse(parameter, diagnostics, &
+                    token%place, 'no value before the comma')
+            case (token_slash)
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'a slash inside a value', 'a number, not an expression; a text in quotes')
+            case default
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'unexpected ' // quoted(scanner%word(token)))
+            end select
+            after_value = token%kind /= token_comma
+        end do
+    end subroutine read_values
+
+    !> Reads a value without quotes, or a repeated one: `3*0.0`, `2*'ode45'`.
+    subroutine read_word(scanner, token, parameter, assignment, diagnostics)
+        type(scanner_t), intent(inout) :: scanner
+        type(token_t), intent(inout) :: token
+        type(parameter_t), intent(inout) :: parameter
+        type(assignment_t), intent(inout) :: assignment
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: after
+        character(:), allocatable :: word, problem, hint
+        integer :: star, repeats
+
+        word = scanner%word(token)
+        star = index(word, '*')
+        if (star < 2 .or. verify(word(:max(0, star - 1)), '0123456789') > 0) then
+            call assignment%store_values(parameter, token, word, 1, diagnostics)
+            return
+        end if
+        call read_integer(word(:star - 1), repeats, problem, hint)
+        call scanner%peek(after)
+        if (problem /= '' .or. repeats == 0) then
+            call assignment%refuse(parameter, diagnostics, token%place, 'bad repeat count')
+        else if (star < len(word)) then
+            call assignment%store_values(parameter, token, word(star + 1:), repeats, diagnostics)
+        else if (after%kind == token_string .and. after%touches) then
+            call scanner%next(token)
+            call assignment%store_values(parameter, token, scanner%string(token), repeats, diagnostics)
+        else
+            call assignment%refuse(parameter, diagnostics, token%place, &
+                'no value after ' // abbreviate(word))
+        end if
+    end subroutine read_word
+
+    !> Skips values of an unknown key.
+    subroutine skip_values(scanner, group, table)
+        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
+        character(*), intent(in) :: group !! name of the group that has the key
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(token_t) :: token
+        do while (.not. at_end_of_values(scanner, group, table, .true.))
+            call scanner%next(token)
+        end do
+    end subroutine skip_values
+
+    !> Whether the values of an assignment end here: at the end of the group, at the next `key =`, or at a
+    !> name at the beginning of a line that cannot be a value (its equals sign is missing).
+    logical function at_end_of_values(scanner, group, table, words_expected) result(at_end)
+        type(scanner_t), intent(inout) :: scanner
+        character(*), intent(in) :: group
+        type(parameter_table_t), intent(in) :: table
+        logical, intent(in) :: words_expected
+        type(token_t) :: token
+
+        at_end = .false.
+        call scanner%peek(token)
+        select case (token%kind)
+        case (token_end, token_group)
+            at_end = .true.
+        case (token_slash)
+            at_end = .not. scanner%is_inside_word()
+        case (token_word)
+            at_end = scanner%key_follows()
+            if (at_end .or. .not. token%starts_line .or. .not. scanner%is_name(token)) return
+            select case (lower_case(scanner%word(token)))
+            case ('t', 'f', 'true', 'false', 'nan', 'inf', 'infinity')
+                at_end = .false.
+            case default
+                at_end = .not. words_expected .or. &
+                    table%find(group // '.' // lower_case(scanner%word(token))) > 0
+            end select
+        end select
+    end function at_end_of_values
+
+    !> Whether any of the values of a list, which are separated by commas, has a unit.
+    pure logical function names_a_unit(text)
+        character(*), intent(in) :: text !! the values
+        integer :: first, last
+        names_a_unit = .false.
+        first = 1
+        do while (first <= len(text) .and. .not. names_a_unit)
+            last = first + index(text(first:) // ',', ',') - 2
+            names_a_unit = has_unit(text(first:last))
+            first = last + 2
+        end do
+    end function names_a_unit
+
+    !> Whether a text is a number and a unit.
+    pure logical function has_unit(text)
+        character(*), intent(in) :: text !! any text
+        character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
+        character(:), allocatable :: unit
+        integer :: last
+        unit = adjustl(text)
+        last = length_of_number(unit)
+        unit = trim(adjustl(unit(last + 1:)))
+        has_unit = last > 0 .and. (scan(unit, letters) == 1 .or. index(unit, '1/') == 1) .and. index(unit, '=') == 0
+    end function has_unit
+
+    !> Length of the longest number with which a text begins; 0 if there is none.
+    pure integer function length_of_number(text) result(last)
+        character(*), intent(in) :: text
+        integer, parameter :: longest = 64
+        do last = min(len(text), longest), 1, -1
+            if (is_real_literal(text(:last))) return
+        end do
+    end function length_of_number
+
+    !> Reads a number with its unit, in the unit of its key; without one it is none.
+    subroutine read_quantity(parameter, text, number, unit, problem, hint)
+        type(parameter_t), intent(in) :: parameter !! the key
+        character(*), intent(in) :: text !! without quotes
+        real(dp), intent(out) :: number !! in the unit of the key, or in its own if that is not known yet
+        character(:), allocatable, intent(out) :: unit !! its unit, if that of the key is not known yet, or ''
+        character(:), allocatable, intent(out) :: problem, hint !! what is wrong, and what is expected; '' without an error
+        real(dp) :: factor
+        integer :: last
+
+        unit = ''
+        last = length_of_number(text)
+        if (last == 0 .or. last == len(text)) then
+            problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
+            hint = 'expected a value without quotes'
+            if (parameter%unit_of /= '') hint = hint // ', or one with a unit, as ' // quoted('20 deg')
+            if (parameter%unit /= '') hint = hint // ', or one with a unit, as ' // quoted('1 ' // trim(parameter%unit))
+            number = 0
+            return
+        end if
+        call read_real(text(:last), number, problem, hint)
+        if (problem /= '') return
+        if (verify(text(last + 1:), ', ') > 0 .and. scan(text(last + 1:), ',') == 1) then
+            problem = 'a comma in the number ' // quoted(abbreviate(text))
+            hint = 'decimals follow a point, as in 25.5'
+            return
+        end if
+        if (parameter%unit_of /= '') then
+            unit = trim(adjustl(text(last + 1:)))
+            return
+        end if
+        call convert_unit(text(last + 1:), trim(parameter%unit), factor, problem)
+        if (problem /= '') hint = units_of(trim(parameter%unit))
+        number = number * factor
+    end subroutine read_quantity
 
 end module spintop_assignment

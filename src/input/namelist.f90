@@ -6,24 +6,22 @@
 !> `key(2) = a` and ranges `key(2:3) = a, b`, or, if it has rows, by `key(1,:) = a, b`. All errors are collected;
 !> reading continues after an error.
 module spintop_namelist
-    use spintop_assignment, only: assignment_t
-    use spintop_completeness, only: missing_element
+    use spintop_assignment, only: assignment_t, read_values, skip_values, names_a_unit
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
     use spintop_files, only: read_file
-    use spintop_foreign_characters, only: find_foreign
-    use spintop_overrides, only: read_override
-    use spintop_parameter, only: one_per_group, parameter_t, quoted
-    use spintop_parameters, only: parameter_table_t
+    use spintop_parameter, only: one_per_group, parameter_t, quoted, kind_real, kind_text
+    use spintop_parameters, only: missing_element, parameter_table_t
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_end, token_equals, &
-        token_group, token_open, token_other, token_slash, token_t, token_word
+        token_group, token_open, token_other, token_slash, token_t, token_word, token_string
     use spintop_suggestions, only: homes_of, suggest_group, suggest_key
-    use spintop_table_input, only: input_of_table
     use spintop_text, only: abbreviate, lower_case, string_t, to_text
-    use spintop_value_list, only: read_values, skip_values
     implicit none
     private
-    public :: read_namelist
+    public :: read_namelist, find_foreign, input_of_table, read_override
+
+    !> Quotes around texts.
+    character(*), parameter :: quotes = '''"'
 
     !> Largest size of an input, bytes.
     integer, parameter :: largest_file = 1024 * 1024
@@ -346,5 +344,230 @@ contains
         call diagnostics%error(parameter%key_place, missing // ' is missing', 'the elements that are given require it')
         parameter%faulty = .true.
     end subroutine check_complete
+
+    !> Finds the first such character of a text.
+    subroutine find_foreign(text, at, width, hint)
+        character(*), intent(in) :: text !! some of a namelist, without its texts in quotes
+        integer, intent(out) :: at       !! its first byte, or 0 if there is none
+        integer, intent(out) :: width    !! its number of bytes
+        character(:), allocatable, intent(out) :: hint !! what to write in its place
+        hint = ''
+        do at = 1, len(text)
+            do width = 1, min(3, len(text) - at + 1)
+                hint = meant_by(text(at:at + width - 1))
+                if (hint /= '') return
+            end do
+        end do
+        at = 0
+    end subroutine find_foreign
+
+    !> What to write in the place of a character; '' if it is not known.
+    pure function meant_by(character) result(hint)
+        character(*), intent(in) :: character
+        character(:), allocatable :: hint
+        integer :: bytes(3)
+        integer :: i, n
+
+        n = len(character)
+        bytes = [(merge(iachar(character(min(i, n):min(i, n))), 0, i <= n), i=1, 3)]
+        hint = ''
+        select case (256 * (256 * bytes(1) + bytes(2)) + bytes(3))
+        case (0:256**2 * 31)
+            hint = 'a control character: remove it'
+        case (256**2 * iachar('['), 256**2 * iachar(']'))
+            hint = 'a subscript is in parentheses, as key(1)'
+        case (256**2 * iachar('#'))
+            hint = 'a comment starts with !'
+        case (256**2 * iachar(';'))
+            hint = 'values are separated by commas'
+        case (256**2 * iachar(':'))
+            hint = 'a key is followed by =, and a text is in quotes'
+        case (256**2 * iachar('`'), int(z'C2AB00'), int(z'C2B400'), int(z'C2BB00'), int(z'E28098'):int(z'E2809F'))
+            hint = 'a text is in straight quotes, as ''text'''
+        case (int(z'C2A000'), int(z'E28080'):int(z'E2808B'), int(z'E280AF'), int(z'E38080'))
+            hint = 'write an ordinary blank in the place of this one'
+        case (int(z'E28090'):int(z'E28095'), int(z'E28892'))
+            hint = 'a minus sign is -'
+        end select
+    end function meant_by
+
+    !> The text of a table as an input: the lines below `# input:` without their `#`, and an empty line for each other
+    !> line of the header, so that lines keep their numbers.
+    pure function input_of_table(table) result(input)
+        character(*), intent(in) :: table !! text of a table
+        character(:), allocatable :: input
+        character(*), parameter :: title = '# input:', mark = '#     '
+        integer :: first, length, written
+        logical :: is_input
+
+        allocate (character(len(table)) :: input)
+        written = 0
+        is_input = .false.
+        first = 1
+        do while (first <= len(table))
+            if (table(first:first) /= '#') exit
+            length = index(table(first:), new_line('a')) - 1
+            if (length < 0) length = len(table) - first + 1
+            associate (line => table(first:first + length - 1))
+                is_input = (is_input .and. index(line, mark) == 1) .or. line == title
+                if (is_input .and. line /= title) then
+                    input(written + 1:written + length) = ' ' // line(2:)
+                    written = written + length
+                end if
+            end associate
+            input(written + 1:written + 1) = new_line('a')
+            written = written + 1
+            first = first + length + 1
+        end do
+        input = input(:min(written, len(input)))
+    end function input_of_table
+
+    !> Reads one override. Quotes around a word, or a number with its unit, may be omitted, and the values of a list are
+    !> separated by commas. It replaces a value from the file or from an earlier override.
+    subroutine read_override(text, table, diagnostics)
+        character(*), intent(in) :: text !! `group.key=value`
+        type(parameter_table_t), intent(inout) :: table !! the parameters of an input
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(scanner_t) :: scanner
+        type(assignment_t) :: assignment
+        type(token_t) :: token
+        character(:), allocatable :: rest
+        integer :: source, number
+
+        call diagnostics%add_source('--set', text, source)
+        call scanner%start(text, source, comments=.false.)
+        call scanner%next(token)
+        if (token%kind /= token_word .or. index(text, '=') == 0) then
+            call diagnostics%error(token%place, 'an override is GROUP.KEY=VALUE')
+            return
+        end if
+        call find_parameter(lower_case(scanner%word(token)), token, table, diagnostics, number)
+        if (number == 0) return
+
+        assignment%place = token%place
+        assignment%quotes_optional = .true.
+        associate (parameter => table%parameters(number))
+            call assignment%read_subscripts(parameter, scanner, diagnostics)
+            call scanner%next(token)
+            if (token%kind /= token_equals) then
+                call assignment%refuse(parameter, diagnostics, token%place, &
+                    'expected an equals sign', 'an override is GROUP.KEY=VALUE')
+                return
+            end if
+            call assignment%begin(parameter, diagnostics)
+            rest = scanner%rest()
+            if (scan(adjustl(rest), quotes) /= 1 .and. (parameter%kind == kind_text .or. &
+                                                        (parameter%kind == kind_real .and. names_a_unit(rest)))) then
+                call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
+            else
+                call read_values(scanner, '', table, parameter, assignment, diagnostics)
+                call scanner%peek(token)
+                if (token%kind /= token_end) call assignment%refuse(parameter, diagnostics, token%place, &
+                    'unexpected text after the value', 'use one --set for each GROUP.KEY=VALUE')
+            end if
+            call assignment%finish(parameter, diagnostics)
+        end associate
+    end subroutine read_override
+
+    subroutine find_parameter(name, token, table, diagnostics, number)
+        character(*), intent(in) :: name
+        type(token_t), intent(in) :: token
+        type(parameter_table_t), intent(in) :: table
+        type(diagnostics_t), intent(inout) :: diagnostics
+        integer, intent(out) :: number
+        character(:), allocatable :: group, key
+
+        number = table%find(name)
+        if (number > 0) return
+        group = name(:index(name // '.', '.') - 1)
+        key = name(min(len(name), len(group) + 1) + 1:)
+        if (table%find_group(group) > 0) then
+            call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // &
+                ' in group &' // group, suggest_key(table, group, key))
+        else if (key == '' .and. homes_of(table, name) /= '') then
+            call diagnostics%error(token%place, 'an override names the group too', &
+                'it belongs to ' // homes_of(table, name))
+        else
+            call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), &
+                suggest_group(table, group))
+        end if
+    end subroutine find_parameter
+
+    !> Texts without quotes around the first. In a list each ends at the next comma that is neither within parentheses, as in
+    !> `theta__top.inertia_tensor(1,2)`, nor within quotes.
+    subroutine read_plain_words(text, start, parameter, assignment, diagnostics)
+        character(*), intent(in) :: text
+        integer, intent(in) :: start !! number of bytes before the words
+        type(parameter_t), intent(inout) :: parameter
+        type(assignment_t), intent(inout) :: assignment
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(token_t) :: token
+        character(:), allocatable :: word
+        integer :: first, last
+
+        last = start
+        if (text(start + 1:) == '') return
+        do while (last < len(text))
+            first = last + 1
+            last = len(text) + 1
+            if (parameter%rank > 0) last = end_of_word(text, first)
+            word = trim(adjustl(text(first:last - 1)))
+            token%kind = token_word
+            token%closed = .true.
+            token%place = assignment%place
+            token%place%column = first + verify(text(first:last - 1) // '.', ' ') - 1
+            token%place%width = len(word)
+            if (parameter%rank > 0 .and. scan(word, quotes) == 1) then
+                call remove_quotes(word, token)
+                if (token%kind /= token_string) then
+                    call assignment%refuse(parameter, diagnostics, token%place, 'text after the closing quote')
+                    return
+                end if
+            end if
+            call assignment%store_values(parameter, token, word, 1, diagnostics)
+        end do
+    end subroutine read_plain_words
+
+    !> The place of the comma after the text that begins at `first`, or one after the end.
+    pure integer function end_of_word(text, first) result(last)
+        character(*), intent(in) :: text
+        integer, intent(in) :: first
+        character :: here, quote
+        integer :: begin, depth, i
+        logical :: in_quotes
+
+        last = len(text) + 1
+        begin = first + verify(text(first:) // '.', ' ') - 1
+        if (begin > len(text)) return
+        quote = text(begin:begin)
+        in_quotes = .false.
+        depth = 0
+        do i = begin, len(text)
+            here = text(i:i)
+            if (here == quote .and. scan(quote, quotes) == 1) then
+                ! A doubled quote ends the text in quotes, and begins it again.
+                in_quotes = .not. in_quotes
+            else if (.not. in_quotes) then
+                if (here == '(') depth = depth + 1
+                if (here == ')') depth = max(depth - 1, 0)
+                if (here == ',' .and. depth == 0) last = i
+            end if
+            if (last <= len(text)) return
+        end do
+    end function end_of_word
+
+    !> Removes the quotes around a word, which begins with one; the token becomes a string unless text follows.
+    subroutine remove_quotes(word, token)
+        character(:), allocatable, intent(inout) :: word
+        type(token_t), intent(inout) :: token
+        type(scanner_t) :: scanner
+        type(token_t) :: found
+        call scanner%start(word, token%place%source, comments=.false.)
+        call scanner%next(found)
+        if (found%last < len(word)) return
+        token%kind = token_string
+        token%closed = found%closed
+        word = scanner%string(found)
+    end subroutine remove_quotes
 
 end module spintop_namelist

@@ -4,7 +4,7 @@ module spintop_parameter
     use spintop_compare, only: is_equal
     use spintop_diagnostics, only: place_t
     use spintop_kinds, only: dp
-    use spintop_range_rule, only: range_t
+    use spintop_number_slot, only: range_t
     use spintop_text, only: join, replace_all, string_t, to_text
     implicit none
     private
@@ -41,7 +41,7 @@ module spintop_parameter
         character(:), allocatable :: unit
         !> The key whose texts name what has the unit of each element, as sweep.parameter; '' for none.
         character(:), allocatable :: unit_of
-        character(:), allocatable :: rule    !! the range as written, see spintop_range_rule
+        character(:), allocatable :: rule    !! the range as written, see spintop_number_slot
         character(:), allocatable :: what    !! one line that says what it is
         character(:), allocatable :: default !! as in a namelist, '' for none
         type(range_t) :: range

@@ -1,27 +1,62 @@
-!> The plan of a scene: the model and the method that compute it, and the reasons for them.
+!> The plan of a scene: the model and the method that compute it, and the reasons for them; the automatic choice
+!> of a method, and its settings.
 module spintop_planning
-    use spintop_automatic_method, only: choose_automatically, known_for, of_any_body, of_symmetric_tops, &
-        solvable_effects, solved_for
+    use spintop_arkode, only: arkode_table_names
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_effects_of_scene, only: warn_of_effects
-    use spintop_formulation, only: formulation_info_t, structure_names
+    use spintop_formulation, only: formulation_info_t, structure_names, structure_split, formulation_t
     use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_methods, only: exact_info
+    use spintop_kinds, only: dp
+    use spintop_methods, only: exact_info, create_stepper
+    use spintop_own_butcher_tables, only: create_method
     use spintop_parameters, only: is_set, unset_integer
-    use spintop_plan_controls, only: read_controls, read_projection
-    use spintop_projection, only: projection_names, project_nothing
-    use spintop_problems, only: problems_t
     use spintop_plan, only: plan_t
+    use spintop_problems, only: problems_t
+    use spintop_projection, only: projection_names, project_nothing, project_unit
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok, status_meaning
-    use spintop_stepper, only: method_info_t
-    use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns
-    use spintop_own_butcher_tables, only: create_method
-    use spintop_text, only: to_text, join
+    use spintop_stepper, only: method_info_t, stepper_t, controls_t
+    use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns, projection_status
+    use spintop_text, only: to_text, join, did_you_mean, lower_case, string_t
     implicit none
     private
-    public :: make_plan
+    public :: make_plan, read_controls, read_projection, choose_automatically, recommend_adaptive, recommend_steps
+    public :: known_for, free_body, solvable_effects, solved_for, of_symmetric_tops, of_any_body
+
+    !> Maximum ratio of the absolute to the relative tolerance, if only the latter is given. It is the ratio
+    !> of the defaults of MATLAB, 1e-3 and 1e-6. In MATLAB itself a small relative tolerance alone has little
+    !> effect, because the absolute one does not change.
+    real(dp), parameter :: absolute_share = 1.0e-3_dp
+
+    !> Description of the bodies for which `body_t%is_lagrange` is true, and of those that have a closed form.
+    character(*), parameter :: known_for = 'an undamped symmetric top with its centre of mass on &
+        &body z, at or above the pivot', free_body = 'an undamped body without gravitational torque', &
+        solvable_effects = 'a rotor with constant momentum on the axis of an undamped symmetric top, and the rotation of &
+        &the Earth at a pole', &
+        solved_for = known_for // ', and ' // free_body
+    !> The default formulations.
+    character(*), parameter :: of_symmetric_tops = 'space_frame', of_any_body = 'rigid_body '
+
+    !> A method, the smallest tolerance for which it is recommended, and the reason.
+    type :: recommendation_t
+        character(20) :: method
+        real(dp) :: least
+        character(96) :: why
+    end type recommendation_t
+
+    !> The first one is used that the equations support and whose smallest tolerance is not above the
+    !> requested one.
+    type(recommendation_t), parameter :: recommendations(*) = [ &
+        recommendation_t('taylor', 1.0e-15_dp, 'the cheapest at any tolerance where the equations have a power series'), &
+        recommendation_t('taylor_quadruple', 0.0_dp, 'double precision cannot reach a tolerance below 1e-15'), &
+        recommendation_t('dop853', 0.0_dp, 'the cheapest at any tolerance where the equations have no power series')]
+
+    !> For a fixed step size: symmetric tops whose equations can be split, and others.
+    type(recommendation_t), parameter :: for_split_tops = recommendation_t( &
+        'splitting_6', 0.0_dp, 'the cheapest with a fixed step size for tops that can be split, without energy drift'), &
+        for_steps = recommendation_t( &
+        'dop853', 0.0_dp, 'the cheapest with a fixed step size, of high order')
 
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
 
@@ -239,5 +274,264 @@ contains
         end do
         divisor = 1
     end function nearest_divisor
+
+    !> Reads what a scene says of steps, tolerances, solver and table, as far as the method of the plan takes it.
+    subroutine read_controls(scene, plan, problems)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(plan_t), intent(inout) :: plan !! with its method
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+
+        call read_steps(scene, plan, problems)
+        call read_tolerances(scene, plan, problems)
+        call read_solver(scene, plan, problems)
+        call read_butcher_table(scene, plan, problems)
+        associate (controls => plan%stepper%controls)
+            if (controls%steps > 0 .or. plan%step > 0) then
+                plan%method = plan%method // ', fixed step size'
+            else
+                plan%method = plan%method // ', relative tolerance ' // to_text(controls%relative_tolerance) &
+                              // ', absolute ' // to_text(controls%absolute_tolerance)
+            end if
+            if (controls%table /= '') plan%method = plan%method // ', table ' // trim(controls%table)
+        end associate
+    end subroutine read_controls
+
+    !> The number of fixed steps, or the largest of them, where the method takes such steps.
+    subroutine read_steps(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+
+        associate (info => plan%stepper%info)
+            if (scene%steps /= unset_integer .and. is_set(scene%step)) then
+                call problems%add('integration.step', 'the steps are given twice', 'give steps or step')
+            else if (wants_steps(scene) .and. .not. info%fixed_step) then
+                call problems%add(merge('integration.steps', 'integration.step ', scene%steps /= unset_integer), &
+                                  method_of(plan) // ' is adaptive, and does not use steps or step', 'give relative_tolerance')
+            else if (.not. wants_steps(scene) .and. .not. info%adaptive) then
+                call problems%add('integration', method_of(plan) // ' has a fixed step size, and neither steps &
+                    &nor step is given', 'give steps or step')
+            end if
+        end associate
+        if (scene%steps /= unset_integer) plan%stepper%controls%steps = scene%steps
+        if (is_set(scene%step)) plan%step = scene%step
+    end subroutine read_steps
+
+    !> Whether a scene asks for fixed steps.
+    pure logical function wants_steps(scene)
+        type(scene_t), intent(in) :: scene
+        wants_steps = scene%steps /= unset_integer .or. is_set(scene%step)
+    end function wants_steps
+
+    !> The method of a plan in a message.
+    function method_of(plan) result(text)
+        type(plan_t), intent(in) :: plan
+        character(:), allocatable :: text
+        text = 'method ' // trim(plan%stepper%info%name)
+    end function method_of
+
+    !> The tolerances given, or those of the method's own. A relative one that is given takes the absolute one along; zero stands
+    !> for the finest one.
+    subroutine read_tolerances(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+
+        associate (info => plan%stepper%info, controls => plan%stepper%controls)
+            if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
+            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
+            call read_tolerance('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
+            if (.not. controls%relative_tolerance > 0) controls%relative_tolerance = info%finest_tolerance
+            if (controls%relative_tolerance < info%finest_tolerance) then
+                call problems%add('integration.relative_tolerance', method_of(plan) // ' cannot reach a &
+                    &tolerance below ' // to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")
+            end if
+            if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
+                min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
+            call read_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, controls%absolute_tolerance)
+        end associate
+
+    contains
+
+        !> A tolerance that is given is for adaptive methods.
+        subroutine read_tolerance(name, given, tolerance)
+            character(*), intent(in) :: name
+            real(dp), intent(in) :: given
+            real(dp), intent(inout) :: tolerance
+            if (.not. is_set(given)) return
+            tolerance = given
+            if (wants_steps(scene) .or. .not. plan%stepper%info%adaptive) then
+                call problems%add(name, method_of(plan) // ' with a fixed step size does not use tolerances', 'omit it')
+            end if
+        end subroutine read_tolerance
+
+    end subroutine read_tolerances
+
+    !> The solver is for implicit steps.
+    subroutine read_solver(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+
+        plan%stepper%controls%fixed_point = scene%solver == 'fixed_point'
+        if (plan%stepper%controls%fixed_point .and. .not. plan%stepper%info%implicit) then
+            call problems%add('integration.solver', method_of(plan) // ' is explicit and needs no solver', 'omit it')
+        end if
+    end subroutine read_solver
+
+    !> A Butcher table is for ARKODE, and must be one of its tables.
+    subroutine read_butcher_table(scene, plan, problems)
+        type(scene_t), intent(in) :: scene
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
+        type(string_t), allocatable :: known(:)
+        character(:), allocatable :: nearest
+        integer :: i
+
+        plan%stepper%controls%table = lower_case(scene%table)
+        if (scene%table == '') return
+        if (.not. plan%stepper%info%takes_table) then
+            call problems%add('integration.table', method_of(plan) // ' does not use a Butcher table', 'omit it')
+            return
+        end if
+        allocate (known, source=arkode_table_names(plan%stepper%info%implicit))
+        do i = 1, size(known)
+            if (known(i)%text == lower_case(scene%table)) return
+        end do
+        nearest = did_you_mean(scene%table, known)
+        if (nearest /= '') nearest = nearest // ' '
+        call problems%add('integration.table', method_of(plan) // ' has no table ''' // trim(scene%table) // '''', &
+                          nearest // 'it has ' // join(known, ', '))
+    end subroutine read_butcher_table
+
+    !> What is projected after each step.
+    subroutine read_projection(scene, body, plan, problems)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(*), parameter :: key = 'integration.project'
+        type(formulation_info_t) :: info
+        integer :: kind
+
+        info = plan%formulation%info()
+        kind = findloc(projection_names, scene%project, dim=1) - 1
+        plan%stepper%controls%project = kind
+        if (.not. is_ok(projection_status(kind, info, body))) then
+            if (kind == project_unit) then
+                call problems%add(key, 'formulation ' // trim(info%name) // ' has no quaternion', &
+                                  "omit it, or use formulation = 'rigid_body'")
+            else if (allocated(body%effects)) then
+                call problems%add(key, 'a body with effects conserves neither energy nor momentum', "use project = 'unit'")
+            else if (info%invariants == 0) then
+                call problems%add(key, 'formulation ' // trim(info%name) // ' conserves its invariants by construction', 'omit it')
+            else
+                call problems%add(key, 'a damped body conserves neither energy nor momentum', "use project = 'unit'")
+            end if
+        end if
+        if (kind /= project_nothing) then
+            plan%method = plan%method // ', projected after each step (' // trim(projection_names(kind)) // ')'
+        end if
+    end subroutine read_projection
+
+    !> Chooses the closed form where the body has one and the input does not ask for steps, else the cheapest method.
+    subroutine choose_automatically(scene, body, plan)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(body_t), intent(in) :: body !! the body of the case
+        type(plan_t), intent(inout) :: plan !! receives the method and the reason for it
+        character(*), parameter :: default_with_table = 'arkode_erk'
+        plan%exact = body%has_closed_form() .and. .not. any([scene%formulation /= 'auto', &
+            scene%table /= '', scene%steps /= unset_integer, is_set(scene%step)])
+        if (plan%exact) then
+            plan%reason = 'The body is ' // known_for
+            if (.not. body%is_lagrange()) plan%reason = 'The body is ' // free_body
+            plan%reason = plan%reason // ', so the motion is computed in closed form: &
+                &accurate to rounding at any time, at a cost that does not depend on the time span, without steps.'
+        else
+            plan%reason = why_integrated(body)
+            if (scene%table == '') then
+                call choose_default(scene, body, plan)
+            else
+                call create_stepper(default_with_table, plan%stepper)
+                plan%reason = plan%reason // ' ' // default_with_table // ' uses the named table.'
+            end if
+        end if
+    end subroutine choose_automatically
+
+    !> Why a motion is integrated numerically, without a method that the input names.
+    function why_integrated(body) result(reason)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: reason
+        if (body%has_closed_form()) then
+            reason = 'The input names a formulation, a table or steps, so the motion is integrated numerically, although a &
+                &closed form exists.'
+        else if (allocated(body%effects)) then
+            reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated numerically; &
+                &a closed form exists only with ' // solvable_effects // '. Splitting methods, projection onto invariants &
+                &and quantities of the undisturbed top are excluded.'
+        else
+            reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no closed form and the &
+                &motion is integrated numerically.'
+        end if
+    end function why_integrated
+
+    !> The cheapest adaptive stepper or, on request, the cheapest one with a fixed step size.
+    subroutine choose_default(scene, body, plan)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
+        type(controls_t), parameter :: defaults = controls_t()
+        class(formulation_t), allocatable :: formulation
+        character(:), allocatable :: why
+        real(dp) :: tolerance
+
+        tolerance = defaults%relative_tolerance
+        ! Zero is the finest tolerance of the method, whichever it is.
+        if (is_set(scene%relative_tolerance) .and. scene%relative_tolerance > 0) tolerance = scene%relative_tolerance
+        call create_formulation(trim(likely_formulation(scene, body)), formulation, body=body)
+        if (scene%steps /= unset_integer .or. is_set(scene%step)) then
+            call recommend_steps(formulation%info(), plan%stepper, why)
+        else
+            call recommend_adaptive(tolerance, formulation%info(), plan%stepper, why)
+        end if
+        plan%reason = plan%reason // ' ' // trim(plan%stepper%info%name) // ' is the default: ' // why // '.'
+    end subroutine choose_default
+
+    !> The named formulation, or the default one for methods that it supports.
+    pure function likely_formulation(scene, body) result(name)
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        character(len(scene%formulation)) :: name
+        name = scene%formulation
+        if (name == 'auto') name = merge(of_symmetric_tops, of_any_body, body%is_lagrange())
+    end function likely_formulation
+
+    !> The stepper for a tolerance with these equations.
+    subroutine recommend_adaptive(tolerance, info, stepper, why)
+        real(dp), intent(in) :: tolerance !! relative tolerance
+        type(formulation_info_t), intent(in) :: info !! properties of the formulation
+        class(stepper_t), allocatable, intent(out) :: stepper !! the recommended method
+        character(:), allocatable, intent(out) :: why !! reason for the recommendation
+        integer :: i
+
+        do i = 1, size(recommendations)
+            if (tolerance < recommendations(i)%least) cycle
+            call create_stepper(recommendations(i)%method, stepper)
+            why = trim(recommendations(i)%why)
+            if (has_structure(info, stepper%info)) return
+        end do
+    end subroutine recommend_adaptive
+
+    !> The stepper for a fixed step size with these equations.
+    subroutine recommend_steps(info, stepper, why)
+        type(formulation_info_t), intent(in) :: info !! properties of the formulation
+        class(stepper_t), allocatable, intent(out) :: stepper !! the recommended method
+        character(:), allocatable, intent(out) :: why !! reason for the recommendation
+        type(recommendation_t) :: recommendation
+        recommendation = for_steps
+        if (info%symmetric_only .and. info%offers(structure_split)) recommendation = for_split_tops
+        call create_stepper(recommendation%method, stepper)
+        why = trim(recommendation%why)
+    end subroutine recommend_steps
 
 end module spintop_planning

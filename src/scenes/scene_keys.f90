@@ -6,17 +6,17 @@
 module spintop_scene_keys
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: checksum_width
-    use spintop_distributions, only: law_names
-    use spintop_kinds, only: dp
-    use spintop_projection, only: projection_names, project_nothing
-    use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements
-    use spintop_parts, only: describe_parts, parts_t
-    use spintop_formulations, only: formulation_infos
-    use spintop_key_aliases, only: key_aliases
-    use spintop_methods, only: method_aliases, method_infos
-    use spintop_fit_keys, only: describe_fit, fit_scene_t
+    use spintop_sweep_axis, only: law_names
     use spintop_effects_keys, only: describe_effects, effects_scene_t
-    use spintop_uncertainty_keys, only: describe_uncertainty, uncertainty_scene_t
+    use spintop_formulations, only: formulation_infos
+    use spintop_effects_keys, only: describe_effects, effects_scene_t
+    use spintop_kinds, only: dp
+    use spintop_losses, only: loss_names
+    use spintop_methods, only: method_infos, method_aliases
+    use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements, &
+        is_set, one_per_group
+    use spintop_parts, only: describe_parts, parts_t
+    use spintop_projection, only: projection_names, project_nothing
     use spintop_scene_words, only: combination_names, combine_grid, key_length, kind_trajectory, reference_auto, &
         reference_names, study_kinds
     use spintop_shapes, only: shape_infos, shape_by_inertia
@@ -25,7 +25,76 @@ module spintop_scene_keys
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, table_prefix, max_axes, max_list_axes, max_axis_values, max_over, event_length
+    public :: scene_t, describe_scene, table_prefix, max_axes, max_list_axes, max_axis_values, max_over
+    public :: event_length, uncertainty_scene_t, describe_uncertainty, fit_scene_t, sensors_t, describe_fit
+    public :: most_unknown, most_columns, key_aliases
+
+    !> The contents of the group, in the units of the keys; nothing has a value unless the input gives it.
+    type :: uncertainty_scene_t
+        real(dp) :: mass = unset
+        real(dp) :: gravity = unset
+        real(dp) :: length = unset
+        real(dp) :: inertia(3) = unset
+        real(dp) :: centre_of_mass(3) = unset
+        real(dp) :: damping(3) = unset
+        real(dp) :: angle(3) = unset
+        real(dp) :: angle_deg(3) = unset
+        real(dp) :: rate(3) = unset
+        real(dp) :: omega3 = unset
+        real(dp) :: omega(3) = unset
+    end type uncertainty_scene_t
+
+    !> Maximum number of sought parameters, and of columns of measurements.
+    integer, parameter :: most_unknown = 16, most_columns = 16
+
+    !> The groups &sensor: what is known of a measured column, one element each.
+    type :: sensors_t
+        character(key_length) :: column(most_columns) = ''
+        real(dp) :: sigma(most_columns) = unset
+        !> The reading is the offset and the scale times the quantity.
+        real(dp) :: offset(most_columns) = unset
+        real(dp) :: scale(most_columns) = unset
+    contains
+        procedure :: place_of
+    end type sensors_t
+
+    !> The contents of the group &fit.
+    type :: fit_scene_t
+        character(256) :: data = ''
+        character(key_length) :: unknown(most_unknown) = ''
+        !> Where the sought parameters are searched, if the search is to be global.
+        real(dp) :: from(most_unknown) = unset, to(most_unknown) = unset
+        character(key_length) :: columns(most_columns) = ''
+        real(dp) :: sigma(most_columns) = unset
+        character(key_length) :: wrapped(most_columns) = ''
+        character(32) :: loss = ''
+        logical :: profile = .true., windows = .true.
+        integer :: searches = 12
+        real(dp) :: time_offset = unset, averaged = unset, mounting(3) = unset
+        type(sensors_t) :: sensors
+    contains
+        procedure :: set_defaults
+    end type fit_scene_t
+
+    !> Each `other=group.key`: another name, in small letters, and the key here.
+    character(*), parameter :: key_aliases(*) = [character(40) :: &
+        'rtol=integration.relative_tolerance', 'reltol=integration.relative_tolerance', &
+        'rel_tol=integration.relative_tolerance', 'tol=integration.relative_tolerance', &
+        'tolerance=integration.relative_tolerance', 'eps=integration.relative_tolerance', &
+        'atol=integration.absolute_tolerance', 'abstol=integration.absolute_tolerance', &
+        'abs_tol=integration.absolute_tolerance', &
+        'dt=integration.step', 'h=integration.step', 'step_size=integration.step', 'stepsize=integration.step', &
+        'nsteps=integration.steps', 'n_steps=integration.steps', 'num_steps=integration.steps', &
+        'mxstep=integration.max_steps', 'maxiter=integration.max_steps', &
+        'integrator=integration.method', 'ode_solver=integration.method', 'algorithm=integration.method', &
+        'tspan=span.t_end', 't_span=span.t_end', 't_final=span.t_end', 'tfinal=span.t_end', 'tf=span.t_end', &
+        't_max=span.t_end', 'tmax=span.t_end', 't_bound=span.t_end', 't1=span.t_end', 'duration=span.t_end', &
+        't_eval=span.samples', 'npoints=span.samples', 'n_points=span.samples', 'rows=span.samples', &
+        'm=top.mass', 'g=top.gravity', 'i=top.inertia', 'moi=top.inertia', 'moments=top.inertia', &
+        'cg=top.centre_of_mass', 'cog=top.centre_of_mass', 'com=top.centre_of_mass', &
+        'y0=initial.theta', 'x0=initial.theta', 'q0=initial.quaternion', 'w0=initial.omega', 'omega0=initial.omega', &
+        'spin=initial.omega3', 'nutation=initial.theta', 'precession=initial.phi', &
+        'friction=effects.friction_torque', 'drag=effects.drag_moment', 'torque=effects.torque_body']
 
     !> Maximum number of axes of a sweep and of those with listed values, and of listed values of an axis. (More lists would
     !> make scenes too large for small stacks.)
@@ -390,5 +459,90 @@ contains
             call table%add(group // trim(names(i)) // suffix, vector(i), unit, trim(ranges(i)), trim(whats(i)))
         end do
     end subroutine add_each
+
+    !> Adds the keys to the table of an input.
+    subroutine describe_uncertainty(scene, table)
+        type(uncertainty_scene_t), target, intent(inout) :: scene !! the group; it must exist as long as the table
+        type(parameter_table_t), intent(inout) :: table !! the keys are added
+        character(*), parameter :: top = 'uncertainty.top.', initial = 'uncertainty.initial.', range = '>= 0'
+        character(*), parameter :: angles(3) = [character(5) :: 'phi', 'theta', 'psi']
+        integer :: i
+
+        call table%add(top // 'mass', scene%mass, 'kg', range, 'radius of the mass')
+        call table%add(top // 'gravity', scene%gravity, 'm/s^2', range, 'radius of gravity')
+        call table%add(top // 'length', scene%length, 'm', range, 'radius of the length')
+        call table%add(top // 'inertia', scene%inertia, 'kg m^2', range, 'radii of the moments of inertia')
+        call table%add(top // 'centre_of_mass', scene%centre_of_mass, 'm', range, 'radii of the centre of mass')
+        call table%add(top // 'damping', scene%damping, 'N m s', range, 'radii of the damping coefficients')
+        do i = 1, 3
+            call table%add(initial // trim(angles(i)), scene%angle(i), 'rad', range, 'radius of that angle')
+        end do
+        do i = 1, 3
+            call table%add(initial // trim(angles(i)) // '_deg', scene%angle_deg(i), 'deg', range, 'radius of that angle')
+        end do
+        do i = 1, 3
+            call table%add(initial // trim(angles(i)) // '_rate', scene%rate(i), 'rad/s', range, 'radius of that rate')
+        end do
+        call table%add(initial // 'omega3', scene%omega3, 'rad/s', range, 'radius of omega3')
+        call table%add(initial // 'omega', scene%omega, 'rad/s', range, 'radii of omega')
+    end subroutine describe_uncertainty
+
+    !> Adds the keys to the table of an input.
+    subroutine describe_fit(scene, table)
+        type(fit_scene_t), target, intent(inout) :: scene !! the group; it must exist as long as the table
+        type(parameter_table_t), intent(inout) :: table !! the keys are added
+
+        call table%add('fit.data', scene%data, what='CSV table of measurements: t, and columns of trajectories')
+        call table%add('fit.unknown', scene%unknown, what='sought parameters; their values are where the search begins')
+        call table%add('fit.from', scene%from, 'of fit.unknown', '', &
+                       'lower ends of the ranges in which the parameters are sought, in their ' // &
+                       'units (near their values)', elements=any_elements)
+        call table%add('fit.to', scene%to, 'of fit.unknown', '', 'upper ends of these ranges', elements=any_elements)
+        call table%add('fit.columns', scene%columns, what='measured columns (all but t)')
+        call table%add('fit.sigma', scene%sigma, 'of fit.columns', '> 0', &
+                       'standard deviations of the measured columns, in their units (one ' // &
+                       'that is common to all columns, from the residuals)', elements=leading_elements)
+        call table%add('fit.wrapped', scene%wrapped, what='measured angles that are known but for whole turns')
+        call table%add('fit.loss', scene%loss, join(loss_names, '|'), 'least squares, or a robust loss (squares)')
+        call table%add('fit.profile', scene%profile, 'compute profile intervals')
+        call table%add('fit.windows', scene%windows, 'begin with the first rows, and double their span step by step')
+        call table%add('fit.searches', scene%searches, '', '>= 1', 'starts of the search at most, where the first is poor')
+        call table%add('fit.time_offset', scene%time_offset, 's', '', 'time of the motion at t = 0 of the table (0)')
+        call table%add('fit.averaged', scene%averaged, 's', '>= 0', 'width of the interval of which a reading is the mean (0)')
+        call table%add('fit.mounting', scene%mounting, 'rad', '', &
+                       'rotation vector from body axes to those of the sensor of ' // &
+                       'omega1 to omega3 and accelerometer1 to accelerometer3 (0)')
+        associate (sensors => scene%sensors)
+            call table%add('sensor.column', sensors%column, what='measured column; one group for each sensor', &
+                           elements=one_per_group)
+            call table%add('sensor.sigma', sensors%sigma, 'of sensor.column', '> 0', &
+                           'standard deviation of its readings, in their unit', elements=one_per_group)
+            call table%add('sensor.offset', sensors%offset, 'of sensor.column', '', 'reading where the quantity is 0 (0)', &
+                           elements=one_per_group)
+            call table%add('sensor.scale', sensors%scale, '', '', 'change of the reading with the quantity (1)', &
+                           elements=one_per_group)
+        end associate
+    end subroutine describe_fit
+
+    !> The number of the group of a column, which is taken if there is none yet; 0 if there are too many.
+    integer function place_of(self, column) result(place)
+        class(sensors_t), intent(inout) :: self
+        character(*), intent(in) :: column !! name of a measured column
+        do place = 1, size(self%column)
+            if (self%column(place) == column .or. self%column(place) == '') exit
+        end do
+        if (place > size(self%column)) place = 0
+        if (place > 0) self%column(place) = column
+    end function place_of
+
+    !> Sets what is not given, but for standard deviations and ranges.
+    subroutine set_defaults(self)
+        class(fit_scene_t), intent(inout) :: self
+        if (.not. is_set(self%time_offset)) self%time_offset = 0
+        if (.not. is_set(self%averaged)) self%averaged = 0
+        where (.not. is_set(self%mounting)) self%mounting = 0
+        where (.not. is_set(self%sensors%offset)) self%sensors%offset = 0
+        where (.not. is_set(self%sensors%scale)) self%sensors%scale = 1
+    end subroutine set_defaults
 
 end module spintop_scene_keys

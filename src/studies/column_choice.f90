@@ -21,27 +21,25 @@ contains
         class(study_t), intent(in) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! with a plan
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(study_info_t) :: info
         type(listed_column_t), allocatable :: known(:)
         type(chosen_column_t), allocatable :: chosen(:)
         integer, allocatable :: columns(:)
         integer :: i
 
-        info = study%info()
-        if (job%input%scene%certified) call check_certified(info, problems)
+        if (job%input%scene%certified) call check_certified(study%info, problems)
         if (allocated(job%axes%axis)) then
             if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
                                                                   'give them in the group uncertainty')
         end if
         associate (named => job%input%scene%columns)
-            if (.not. info%takes_columns) then
+            if (.not. study%info%takes_columns) then
                 call check_uncertainties(job%input%scene, .false., problems)
                 if (any(named /= '')) then
                     call problems%add('output.columns', 'the columns of this study are fixed', 'omit it')
                 end if
                 return
             end if
-            allocate (known, source=study%columns())
+            allocate (known, source=study%columns)
             if (all(named == '')) then
                 columns = pack([(i, i=1, size(known))], known%is_default .and. can_have(known, job%case))
                 ! The exact solution is not compared with itself.
@@ -165,7 +163,6 @@ contains
         character(*), intent(in) :: key, name
         type(chosen_column_t), intent(out) :: found !! its place is 0 if there is a problem
         type(problems_t), intent(inout) :: problems
-        type(study_info_t) :: info
         character(:), allocatable :: owners, problem, hint
 
         call find_column(known, name, found, problem, hint)
@@ -177,10 +174,9 @@ contains
             found = chosen_column_t()
             return
         end if
-        info = study%info()
         owners = owners_of(name)
         if (owners /= '') then
-            call problems%add(key, info%phrase // " has no column '" // name // "': " // owners // ' have it', &
+            call problems%add(key, study%info%phrase // " has no column '" // name // "': " // owners // ' have it', &
                               "omit it, or set another study.kind; `spintop list columns` shows each study's")
             return
         end if
@@ -208,7 +204,6 @@ contains
         character(*), intent(in) :: name
         character(:), allocatable :: owners
         class(study_t), allocatable :: study
-        type(study_info_t) :: info
         type(chosen_column_t) :: found
         type(string_t), allocatable :: plurals(:)
         character(:), allocatable :: problem, hint
@@ -217,9 +212,8 @@ contains
         allocate (plurals(0))
         do i = 1, size(listed_studies)
             call create_study(listed_studies(i), study)
-            info = study%info()
-            call find_column(study%columns(), name, found, problem, hint)
-            if (found%place > 0) call append(plurals, info%plural)
+            call find_column(study%columns, name, found, problem, hint)
+            if (found%place > 0) call append(plurals, study%info%plural)
         end do
         n = size(plurals)
         owners = join(plurals(:n - 1), ', ')

@@ -5,7 +5,7 @@
 !>     associate (theta => run%table(1)%column(3)%values); ...
 module spintop_in_memory
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_arrays, only: given_axis_t
+    use spintop_axes_of_table, only: given_axis_t
     use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok

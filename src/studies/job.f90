@@ -1,18 +1,16 @@
 !> A job: an input that has been read, with its case, axes and plan.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_arrays, only: given_axis_t, make_axes_of_arrays
+    use spintop_axes_of_table, only: given_axis_t, make_axes_of_arrays, read_axes
     use spintop_axes_of_scene, only: describe_axes => make_axes
-    use spintop_axes_of_table, only: read_axes
-    use spintop_axis_entry, only: count_axes
+    use spintop_axis_laws, only: count_axes
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case
-    use spintop_completeness, only: find_missing_beside
+    use spintop_parameters, only: find_missing_beside, is_set, parameter_table_t, unset_integer
     use spintop_diagnostics, only: diagnostics_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
-    use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
@@ -20,8 +18,7 @@ module spintop_job
     use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_study_column, only: chosen_column_t
-    use spintop_case_scene, only: case_scene_t
-    use spintop_sweep_axes, only: axes_t
+    use spintop_sweep_axes, only: case_scene_t, axes_t
     use spintop_table_column, only: column_t
     use spintop_text, only: string_t, to_text
     implicit none

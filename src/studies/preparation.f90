@@ -1,29 +1,51 @@
-!> Makes jobs of inputs: each is read, checked and planned by its study, before any is run.
+!> Makes jobs of inputs: each is read, checked and planned by its study, before any is run. Numbers whose unit is that
+!> of something that the input names elsewhere are converted: the ends of an axis have the unit of its parameter, the standard
+!> deviation of a sensor that of its column. No file that a job writes may replace one that is read, or that another job writes.
+!> Events are selected by the texts of a scene.
 module spintop_preparation
+    use spintop_case, only: case_t
     use spintop_column_choice, only: choose_columns
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
-    use spintop_event_choice, only: choose_events
+    use spintop_effects_of_scene, only: read_friction_table, read_torques
+    use spintop_errors, only: error_t, input_error
+    use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
+    use spintop_event_text, only: column_event_t, read_event
+    use spintop_files, only: file_exists, is_same_file, path_from
+    use spintop_fit_table, only: residual_path
     use spintop_job, only: job_t
-    use spintop_job_files, only: name_job, name_outputs, refuse_overwriting
-    use spintop_named_units, only: convert_named_units
+    use spintop_kinds, only: dp
     use spintop_namelist, only: read_namelist
     use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
     use spintop_options, only: options_t
-    use spintop_parameters, only: unset_integer
+    use spintop_own_butcher_tables, only: read_tables, path_of_table
+    use spintop_parameter, only: parameter_t
+    use spintop_parameters, only: unset_integer, parameter_table_t
     use spintop_problems, only: problems_t
-    use spintop_scene_keys, only: describe_scene
+    use spintop_scene_keys, only: describe_scene, scene_t
+    use spintop_scene_words, only: reference_names
+    use spintop_statistics_csv, only: path_beside
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t
-    use spintop_table_file, only: refuse_to_discard_idle
+    use spintop_study_column, only: chosen_column_t, find_column
+    use spintop_sweep_columns, only: sweep_columns
+    use spintop_table_file, only: refuse_to_discard_idle, stem_of
     use spintop_terminal, only: message_width
-    use spintop_text, only: string_t, to_text
-    use spintop_own_butcher_tables, only: read_tables
-    use spintop_torques_of_scene, only: read_friction_table, read_torques
+    use spintop_text, only: string_t, to_text, escaped
+    use spintop_trajectory_columns, only: trajectory_columns
+    use spintop_units, only: convert_unit, units_of
     implicit none
     private
-    public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted
+    public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted, convert_named_units, name_job
+    public :: name_outputs, refuse_overwriting, tables_written, choose_events
+
+    !> Paths of files of a job.
+    type :: files_t
+        integer :: n = 0
+        type(string_t) :: path(80)
+    contains
+        procedure :: add
+    end type files_t
 
     !> A job, and the study that runs it.
     type :: prepared_t
@@ -75,7 +97,6 @@ contains
         character(*), intent(in), optional :: text !! the input itself, in place of a file
         type(diagnostics_t) :: diagnostics
         type(problems_t) :: problems
-        type(study_info_t) :: info
 
         if (.not. allocated(job)) allocate (job)
         job%input%path = input
@@ -90,14 +111,13 @@ contains
         call read_friction_table(input, job%input%scene%effects, problems)
         call read_tables(input, job%input%scene, problems)
         call create_study(trim(job%input%scene%kind), study)
-        info = study%info()
-        job%has_case = info%has_case
+        job%has_case = study%info%has_case
         call check_job(study, job, problems, diagnostics)
-        call refuse_parts(info, options, problems)
-        call refuse_netcdf(info, job, problems)
+        call refuse_parts(study%info, options, problems)
+        call refuse_netcdf(study%info, job, problems)
         call choose_columns(study, job, problems)
         call study%complete(job, problems)
-        call choose_events(info, job%input%scene, job%case, job%events, problems)
+        call choose_events(study%info, job%input%scene, job%case, job%events, problems)
         if (job%input%scene%stop_after /= unset_integer) job%stop_after = job%input%scene%stop_after
         call problems%report_to(job%input%table, diagnostics)
         call diagnostics%raise(error, message_width())
@@ -114,20 +134,18 @@ contains
         type(job_t), target, intent(inout) :: job
         type(problems_t), intent(inout) :: problems
         type(diagnostics_t), intent(inout) :: diagnostics
-        type(study_info_t) :: info
 
-        info = study%info()
         if (scan(trim(job%input%scene%file), '/') > 0) then
             call problems%add('output.file', 'the name of the table contains a slash', &
                               'name the folder with --output')
         end if
-        if (job%names_axes() .and. .not. info%takes_axes) then
-            call problems%add('sweep', info%phrase // ' has no axes', "set study.kind = 'sweep'")
+        if (job%names_axes() .and. .not. study%info%takes_axes) then
+            call problems%add('sweep', study%info%phrase // ' has no axes', "set study.kind = 'sweep'")
         end if
-        if (.not. info%has_statistics) then
-            if (job%names_statistics()) call problems%add('statistics', info%phrase // ' has no statistics', &
+        if (.not. study%info%has_statistics) then
+            if (job%names_statistics()) call problems%add('statistics', study%info%phrase // ' has no statistics', &
                                                           "omit the group, or set study.kind = 'sweep'")
-            if (job%input%scene%rows /= '') call problems%add('output.rows', info%phrase // ' always has its rows', 'omit it')
+            if (job%input%scene%rows /= '') call problems%add('output.rows', study%info%phrase // ' always has its rows', 'omit it')
         end if
         allocate (job%axes%axis(0))
         call study%check(job, problems, diagnostics)
@@ -196,5 +214,343 @@ contains
         end if
         call options%ranks%agree(error)
     end subroutine protect_interrupted
+
+    !> Converts the numbers that were given with a unit to that which they have to have; what cannot be converted is an error.
+    subroutine convert_named_units(scene, table, diagnostics)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(parameter_table_t), intent(inout) :: table !! its parameters, all read
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        integer :: i, row, column
+
+        do i = 1, table%count
+            if (.not. allocated(table%parameters(i)%units)) cycle
+            do row = 1, table%parameters(i)%extents(1)
+                do column = 1, table%parameters(i)%extents(2)
+                    if (.not. allocated(table%parameters(i)%units(row, column)%text)) cycle
+                    if (table%parameters(i)%units(row, column)%text == '') cycle
+                    call convert_element(scene, table, table%parameters(i), row, column, diagnostics)
+                end do
+            end do
+        end do
+    end subroutine convert_named_units
+
+    !> Converts one element.
+    subroutine convert_element(scene, table, parameter, row, column, diagnostics)
+        type(scene_t), intent(in) :: scene
+        type(parameter_table_t), intent(in) :: table
+        type(parameter_t), intent(inout) :: parameter
+        integer, intent(in) :: row, column
+        type(diagnostics_t), intent(inout) :: diagnostics
+        character(:), allocatable :: name, unit, problem, of
+        real(dp) :: factor
+        integer :: number
+        logical :: is_known
+
+        number = column
+        if (parameter%rank == 2) number = row
+        associate (names => table%parameters(table%find(parameter%unit_of)), given => parameter%units(row, column)%text)
+            name = trim(names%text_at(number))
+            of = names%name // '(' // to_text(number) // ')'
+            if (name == '') then
+                call diagnostics%error(parameter%places(row, column), parameter%element_name(row, column) // &
+                                       ' has a unit, but ' // of // ' is not given', 'its unit is that of ' // of)
+                parameter%faulty = .true.
+                return
+            end if
+            call find_unit_of(name, table, unit, is_known)
+            if (.not. is_known) return ! The name is refused elsewhere.
+            if (is_of_logarithm(scene, parameter, number)) then
+                unit = ''
+                name = 'the logarithm of ' // name
+            end if
+            call convert_unit(given, unit, factor, problem)
+            if (problem /= '') then
+                call diagnostics%error(parameter%places(row, column), name // ': ' // problem, units_of(unit))
+                parameter%faulty = .true.
+            else
+                parameter%reals(row, column) = parameter%reals(row, column) * factor
+                call parameter%set_unit(row, column, '')
+            end if
+        end associate
+    end subroutine convert_element
+
+    !> Whether a number is one of the logarithm of what varies.
+    pure logical function is_of_logarithm(scene, parameter, number)
+        type(scene_t), intent(in) :: scene
+        type(parameter_t), intent(in) :: parameter
+        integer, intent(in) :: number
+        is_of_logarithm = parameter%name == 'sweep.mean' .or. parameter%name == 'sweep.deviation'
+        if (is_of_logarithm) is_of_logarithm = scene%distribution(number) == 'lognormal'
+    end function is_of_logarithm
+
+    !> The unit of a number of the input, of a column of trajectories or sweeps, or of the offset or scale of a sensor.
+    subroutine find_unit_of(name, table, unit, is_known)
+        character(*), intent(in) :: name !! as `initial.omega3`, `theta_deg`, `offset.theta_deg`
+        type(parameter_table_t), intent(in) :: table
+        character(:), allocatable, intent(out) :: unit
+        logical, intent(out) :: is_known
+        character(*), parameter :: offset = 'offset.'
+        type(chosen_column_t) :: found
+        character(:), allocatable :: problem, hint
+        integer :: place
+
+        unit = ''
+        is_known = .true.
+        if (index(name, 'scale.') == 1) return
+        place = table%find(name(:index(name // '(', '(') - 1))
+        if (index(name, 'mounting(') == 1) place = table%find('fit.mounting')
+        if (place > 0) then
+            unit = trim(table%parameters(place)%unit)
+            return
+        end if
+        associate (column => name(merge(len(offset), 0, index(name, offset) == 1) + 1:))
+            call find_column(trajectory_columns, column, found, problem, hint)
+            if (found%place == 0) call find_column(sweep_columns(), column, found, problem, hint)
+        end associate
+        is_known = found%place > 0
+        unit = trim(found%unit)
+    end subroutine find_unit_of
+
+    !> Names a job after its input.
+    subroutine name_job(job)
+        type(job_t), intent(inout) :: job !! the job, with the path of its input
+        integer :: dot
+        job%name = job%input%path(index(job%input%path, '/', back=.true.) + 1:)
+        dot = index(job%name, '.', back=.true.)
+        if (dot > 1) job%name = job%name(:dot - 1)
+    end subroutine name_job
+
+    !> Sets the names of the files that a job writes.
+    subroutine name_outputs(options, job)
+        type(options_t), intent(in) :: options !! options of the command line
+        type(job_t), intent(inout) :: job !! the job, named after its input
+        character(6) :: ending
+        if (job%input%scene%file /= '') job%name = stem_of(trim(job%input%scene%file))
+        associate (stem => options%output // '/' // job%name // options%shard%suffix())
+            ending = merge('.nc ', '.csv', job%input%scene%format == 'netcdf')
+            job%files%table = stem // trim(ending)
+            job%files%statistics = ''
+            if (job%statistics%is_wanted) then
+                if (options%shard%is_part()) ending = '.state'
+                job%files%statistics = stem // '.statistics' // trim(ending)
+            end if
+            if (.not. job%keeps_rows()) then
+                job%files%table = job%files%statistics
+                job%files%statistics = ''
+            end if
+            job%files%log = stem // '.log'
+            job%files%events = ''
+            if (any(job%events%is_listed)) job%files%events = stem // '.events.csv'
+        end associate
+    end subroutine name_outputs
+
+    !> Returns an error if a job would replace a file that another one writes, or either of them one that is read.
+    subroutine refuse_overwriting(job, other, is_other, error)
+        type(job_t), intent(in) :: job, other !! the jobs
+        logical, intent(in) :: is_other !! whether they are two
+        type(error_t), allocatable, intent(inout) :: error !! not allocated if all is well
+        type(files_t) :: written, theirs
+        integer :: i, k
+
+        written = files_written(job)
+        theirs = files_written(other)
+        do i = 1, written%n
+            do k = 1, theirs%n
+                if (.not. is_other .or. written%path(i)%text /= theirs%path(k)%text) cycle
+                call refuse(job, written%path(i)%text, 'is also that of ' // escaped(other%input%path))
+                return
+            end do
+        end do
+        call compare(job, written, files_read(other))
+        if (.not. allocated(error)) call compare(other, theirs, files_read(job))
+
+    contains
+
+        !> Refuses to replace what is read.
+        subroutine compare(writer, files, sources)
+            type(job_t), intent(in) :: writer
+            type(files_t), intent(in) :: files, sources
+            integer :: i, k
+            do i = 1, files%n
+                do k = 1, sources%n
+                    if (allocated(error)) return
+                    associate (file => files%path(i)%text, source => sources%path(k)%text)
+                        if (.not. is_same_file(file, source)) cycle
+                        call refuse(writer, file, 'would replace the file that is read as ' // escaped(source))
+                    end associate
+                end do
+            end do
+        end subroutine compare
+
+        !> Makes the error.
+        subroutine refuse(writer, file, what)
+            type(job_t), intent(in) :: writer
+            character(*), intent(in) :: file, what
+            error = input_error(escaped(writer%input%path) // ': error: its table ' // escaped(file) // ' ' // what // &
+                                '; set output.file, or name another folder with --output')
+        end subroutine refuse
+
+    end subroutine refuse_overwriting
+
+    !> The names of the tables of a job that was run, each with a null character behind it.
+    function tables_written(job) result(names)
+        type(job_t), intent(in) :: job !! the job
+        character(:), allocatable :: names
+        type(files_t) :: files
+        integer :: i
+        names = ''
+        files = files_written(job)
+        do i = 1, files%n
+            if (files%path(i)%text == job%files%log .or. .not. file_exists(files%path(i)%text)) cycle
+            names = names // files%path(i)%text // achar(0)
+        end do
+    end function tables_written
+
+    !> The files that a job may write.
+    type(files_t) function files_written(job) result(files)
+        type(job_t), intent(in) :: job
+        character(:), allocatable :: statistics
+
+        call files%add(job%files%table)
+        if (job%axes%cases > 0) call files%add(job%files%log)
+        if (job%files%events /= '') call files%add(job%files%events)
+        if (job%input%scene%fit%data /= '') call files%add(residual_path(job%files%table))
+        if (.not. job%statistics%is_wanted) return
+        statistics = job%files%table
+        if (job%files%statistics /= '') statistics = job%files%statistics
+        call files%add(statistics)
+        call files%add(path_beside(statistics, 'histogram'))
+        call files%add(path_beside(statistics, 'indices'))
+    end function files_written
+
+    !> The files that a job reads.
+    type(files_t) function files_read(job) result(files)
+        type(job_t), intent(in) :: job
+        integer :: i
+        associate (scene => job%input%scene)
+            call files%add(job%input%path)
+            if (scene%sweep_table /= '') call files%add(path_from(job%input%path, scene%sweep_table))
+            if (scene%effects%friction_table /= '') call files%add(path_from(job%input%path, scene%effects%friction_table))
+            if (scene%effects%torque_table /= '') call files%add(path_from(job%input%path, scene%effects%torque_table))
+            do i = 1, size(scene%tableaus)
+                call files%add(path_from(job%input%path, path_of_table(scene%tableaus(i)%key)))
+            end do
+            if (scene%fit%data /= '') call files%add(path_from(job%input%path, scene%fit%data))
+            if (all(reference_names /= scene%precision_reference)) then
+                call files%add(path_from(job%input%path, scene%precision_reference))
+            end if
+        end associate
+    end function files_read
+
+    !> Adds a path.
+    subroutine add(self, path)
+        class(files_t), intent(inout) :: self
+        character(*), intent(in) :: path !! the path
+        self%n = self%n + 1
+        self%path(self%n)%text = path
+    end subroutine add
+
+    !> The events for the table, and those that end the motion. An event that is both occurs once.
+    subroutine choose_events(study, scene, case, events, problems)
+        type(study_info_t), intent(in) :: study !! the kind of study
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(case_t), intent(in) :: case !! the case: whether its body has effects decides which events it can have
+        type(column_event_t), allocatable, intent(out) :: events(:) !! events to search for
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(column_event_t), allocatable :: some(:)
+        character(*), parameter :: stop_key = 'span.stop_at'
+        character(:), allocatable :: key
+        integer :: i, k
+
+        allocate (events(0))
+        if ((.not. study%has_events) .and. any(scene%events /= '')) then
+            call problems%add('output.events', 'only a trajectory has a table of events', &
+                              "omit it, or set study.kind = 'trajectory'")
+            return
+        end if
+        do i = 1, size(scene%events)
+            if (scene%events(i) == '') cycle
+            key = 'output.events(' // to_text(i) // ')'
+            call read_text(key, scene%events(i))
+            do k = 1, size(some)
+                if (any(events%event%name == some(k)%event%name)) then
+                    call problems%add(key, 'event ''' // trim(some(k)%event%name) // ''' is named twice', &
+                                      'name it once')
+                    exit
+                end if
+                some(k)%is_listed = .true.
+                events = [events, some(k)]
+            end do
+        end do
+        if (scene%stop_at == '') then
+            if (scene%stop_after /= unset_integer) then
+                call problems%add('span.stop_after', 'there is no event to stop at', 'give stop_at')
+            end if
+            return
+        end if
+        call read_text(stop_key, scene%stop_at)
+        do k = 1, size(some)
+            if (all(events%event%name /= some(k)%event%name)) events = [events, some(k)]
+            where (events%event%name == some(k)%event%name) events%ends = .true.
+        end do
+
+    contains
+
+        !> Reads the text of one parameter into `some`.
+        subroutine read_text(name, text)
+            character(*), intent(in) :: name, text
+            character(:), allocatable :: problem, hint
+            call read_event(text, some, problem, hint)
+            if (problem == '' .and. any(some%column%needs_exact_motion)) then
+                if (.not. study%keeps_exact_motion .or. .not. (problems%any() .or. case%body%has_closed_form())) then
+                    problem = 'this event needs the exact solution, which '
+                    if (study%keeps_exact_motion) then
+                        problem = problem // 'this body does not have'
+                    else
+                        problem = problem // study%phrase // ' does not use'
+                    end if
+                    hint = 'use another column'
+                end if
+            end if
+            if (problem == '' .and. .not. problems%any()) call check_work(case, some, problem, hint)
+            if (problem == '' .and. .not. problems%any()) call check_occasion(case, some, problem, hint)
+            if (problem /= '') call problems%add(name, problem, hint)
+        end subroutine read_text
+
+    end subroutine choose_events
+
+    !> The work of effects is known in the rows of a motion, not where events are sought.
+    subroutine check_work(case, some, problem, hint)
+        type(case_t), intent(in) :: case
+        type(column_event_t), intent(in) :: some(:)
+        character(:), allocatable, intent(inout) :: problem, hint
+        if (any(some%column%needs_effects) .and. .not. allocated(case%given_body%effects)) then
+            problem = 'this event needs effects, and the body has none'
+        else if (any(some%column%needs_work) .and. allocated(case%given_body%effects)) then
+            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
+        end if
+        if (problem /= '') hint = 'use another column'
+    end subroutine check_work
+
+    !> Only dry friction by the exact law stops a body, and only a table has rows.
+    subroutine check_occasion(case, some, problem, hint)
+        type(case_t), intent(in) :: case
+        type(column_event_t), intent(in) :: some(:)
+        character(:), allocatable, intent(inout) :: problem, hint
+        logical :: is_dry, has_table
+        is_dry = .false.
+        has_table = .false.
+        if (allocated(case%given_body%effects)) then
+            is_dry = case%given_body%effects%is_dry()
+            has_table = allocated(case%given_body%effects%table)
+        end if
+        if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
+            problem = 'only a body with dry friction that is not smoothed sticks and slips'
+            hint = 'give effects.friction_torque or friction_coefficient, without friction_smoothing'
+        else if (.not. has_table .and. any(some%event%occasion == occasion_knot)) then
+            problem = 'this event needs a table of torques'
+            hint = 'give effects.torque_table'
+        end if
+    end subroutine check_occasion
 
 end module spintop_preparation

@@ -1,13 +1,16 @@
 !> Sensitivities: the columns `COLUMN__KEY` of a table, each the derivative of a column with respect to a number of the
 !> input, and `COLUMN__KEY_error`, the estimate of its error.
+!>
+!> The error of the method shows from other accuracies: a tenth and a hundredth of its tolerances, or a half and a quarter of its
+!> step size. Tolerances that would become finer than rounding are larger instead. There are two, because one may have the same
+!> error by chance.
 module spintop_sensitivity
-    use spintop_axis_entry, only: find_swept
+    use spintop_axis_laws, only: find_swept
     use spintop_case, only: case_t, make_case
     use spintop_differences, only: node_count, nodes_t, nodes_around
     use spintop_kinds, only: dp, no_number
     use spintop_number_slot, only: number_slot_t
-    use spintop_other_accuracy, only: other_accuracies, set_other_accuracy
-    use spintop_parameters, only: is_set, parameter_table_t
+    use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
@@ -18,6 +21,16 @@ module spintop_sensitivity
     implicit none
     private
     public :: sensitivities_t, sensitive_key_t, varied_motions_t, sensitivity_t, is_sensitivity, split_name
+    public :: set_other_accuracy, other_value, other_accuracies
+
+    !> Number of other accuracies.
+    integer, parameter :: other_accuracies = 2
+
+    !> Tolerances below this do not make a motion more accurate; it is also taken for that of an unknown method.
+    real(dp), parameter :: finest = 1.0e-15_dp
+    !> Factors of the tolerances, of those that cannot be smaller, of the number of steps, and of its limit.
+    real(dp), parameter :: smaller(other_accuracies) = [0.1_dp, 0.01_dp], larger(other_accuracies) = [10.0_dp, 3.0_dp]
+    integer, parameter :: more(other_accuracies) = [2, 4], of_limit = 8
 
     !> What separates the column from the key.
     character(*), parameter :: mark = '__'
@@ -75,6 +88,8 @@ module spintop_sensitivity
         procedure :: columns
         procedure :: table_columns
         procedure :: find_derivatives
+        procedure :: differentiate
+        procedure :: add_changes
     end type sensitivities_t
 
 contains
@@ -180,6 +195,39 @@ contains
         end if
     end function columns
 
+    !> The derivatives with respect to a key, each followed by its error, from the quantities at its nodes; and the nodes that are
+    !> needed with other accuracies.
+    pure subroutine differentiate(self, key, nodes, values, cells, best, is_needed)
+        class(sensitivities_t), intent(in) :: self
+        integer, intent(in) :: key !! index of the key
+        type(nodes_t), intent(in) :: nodes !! its nodes
+        real(dp), intent(in) :: values(:, :) !! columns, nodes; NaN where there is none
+        real(dp), intent(inout) :: cells(:) !! those of the key are set
+        integer, intent(inout) :: best(:) !! the difference on which each derivative of the key rests; 0 where there is none
+        logical, intent(inout) :: is_needed(:) !! nodes are added
+        integer :: i
+        do i = 1, self%count
+            if (self%list(i)%key /= key) cycle
+            call nodes%differentiate(values(self%list(i)%column, :), cells(2 * i - 1), cells(2 * i), best(i))
+            if (best(i) > 0) is_needed(nodes%ends(best(i))) = .true.
+        end do
+    end subroutine differentiate
+
+    !> Adds to the derivatives and their errors what the quantities with other accuracies tell of the error of the method.
+    pure subroutine add_changes(self, key, nodes, values, others, best, cells)
+        class(sensitivities_t), intent(in) :: self
+        integer, intent(in) :: key, best(:) !! index of the key; as `differentiate` gives it
+        type(nodes_t), intent(in) :: nodes !! its nodes
+        real(dp), intent(in) :: values(:, :), others(:, :, :) !! columns, nodes, accuracies
+        real(dp), intent(inout) :: cells(:) !! those of the key change
+        integer :: i
+        do i = 1, self%count
+            if (self%list(i)%key /= key) cycle
+            call nodes%add_change(best(i), values(self%list(i)%column, :), others(self%list(i)%column, :, :), &
+                                  cells(2 * i - 1), cells(2 * i))
+        end do
+    end subroutine add_changes
+
     !> The columns of a table: each derivative, followed by its error.
     pure function table_columns(self) result(columns)
         class(sensitivities_t), intent(in) :: self
@@ -224,13 +272,8 @@ contains
                 if (nodes(key)%is_valid(i)) call motions%find(key, nodes(key), i, values(:, :, i))
             end do
             is_needed = .false.
-            do i = 1, self%count
-                if (self%list(i)%key /= key) cycle
-                do row = 1, size(base, 2)
-                    call nodes(key)%differentiate(values(self%list(i)%column, row, :), cells(2 * i - 1, row), &
-                                                  cells(2 * i, row), best(i, row))
-                    if (best(i, row) > 0) is_needed(nodes(key)%ends(best(i, row))) = .true.
-                end do
+            do row = 1, size(base, 2)
+                call self%differentiate(key, nodes(key), values(:, row, :), cells(:, row), best(:, row), is_needed)
             end do
             ! The error of the method shows at other accuracies.
             others = no_number
@@ -239,12 +282,8 @@ contains
                     if (is_needed(i)) call motions%find(key, nodes(key), i, others(:, :, i, k), k)
                 end do
             end do
-            do i = 1, self%count
-                if (self%list(i)%key /= key) cycle
-                do row = 1, size(base, 2)
-                    call nodes(key)%add_change(best(i, row), values(self%list(i)%column, row, :), &
-                                               others(self%list(i)%column, row, :, :), cells(2 * i - 1, row), cells(2 * i, row))
-                end do
+            do row = 1, size(base, 2)
+                call self%add_changes(key, nodes(key), values(:, row, :), others(:, row, :, :), best(:, row), cells(:, row))
             end do
         end do
     end subroutine find_derivatives
@@ -289,5 +328,53 @@ contains
         if (.not. problems%any()) call make_plan(varied, case, plan, problems)
         exists = .not. problems%any()
     end subroutine plan_at
+
+    !> Changes the accuracy that a scene asks for. With the exact solution nothing changes.
+    pure subroutine set_other_accuracy(scene, plan, number, keeps_rows)
+        type(scene_t), intent(inout) :: scene !! contents of the input
+        type(plan_t), intent(in) :: plan !! the plan of the scene
+        integer, intent(in) :: number !! which of the accuracies
+        logical, intent(in) :: keeps_rows !! its rows are those of the plan: the steps of fixed size are counted
+        real(dp) :: relative
+
+        if (scene%method == 'exact') return
+        scene%max_steps = int(min(real(scene%max_steps, dp) * of_limit, real(huge(scene%max_steps) - 1, dp)))
+        if (plan%is_adaptive()) then
+            relative = finest
+            if (is_set(scene%relative_tolerance)) relative = scene%relative_tolerance
+            if (allocated(plan%stepper)) relative = plan%stepper%controls%relative_tolerance
+            scene%relative_tolerance = other_value('integration.relative_tolerance', relative, relative, number)
+            if (is_set(scene%absolute_tolerance)) scene%absolute_tolerance = &
+                other_value('integration.absolute_tolerance', scene%absolute_tolerance, relative, number)
+            return
+        end if
+        if (keeps_rows) then
+            scene%samples = plan%samples
+            scene%steps = plan%stepper%controls%steps
+            scene%step = unset
+        end if
+        if (scene%steps /= unset_integer) scene%steps = more(number) * scene%steps
+        if (is_set(scene%step)) scene%step = scene%step / more(number)
+    end subroutine set_other_accuracy
+
+    !> The value of a number of the input with another accuracy.
+    pure real(dp) function other_value(name, value, relative, number) result(other)
+        character(*), intent(in) :: name !! the number, as `integration.steps`
+        real(dp), intent(in) :: value !! its value
+        real(dp), intent(in) :: relative !! the relative tolerance
+        integer, intent(in) :: number !! which of the accuracies
+        other = value
+        select case (name)
+        case ('integration.relative_tolerance', 'integration.absolute_tolerance')
+            other = value * smaller(number)
+            if (relative * smaller(number) < finest) other = value * larger(number)
+        case ('integration.steps')
+            other = value * more(number)
+        case ('integration.step')
+            other = value / more(number)
+        case ('integration.max_steps')
+            other = value * of_limit
+        end select
+    end function other_value
 
 end module spintop_sensitivity

@@ -46,9 +46,10 @@ module spintop_study
 
     !> A kind of study, with its plan for one job.
     type, abstract :: study_t
+        type(study_info_t) :: info
+        !> All columns of its table, in their order.
+        type(listed_column_t), allocatable :: columns(:)
     contains
-        procedure(info_i), deferred, nopass :: info
-        procedure(columns_i), deferred, nopass :: columns
         procedure(check_i), deferred :: check
         procedure(explain_i), deferred :: explain
         procedure(run_i), deferred :: run
@@ -59,20 +60,6 @@ module spintop_study
     end type study_t
 
     abstract interface
-        !> Properties of the kind.
-        function info_i() result(info)
-            import :: study_info_t
-            implicit none
-            type(study_info_t) :: info
-        end function info_i
-
-        !> All columns of its table, in their order.
-        function columns_i() result(columns)
-            import :: listed_column_t
-            implicit none
-            type(listed_column_t), allocatable :: columns(:)
-        end function columns_i
-
         !> Plans a job whose input has been read: axes, case, plan, and data of the study.
         subroutine check_i(self, job, problems, diagnostics)
             import :: study_t, job_t, problems_t, diagnostics_t
@@ -96,7 +83,7 @@ module spintop_study
         subroutine run_i(self, job, options, summary, code, error)
             import :: study_t, job_t, options_t, summary_t, error_t
             implicit none
-            class(study_t), intent(in) :: self
+            class(study_t), intent(inout) :: self
             type(job_t), target, intent(inout) :: job !! the job
             type(options_t), intent(in) :: options !! options of the command line
             type(summary_t), intent(out) :: summary !! lines for standard output

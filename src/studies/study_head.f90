@@ -1,15 +1,18 @@
 !> The header of the dated table of a study: where it comes from, its input, and its columns.
 module spintop_study_head
     use spintop_body, only: body_t
+    use spintop_errors, only: error_t, input_error
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_parameter_print, only: given_groups, print_namelist
     use spintop_provenance, only: header_of, fact_count, fact_t, gather_facts
     use spintop_table_column, only: column_t
+    use spintop_ranks, only: ranks_t
+    use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: study_head, study_facts, print_input
+    public :: compare_with_writer, study_head, study_facts, print_input
 
     !> Groups that every study reads, and those of a case, given or not.
     character(*), parameter :: groups_of_all = 'study|integration|output', groups_of_a_case = 'top|initial|span'
@@ -76,5 +79,18 @@ contains
         end function listed
 
     end function body_in_words
+
+    !> Checks that all ranks have the same build and input: their tables must have equal headers. All ranks call it.
+    subroutine compare_with_writer(ranks, head, error)
+        type(ranks_t), intent(in) :: ranks
+        character(*), intent(in) :: head
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: head_of_writer, problem
+        head_of_writer = head
+        call ranks%broadcast(head_of_writer)
+        problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
+        if (problem /= '') error = input_error('the ranks have different builds or inputs' // problem)
+        call ranks%agree(error)
+    end subroutine compare_with_writer
 
 end module spintop_study_head

@@ -329,7 +329,7 @@ ROW = "0,0.995184726672197,0.098017140329561,0,0,0,0,1\n"
         (HEAD + ROW + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
         (HEAD + ROW.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
         (HEAD + ROW + "6.66,1,0,0,x,0,0,1\n", "x"),
-        (HEAD + ROW + "6.66,1,0\n", "the row ends after 3 cells"),
+        (HEAD + ROW + "6.66,1,0\n", "the row ends before q2"),
         ("", "the table is empty"),
     ],
 )

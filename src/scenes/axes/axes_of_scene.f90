@@ -2,10 +2,10 @@
 module spintop_axes_of_scene
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_axis_entry, only: axis_entry_t, count_axes, entry_of, find_swept, is_drawn
-    use spintop_axis_laws, only: components_of, read_covariance, read_law
+    use spintop_axis_laws, only: axis_entry_t, count_axes, entry_of, find_swept, is_drawn, components_of, &
+        read_covariance, read_law
     use spintop_compare, only: is_finite
-    use spintop_distributions, only: law_uniform
+    use spintop_sweep_axis, only: law_uniform
     use spintop_parameters, only: is_set, parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol

@@ -1,15 +1,15 @@
-!> The axes of a sweep from a CSV table: its columns are parameters, its rows are cases.
+!> The axes of a sweep from arrays of a caller, or from a CSV table: its columns are parameters, its rows are cases.
 !>
 !>     # drawn elsewhere
 !>     initial.spin_ratio, "top.inertia(2)"
 !>     0.5,                0.875
 module spintop_axes_of_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp
-    use spintop_axis_entry, only: count_axes, find_swept
+    use spintop_axis_laws, only: count_axes, find_swept
     use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
+    use spintop_kinds, only: dp
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
@@ -17,10 +17,18 @@ module spintop_axes_of_table
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_table_walk, only: table_cursor_t, table_walk_t
+    use spintop_text, only: to_text
     use spintop_units, only: find_unit, units_of
     implicit none
     private
-    public :: read_axes
+    public :: read_axes, given_axis_t, make_axes_of_arrays
+
+    !> The values of a parameter, one for each case.
+    type :: given_axis_t
+        !> Its name, as `initial.spin_ratio`.
+        character(:), allocatable :: name
+        real(dp), allocatable :: values(:)
+    end type given_axis_t
 
 contains
 
@@ -206,5 +214,52 @@ contains
         end subroutine fail
 
     end subroutine read_rows
+
+    !> The axes of some arrays, which have the same length. Without any, there is one case: that of the scene. With
+    !> problems the axes have no cases.
+    subroutine make_axes_of_arrays(given, scene, table, axes, problems)
+        type(given_axis_t), intent(in) :: given(:) !! names of the parameters, and a value of each for every case
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(parameter_table_t), intent(in) :: table !! its parameters
+        type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(:), allocatable :: problem, hint
+        integer :: i, k
+
+        if (count_axes(scene) > 0 .or. scene%sweep_table /= '') then
+            call problems%add('sweep', 'the cases are given twice', 'give either arrays or a group &sweep')
+        end if
+        allocate (axes%axis(size(given)))
+        do i = 1, size(given)
+            associate (axis => axes%axis(i))
+                axis%name = given(i)%name
+                call find_swept(axis%name, table, axis%slot, problem, hint)
+                if (any([(axes%axis(k)%slot%is_same(axis%slot), k=1, i - 1)])) then
+                    problem = axis%name // ' has two arrays'
+                    hint = 'give it one'
+                end if
+                if (problem /= '') then
+                    call problems%add('sweep', problem, hint)
+                    cycle
+                end if
+                axis%whole = axis%slot%is_whole()
+                axis%listed = given(i)%values
+                axis%count = size(axis%listed)
+                do k = 1, axis%count
+                    if (axis%slot%accepts(axis%listed(k))) cycle
+                    call problems%add('sweep', 'element ' // to_text(k) // ' of ' // axis%name // ' ' // &
+                                      axis%slot%refusal(axis%listed(k)), 'give a value in the range')
+                    exit
+                end do
+            end associate
+        end do
+        if (problems%any()) return
+        axes%combination = combine_zip
+        if (size(given) == 0) then
+            axes%cases = 1
+        else
+            call axes%combine(combine_zip, int(axes%axis(1)%count, int64), 1_int64)
+        end if
+    end subroutine make_axes_of_arrays
 
 end module spintop_axes_of_table

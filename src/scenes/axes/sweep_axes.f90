@@ -1,19 +1,21 @@
 !> The axes of a sweep: the values that each takes, and how they combine into cases.
 !> Any case is computed by itself, at a cost and in a memory that do not grow with the number of cases.
+!> The values of a case are put into a copy of the scene.
 module spintop_sweep_axes
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
+    use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t
-    use spintop_distributions, only: law_lognormal, law_normal, law_sphere, law_uniform, normal_value
     use spintop_sample_design, only: design_latin_hypercube, design_random, design_saltelli, design_sobol, &
         sample_design_t
+    use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_scene_words, only: combine_grid, combine_latin_hypercube, combine_random, combine_saltelli, &
         combine_sobol, combine_zip
-    use spintop_sweep_axis, only: axis_t
+    use spintop_sweep_axis, only: law_lognormal, law_normal, law_sphere, law_uniform, normal_value, axis_t
     use spintop_text, only: to_text
     implicit none
     private
-    public :: axes_t, axis_t
+    public :: axes_t, axis_t, case_scene_t
 
     !> Designs of the samples, by combination from `combine_random`.
     integer, parameter :: designs(combine_random:combine_saltelli) = [design_random, design_latin_hypercube, design_sobol, &
@@ -49,6 +51,17 @@ module spintop_sweep_axes
         procedure :: last_of
         procedure :: in_words
     end type axes_t
+
+    !> A copy of the scene that describes some axes, which takes the values of one case after another. Its
+    !> slots point into the scene, so it must not be copied.
+    type :: case_scene_t
+        type(scene_t), allocatable :: scene
+        !> Where the value of each axis goes.
+        type(number_slot_t), allocatable, private :: slots(:)
+    contains
+        procedure :: copy => copy_scene
+        procedure :: set_values => set_values
+    end type case_scene_t
 
 contains
 
@@ -325,5 +338,34 @@ contains
         text = 'not scrambled'
         if (seed /= 0) text = 'scrambled with seed ' // to_text(seed)
     end function scrambling
+
+    !> Makes it a copy of the scene that describes the axes.
+    subroutine copy_scene(self, scene, axes)
+        class(case_scene_t), target, intent(inout) :: self
+        type(scene_t), intent(in) :: scene !! the scene
+        type(axes_t), intent(in) :: axes !! the axes
+        type(parameter_table_t) :: table
+        character(:), allocatable :: problem
+        integer :: i
+        allocate (self%scene, source=scene)
+        call describe_scene(self%scene, table)
+        allocate (self%slots(size(axes%axis)))
+        do i = 1, size(self%slots)
+            call table%find_number(axes%axis(i)%name, self%slots(i), problem)
+        end do
+    end subroutine copy_scene
+
+    !> Sets the values of a case, in the order of the axes, in the scene: those from the first that may have changed.
+    subroutine set_values(self, values, first)
+        class(case_scene_t), target, intent(inout) :: self
+        real(dp), intent(in) :: values(:) !! one value for each axis
+        integer, intent(in), optional :: first !! number of that axis; all are set if it is absent
+        integer :: i, begin
+        begin = 1
+        if (present(first)) begin = first
+        do i = begin, size(self%slots)
+            call self%slots(i)%set(values(i))
+        end do
+    end subroutine set_values
 
 end module spintop_sweep_axes

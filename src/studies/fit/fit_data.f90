@@ -1,22 +1,27 @@
 !> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table. The name of a column may end in a
-!> unit, as `theta_deg` does, which then is that of its readings, their standard deviations and residuals.
+!> unit, as `theta_deg` does, which then is that of its readings, their standard deviations and residuals. Sensors
+!> have instants, axes, an offset and a scale. What a fit seeks are real numbers of the input, and those of sensors.
 module spintop_fit_data
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+    use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
+    use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
-    use spintop_fit_keys, only: fit_scene_t
+    use spintop_scene_keys, only: fit_scene_t, sensors_t
+    use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group
     use spintop_text, only: abbreviate, escaped, join, to_text
     use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
     use spintop_units, only: convert_unit
     implicit none
     private
-    public :: measurements_t, read_measurements
+    public :: measurements_t, read_measurements, columns_of_motion, find_instants, read_sensors, find_unknown
+    public :: key_of
 
     character(*), parameter :: key = 'fit.data'
     !> What follows the name of a column in that of its standard deviations, row by row.
@@ -43,6 +48,12 @@ module spintop_fit_data
     contains
         procedure :: size => count_readings
     end type measurements_t
+
+    !> Nodes and weights of a mean over an interval, of half width 1: those of Gauss and Legendre.
+    real(dp), parameter :: gauss_nodes(5) = [-0.9061798459386640_dp, -0.5384693101056831_dp, 0.0_dp, 0.5384693101056831_dp, &
+                                             0.9061798459386640_dp]
+    real(dp), parameter :: gauss_weights(5) = [0.1184634425280945_dp, 0.2393143352496832_dp, 0.2844444444444444_dp, &
+                                               0.2393143352496832_dp, 0.1184634425280945_dp]
 
 contains
 
@@ -360,5 +371,185 @@ contains
             return
         end do
     end subroutine check_sizes
+
+    !> The columns of the motion, in their own units: those that are measured, and if a sensor of a vector is mounted at an angle,
+    !> all components of the vector.
+    subroutine columns_of_motion(measured, mounting, seeks_mounting, columns, turned)
+        type(trajectory_column_t), intent(in) :: measured(:) !! the measured columns
+        real(dp), intent(in) :: mounting(3) !! rotation vector of the sensor, rad
+        logical, intent(in) :: seeks_mounting(:) !! which of the sought numbers are of a mounting
+        type(trajectory_column_t), allocatable, intent(out) :: columns(:) !! the measured ones come first
+        integer, allocatable, intent(out) :: turned(:, :) !! places of the components of each vector that is turned
+        character(*), parameter :: vectors(2) = [character(13) :: 'omega', 'accelerometer']
+        character(:), allocatable :: name
+        integer :: places(3), i, k
+
+        columns = trajectory_columns([(place_of(trajectory_columns, measured(i)%quantity()), i=1, size(measured))])
+        allocate (turned(3, 0))
+        if (.not. (any(seeks_mounting) .or. norm2(mounting) > 0)) return
+        do i = 1, size(vectors)
+            if (.not. any([(any(measured%quantity() == trim(vectors(i)) // to_text(k)), k=1, 3)])) cycle
+            do k = 1, 3
+                name = trim(vectors(i)) // to_text(k)
+                places(k) = place_of(columns, name)
+                if (places(k) > 0) cycle
+                columns = [columns, trajectory_columns(place_of(trajectory_columns, name))]
+                places(k) = size(columns)
+            end do
+            turned = reshape([turned, places], [3, size(turned, 2) + 1])
+        end do
+    end subroutine columns_of_motion
+
+    !> The instants of the motion at which the readings of some rows are those of the motion, or over which they are averaged.
+    pure subroutine find_instants(settings, t, instants)
+        type(fit_scene_t), intent(in) :: settings !! the group of the input
+        real(dp), intent(in) :: t(:) !! times of the rows, s
+        real(dp), allocatable, intent(out) :: instants(:) !! as many for each row, s
+        integer :: i
+        if (settings%averaged > 0) then
+            instants = [(settings%time_offset + t(i) + settings%averaged / 2 * gauss_nodes, i=1, size(t))]
+        else
+            instants = settings%time_offset + t
+        end if
+    end subroutine find_instants
+
+    !> The readings of the sensors.
+    subroutine read_sensors(settings, sensor, sizes, turned, quantities, readings)
+        type(fit_scene_t), intent(in) :: settings !! the group of the input
+        integer, intent(in) :: sensor(:) !! the number of the group &sensor of each measured column; 0 for none
+        real(dp), intent(in) :: sizes(:) !! of the unit of each measured column, in that of the quantity
+        integer, intent(in) :: turned(:, :) !! places of the components of each vector that is turned
+        real(dp), intent(inout) :: quantities(:, :) !! columns of the motion, instants; vectors are turned
+        real(dp), intent(out) :: readings(:, :) !! measured columns, rows
+        real(dp) :: to_sensor(4)
+        integer :: i, k, nodes
+
+        to_sensor = rotation_minus_one(-settings%mounting) + [1, 0, 0, 0]
+        do i = 1, size(turned, 2)
+            do k = 1, size(quantities, 2)
+                quantities(turned(:, i), k) = to_space(to_sensor, quantities(turned(:, i), k))
+            end do
+        end do
+        nodes = size(quantities, 2) / size(readings, 2)
+        do i = 1, size(readings, 1)
+            readings(i, :) = quantities(i, ::nodes)
+            if (nodes > 1) readings(i, :) = matmul(gauss_weights, reshape(quantities(i, :), [nodes, size(readings, 2)]))
+            readings(i, :) = readings(i, :) / sizes(i)
+            if (sensor(i) == 0) cycle
+            readings(i, :) = settings%sensors%offset(sensor(i)) + settings%sensors%scale(sensor(i)) * readings(i, :)
+        end do
+    end subroutine read_sensors
+
+    !> Finds the sought numbers.
+    subroutine find_unknown(job, measured, sought, problems)
+        type(job_t), target, intent(inout) :: job !! the job
+        type(measurements_t), intent(inout) :: measured !! the measurements; the sensors of the numbers are named
+        type(sensitivities_t), intent(inout) :: sought !! the numbers are added
+        type(problems_t), intent(inout) :: problems !! problems of the names are added
+        character(:), allocatable :: problem, hint
+        integer :: i, key, found
+
+        found = 0
+        associate (fit => job%input%scene%fit)
+            do i = 1, size(fit%unknown)
+                if (fit%unknown(i) == '') cycle
+                if (is_of_sensor(fit%unknown(i))) then
+                    call find_sensor_number(trim(fit%unknown(i)), job, measured, sought, key, problem, hint)
+                else
+                    call sought%find_key(trim(fit%unknown(i)), job%input%table, job%axes, key, problem, hint)
+                end if
+                if (problem == '' .and. key <= found) then
+                    problem = trim(fit%unknown(i)) // ' is named twice'
+                    hint = 'name it once'
+                end if
+                if (problem == '') call check_range(fit%from(i), fit%to(i), sought%keys(key)%slot%get(), problem, hint)
+                if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
+                found = max(found, key)
+            end do
+            if (all(fit%unknown == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the &
+                &like")
+        end associate
+    end subroutine find_unknown
+
+    !> Whether a name is that of a number of a sensor.
+    pure logical function is_of_sensor(name)
+        character(*), intent(in) :: name
+        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
+    end function is_of_sensor
+
+    !> The key of the input that contains a sought number: that of a group of a sensor has a short name.
+    function key_of(name, sensors) result(key)
+        character(*), intent(in) :: name !! the sought number, as `offset.theta` or `top.mass`
+        type(sensors_t), intent(inout) :: sensors !! the groups; one is taken for a column that has none
+        character(:), allocatable :: key
+        integer :: dot
+        key = name
+        if (.not. is_of_sensor(name)) return
+        dot = index(name, '.')
+        if (dot == 0) then
+            key = 'fit.' // name
+        else if (name == 'offset.t') then
+            key = 'fit.time_offset'
+        else
+            key = 'sensor.' // name(:dot - 1) // '(' // to_text(sensors%place_of(name(dot + 1:))) // ')'
+        end if
+    end function key_of
+
+    !> Adds a number of a sensor to those that are sought: `offset.theta`, `scale.theta`, `offset.t`, `mounting(1)`.
+    subroutine find_sensor_number(name, job, measured, sought, key, problem, hint)
+        character(*), intent(in) :: name
+        type(job_t), target, intent(inout) :: job
+        type(measurements_t), intent(inout) :: measured
+        type(sensitivities_t), intent(inout) :: sought
+        integer, intent(out) :: key !! its index
+        character(:), allocatable, intent(out) :: problem, hint
+        type(sensitive_key_t) :: found
+        character(:), allocatable :: column
+        integer :: k
+
+        key = 0
+        hint = 'name a measured column, as in offset.theta'
+        found%name = name
+        found%unit = ''
+        if (index(name, 'mounting(') == 1) then
+            found%unit = 'rad'
+        else if (name == 'offset.t') then
+            found%unit = 's'
+        else
+            column = name(index(name, '.') + 1:)
+            problem = column // ' is not measured'
+            k = 0
+            if (allocated(measured%columns)) k = place_of(measured%columns, column)
+            if (k == 0) return
+            if (index(name, 'offset.') == 1) then
+                found%unit = trim(measured%columns(k)%unit)
+            else if (measured%turn(k) > 0) then
+                problem = 'the turns of ' // column // ' are not known, and tell its scale'
+                hint = 'give sensor.scale: the readings of a turn over the turn'
+                return
+            end if
+            measured%sensor(k) = job%input%scene%fit%sensors%place_of(column)
+        end if
+        call job%input%table%find_number(key_of(name, job%input%scene%fit%sensors), found%slot, problem)
+        if (problem /= '') return
+        if (.not. allocated(sought%keys)) allocate (sought%keys(0))
+        do key = 1, size(sought%keys)
+            if (sought%keys(key)%slot%is_same(found%slot)) return
+        end do
+        sought%keys = [sought%keys, found]
+    end subroutine find_sensor_number
+
+    !> Checks the range of a sought number.
+    subroutine check_range(from, to, value, problem, hint)
+        real(dp), intent(in) :: from, to, value
+        character(:), allocatable, intent(inout) :: problem, hint
+        if (is_set(from) .neqv. is_set(to)) then
+            problem = 'the range has one end only'
+            hint = 'give both from and to'
+        else if (is_set(from) .and. .not. (from <= value .and. value <= to)) then
+            problem = 'the value where the search begins is not in its range'
+            hint = 'give a value from ' // to_text(from) // ' to ' // to_text(to)
+        end if
+    end subroutine check_range
 
 end module spintop_fit_data

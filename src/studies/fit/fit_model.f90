@@ -4,10 +4,8 @@ module spintop_fit_model
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
-    use spintop_exact_path, only: exact_path_t
-    use spintop_fit_data, only: measurements_t
-    use spintop_fit_sensors, only: columns_of_motion, find_instants, read_sensors
-    use spintop_fit_unknown, only: key_of
+    use spintop_event_recorder, only: exact_path_t
+    use spintop_fit_data, only: measurements_t, columns_of_motion, find_instants, read_sensors, key_of
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number, pi
     use spintop_least_squares, only: residuals_t

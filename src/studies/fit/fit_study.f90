@@ -4,14 +4,11 @@ module spintop_fit_study
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_failed, exit_ok
-    use spintop_fit_data, only: measurements_t, read_measurements
+    use spintop_fit_data, only: measurements_t, read_measurements, find_unknown
     use spintop_fit_judgement, only: judge, judgement_t
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_search, only: far_above, finish_search, period_of, search_minimum, search_t
-    use spintop_fit_columns, only: fit_columns
+    use spintop_fit_search, only: far_above, finish_search, period_of, search_minimum, search_t, check_measurements
     use spintop_fit_table, only: residual_path, write_estimates, write_residuals
-    use spintop_fit_unknown, only: find_unknown
-    use spintop_fit_warnings, only: check_measurements
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
@@ -24,10 +21,8 @@ module spintop_fit_study
     use spintop_problems, only: problems_t
     use spintop_robust, only: robust_deviation
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_fit, study_kinds
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
-    use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study, only: study_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_column_t
@@ -44,27 +39,12 @@ module spintop_fit_study
         type(measurements_t) :: measured
         type(sensitivities_t) :: sought
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: explain
         procedure :: run
     end type fit_study_t
 
 contains
-
-    !> Properties of fits.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_fit)), 'a fit', 'fits', ', besides a covariance__KEY per sought parameter', &
-                            'numbers of the input from measurements of the motion')
-    end function info
-
-    !> All columns.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        columns = fit_columns
-    end function columns
 
     !> Reads the measurements, and plans the motion up to the last of them.
     subroutine check(self, job, problems, diagnostics)
@@ -160,7 +140,7 @@ contains
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
     subroutine run(self, job, options, summary, code, error)
-        class(fit_study_t), intent(in) :: self
+        class(fit_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output

@@ -2,12 +2,12 @@
 module spintop_fit_table
     use spintop_compare, only: is_finite
     use spintop_errors, only: error_t
-    use spintop_fit_columns, only: fit_columns
     use spintop_fit_data, only: measurements_t
     use spintop_intervals, only: estimate_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_sensitivity, only: sensitive_key_t
+    use spintop_study_column, only: listed_column_t
     use spintop_study_head, only: study_head
     use spintop_table_column, only: column_t
     use spintop_table_file, only: stem_of, table_file_t
@@ -15,7 +15,19 @@ module spintop_fit_table
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: write_estimates, write_residuals, residual_path
+    public :: write_estimates, write_residuals, residual_path, fit_columns
+
+    !> The columns of the table of parameters, before those of the covariance.
+    type(listed_column_t), parameter :: fit_columns(*) = [ &
+        listed_column_t('parameter', '', 'sought parameter of the input', 'fit', words=.true.), &
+        listed_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit', words=.true.), &
+        listed_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
+        listed_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
+        listed_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
+        listed_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
+        listed_column_t('start', '', 'value of the input, where the search began', 'fit'), &
+        listed_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
+                        'fit')]
 
 contains
 

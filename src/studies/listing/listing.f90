@@ -1,14 +1,69 @@
-!> What `spintop list` shows: the registries themselves, as aligned text or as JSON.
+!> What `spintop list` shows: the registries themselves, as aligned text or as JSON. An item is a line
+!> of text (its name, a second column, and what it is) and an object of JSON, for scripts, where what does not exist is null. A
+!> procedure per topic adds its items.
 module spintop_listing
+    use spintop_arkode, only: arkode_table_names
+    use spintop_benchmark_cases, only: benchmarks
+    use spintop_body, only: body_t
     use spintop_errors, only: error_t, input_error
-    use spintop_listed_items, only: listing_t
-    use spintop_listed_topics, only: add_topic, topics
+    use spintop_event_text, only: named_events, event_grammar
+    use spintop_exit_codes, only: exit_codes
+    use spintop_formulation, only: formulation_info_t, formulation_t
+    use spintop_formulations, only: create_formulation, formulation_infos
+    use spintop_hard_cases, only: hard_cases
+    use spintop_json, only: json_t
+    use spintop_kinds, only: dp
+    use spintop_methods, only: create_stepper, exact_info, method_infos, method_aliases
+    use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real, parameter_t
+    use spintop_parameter_print, only: list_parameters
+    use spintop_parameters, only: parameter_table_t
     use spintop_provenance, only: program_version
+    use spintop_scene_keys, only: scene_t, describe_scene
+    use spintop_shapes, only: part_infos, shape_infos, shape_by_inertia
+    use spintop_status, only: is_good_end, status_names, status_meanings, is_ok
+    use spintop_stepper, only: method_info_t, stepper_t
+    use spintop_studies, only: create_study, listed_studies
+    use spintop_study, only: study_t
+    use spintop_suitability, only: can_run
     use spintop_terminal, only: output_width
-    use spintop_text, only: did_you_mean, join, string_t, wrapped
+    use spintop_text, only: string_t, did_you_mean, join, append, to_text, wrapped
+    use spintop_units, only: find_unit, suffixes_of
     implicit none
     private
-    public :: list_topic, list_as_json, topic_names
+    public :: list_topic, list_as_json, topic_names, topics, add_topic, add_methods, add_formulations, listing_t
+
+    !> Lists of items, as text and as members of a JSON object.
+    type :: listing_t
+        type(string_t), allocatable :: text(:)
+        type(json_t) :: json
+    contains
+        procedure :: add_line
+        procedure :: begin_item
+        procedure :: end_item
+    end type listing_t
+
+    !> What can be listed, in the order of the help text.
+    type :: topic_t
+        character(12) :: name
+        character(56) :: what
+    end type topic_t
+
+    type(topic_t), parameter :: topics(*) = [ &
+        topic_t('methods', 'methods of integration, and the exact solution'), &
+        topic_t('formulations', 'equations of motion'), &
+        topic_t('columns', 'columns of the tables, with their units'), &
+        topic_t('events', 'events that a motion can be searched for'), &
+        topic_t('shapes', 'shapes of bodies, and their dimensions'), &
+        topic_t('parts', 'parts of bodies, and their dimensions'), &
+        topic_t('parameters', 'keys of the input, with ranges and default values'), &
+        topic_t('cases', 'hard cases of the stability study'), &
+        topic_t('benchmarks', 'published benchmarks'), &
+        topic_t('studies', 'kinds of studies'), &
+        topic_t('statuses', 'how a motion can end'), &
+        topic_t('exit_codes', 'exit codes of the program')]
+
+    !> Columns of words that tables have beside those of the registries: of sweeps, events, and statistics.
+    character(6), parameter :: other_words(*) = [character(6) :: 'column', 'event', 'factor', 'notes', 'status']
 
     !> Number of the layout of the JSON. A member that is new does not change it.
     integer, parameter :: json_format = 1
@@ -99,5 +154,458 @@ contains
             end associate
         end do
     end subroutine fit_lines
+
+    !> Adds the list of a topic.
+    subroutine add_topic(list, topic)
+        type(listing_t), intent(inout) :: list !! the items are added
+        character(*), intent(in) :: topic !! name of one of `topics`
+        call list%json%open_list(topic)
+        select case (topic)
+        case ('methods')
+            call add_methods(list)
+        case ('formulations')
+            call add_formulations(list)
+        case ('columns')
+            call add_columns(list)
+        case ('events')
+            call add_events(list)
+        case ('shapes')
+            call add_shapes(list)
+        case ('parts')
+            call add_parts(list)
+        case ('parameters')
+            call add_parameters(list)
+        case ('cases')
+            call add_cases(list)
+        case ('benchmarks')
+            call add_benchmarks(list)
+        case ('studies')
+            call add_studies(list)
+        case ('statuses')
+            call add_statuses(list)
+        case ('exit_codes')
+            call add_exit_codes(list)
+        end select
+        call list%json%close()
+        if (topic == 'columns') then
+            call list%json%add('other_words', other_words)
+            call add_units(list)
+        end if
+        if (topic == 'events') call list%json%add('event_grammar', event_grammar)
+    end subroutine add_topic
+
+    !> The columns of all kinds of study; `words`: whether the cells are words. `other_words` are columns of words that
+    !> no list of columns has.
+    subroutine add_columns(list)
+        type(listing_t), intent(inout) :: list
+        class(study_t), allocatable :: study
+        integer :: i, k
+
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), study)
+            if (i > 1) call append(list%text, '')
+            call append(list%text, 'columns of ' // study%info%phrase // study%info%remark)
+            do k = 1, size(study%columns)
+                call list%add_line(study%columns(k)%name, study%columns(k)%what, study%columns(k)%unit)
+                call list%json%open_object()
+                call list%json%add('study', study%info%name)
+                call list%json%add('name', study%columns(k)%name)
+                call list%json%add('group', study%columns(k)%group)
+                call list%json%add('unit', study%columns(k)%unit)
+                call list%json%add('words', study%columns(k)%words)
+                call list%end_item(study%columns(k)%what)
+            end do
+        end do
+    end subroutine add_columns
+
+    !> The units in which columns can be: what follows the name of a column of the unit `of`, and the `size` of the unit in that.
+    subroutine add_units(list)
+        type(listing_t), intent(inout) :: list
+        class(study_t), allocatable :: study
+        type(string_t), allocatable :: known(:), suffixes(:)
+        character(:), allocatable :: unit, problem
+        real(dp) :: factor
+        integer :: i, k
+
+        allocate (known(0))
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), study)
+            if (.not. study%info%takes_columns) cycle
+            do k = 1, size(study%columns)
+                if (.not. is_in(known, trim(study%columns(k)%unit))) call append(known, trim(study%columns(k)%unit))
+            end do
+        end do
+        call append(list%text, '')
+        call append(list%text, 'a column in another unit: its name, _ and a suffix for its unit, as in t_ms, theta_deg, omega3_rpm')
+        call list%json%open_list('column_units')
+        do i = 1, size(known)
+            call suffixes_of(known(i)%text, suffixes)
+            if (size(suffixes) == 0) cycle
+            call append(list%text, '    ' // known(i)%text // ': ' // join(suffixes, ', '))
+            do k = 1, size(suffixes)
+                call find_unit(suffixes(k)%text, known(i)%text, unit, factor, problem)
+                call list%json%open_object()
+                call list%json%add('of', known(i)%text)
+                call list%json%add('suffix', suffixes(k)%text)
+                call list%json%add('unit', unit)
+                call list%json%add('size', factor)
+                call list%json%close()
+            end do
+        end do
+        call list%json%close()
+    end subroutine add_units
+
+    !> Whether a text is one of others.
+    pure logical function is_in(texts, text)
+        type(string_t), intent(in) :: texts(:)
+        character(*), intent(in) :: text
+        integer :: i
+        is_in = any([(texts(i)%text == text, i=1, size(texts))])
+    end function is_in
+
+    !> The events with names, what their rows are called in a table, and the grammar of the others.
+    subroutine add_events(list)
+        type(listing_t), intent(inout) :: list
+        integer :: i
+        do i = 1, size(named_events)
+            if (named_events(i)%what == '') cycle
+            call list%begin_item(named_events(i)%name, named_events(i)%what)
+            call list%json%add('in_table', pack(named_events%in_table, named_events%name == named_events(i)%name))
+            call list%end_item(named_events(i)%what)
+        end do
+        call append(list%text, '  ' // event_grammar)
+    end subroutine add_events
+
+    !> The shapes; `needs` are the keys of &top, beside a mass or a density.
+    subroutine add_shapes(list)
+        type(listing_t), intent(inout) :: list
+        character(12), parameter :: dimensions(*) = [character(12) :: 'radius', 'inner_radius', 'thickness', 'rod_length']
+        logical :: needs(size(dimensions))
+        integer :: i
+
+        call list%begin_item(shape_by_inertia, 'given by mass, inertia(3) and length or centre_of_mass(3) (the default)')
+        call list%json%add('needs', ['inertia'])
+        call list%end_item('given by its mass properties')
+        do i = 1, size(shape_infos)
+            associate (shape => shape_infos(i))
+                needs = [.true., shape%needs_inner_radius, shape%needs_thickness, shape%needs_rod_length]
+                call list%begin_item(shape%name, trim(shape%what) // '; needs mass or density' // listed(dimensions, needs))
+                call list%json%add('needs', pack(dimensions, needs))
+                call list%end_item(shape%what)
+            end associate
+        end do
+    end subroutine add_shapes
+
+    !> The parts of bodies; `needs` and `takes` are the keys of &part that a part must and may have, beside its mass.
+    subroutine add_parts(list)
+        type(listing_t), intent(inout) :: list
+        character(12), parameter :: dimensions(*) = [character(12) :: 'radius', 'inner_radius', 'thickness']
+        logical :: may_have(size(dimensions))
+        integer :: i
+
+        do i = 1, size(part_infos)
+            associate (part => part_infos(i))
+                may_have = part%takes .and. .not. part%needs
+                call list%begin_item(part%name, trim(part%what) // '; needs mass or density' // &
+                                     listed(dimensions, part%needs) // listed(dimensions, may_have, ' (', ')'))
+                call list%json%add('needs', pack(dimensions, part%needs))
+                call list%json%add('takes', pack(dimensions, may_have))
+                call list%end_item(part%what)
+            end associate
+        end do
+    end subroutine add_parts
+
+    !> Some of a list of names, each after a comma, or with what is before and after it.
+    pure function listed(names, chosen, before, after) result(text)
+        character(*), intent(in) :: names(:)
+        logical, intent(in) :: chosen(:)
+        character(*), intent(in), optional :: before, after
+        character(:), allocatable :: text
+        integer :: i
+        text = ''
+        do i = 1, size(names)
+            if (.not. chosen(i)) cycle
+            if (present(before) .and. present(after)) then
+                text = text // before // trim(names(i)) // after
+            else
+                text = text // ', ' // trim(names(i))
+            end if
+        end do
+    end function listed
+
+    !> The parameters of an input.
+    subroutine add_parameters(list)
+        type(listing_t), intent(inout) :: list
+        type(scene_t), allocatable, target :: scene
+        type(parameter_table_t) :: table
+        type(string_t), allocatable :: lines(:)
+        integer :: i
+
+        allocate (scene)
+        call describe_scene(scene, table)
+        call list_parameters(table, lines)
+        do i = 1, size(lines)
+            call append(list%text, lines(i)%text)
+        end do
+        do i = 1, table%count
+            call add_parameter(list%json, table%parameters(i))
+        end do
+    end subroutine add_parameters
+
+    !> A parameter: `default` as in a namelist, `extents` of an array, `lower` and `upper` of its range,
+    !> which belong to it unless the range is open there, and the words that it may be.
+    subroutine add_parameter(json, parameter)
+        type(json_t), intent(inout) :: json
+        type(parameter_t), intent(in) :: parameter
+        character(7) :: kind
+
+        kind = 'text'
+        if (parameter%kind == kind_real) kind = 'real'
+        if (any(parameter%kind == [kind_integer, kind_long])) kind = 'integer'
+        if (parameter%kind == kind_logical) kind = 'logical'
+        call json%open_object()
+        call json%add('name', parameter%name)
+        call json%add('group', parameter%group)
+        call json%add('key', parameter%key)
+        call json%add('type', kind)
+        call json%add('full_name', parameter%full_name())
+        call json%add('unit', parameter%unit)
+        if (parameter%default == '') call json%add_null('default')
+        if (parameter%default /= '') call json%add('default', parameter%default)
+        call json%add('range', parameter%rule)
+        call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
+        call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)
+        call json%add('choices', parameter%choices)
+        call json%add('description', parameter%what)
+        call json%close()
+    end subroutine add_parameter
+
+    !> An end of a range, and whether it is open; null where there is none.
+    subroutine add_bound(json, key, bound, is_open)
+        type(json_t), intent(inout) :: json
+        character(*), intent(in) :: key
+        real(dp), intent(in) :: bound
+        logical, intent(in) :: is_open
+        if (abs(bound) < huge(bound)) then
+            call json%add(key, bound)
+            call json%add(key // '_open', is_open)
+        else
+            call json%add_null(key)
+            call json%add_null(key // '_open')
+        end if
+    end subroutine add_bound
+
+    !> The cases of the catalogue of hard motions.
+    subroutine add_cases(list)
+        type(listing_t), intent(inout) :: list
+        integer :: i
+        do i = 1, size(hard_cases)
+            call list%begin_item(hard_cases(i)%name, hard_cases(i)%what)
+            call list%json%add('is_long', hard_cases(i)%is_long)
+            call list%end_item(hard_cases(i)%what)
+        end do
+    end subroutine add_cases
+
+    !> The published benchmarks.
+    subroutine add_benchmarks(list)
+        type(listing_t), intent(inout) :: list
+        integer :: i
+        do i = 1, size(benchmarks)
+            call list%begin_item(benchmarks(i)%name, trim(benchmarks(i)%what) // ': ' // benchmarks(i)%source)
+            call list%json%add('description', benchmarks(i)%what)
+            call list%json%add('source', benchmarks(i)%source)
+            call list%json%close()
+        end do
+    end subroutine add_benchmarks
+
+    !> The kinds of study, and what each can do.
+    subroutine add_studies(list)
+        type(listing_t), intent(inout) :: list
+        class(study_t), allocatable :: study
+        integer :: i
+
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), study)
+            call list%begin_item(study%info%name, study%info%what)
+            call list%json%add('takes_axes', study%info%takes_axes)
+            call list%json%add('takes_columns', study%info%takes_columns)
+            call list%json%add('has_parts', study%info%has_parts)
+            call list%json%add('has_netcdf', study%info%has_netcdf)
+            call list%json%add('has_events', study%info%has_events)
+            call list%end_item(study%info%what)
+        end do
+    end subroutine add_studies
+
+    !> The statuses of a computation, by their numbers in NetCDF tables.
+    subroutine add_statuses(list)
+        type(listing_t), intent(inout) :: list
+        integer :: i
+        do i = lbound(status_names, 1), ubound(status_names, 1)
+            call list%begin_item(status_names(i), status_meanings(i))
+            call list%json%add('number', i)
+            call list%json%add('good', is_good_end(i))
+            call list%end_item(status_meanings(i))
+        end do
+    end subroutine add_statuses
+
+    !> The exit codes of the program.
+    subroutine add_exit_codes(list)
+        type(listing_t), intent(inout) :: list
+        integer :: i
+        do i = 1, size(exit_codes)
+            call list%add_line(to_text(exit_codes(i)%code), exit_codes(i)%what)
+            call list%json%open_object()
+            call list%json%add('code', exit_codes(i)%code)
+            call list%end_item(exit_codes(i)%what)
+        end do
+    end subroutine add_exit_codes
+
+    !> The methods: `kind` is exact, fixed, adaptive or both; `order` is null where the tolerance or the
+    !> Butcher table decides; `formulations` are those that the method can integrate for a Lagrange top.
+    subroutine add_methods(list)
+        type(listing_t), intent(inout) :: list !! the items are added
+        type(method_info_t), allocatable :: methods(:)
+        integer :: i
+
+        allocate (methods, source=[exact_info, method_infos()])
+        call list%add_line('auto', 'the cheapest adequate one (the default)')
+        do i = 1, size(methods)
+            call add_method(list, methods(i))
+        end do
+        call append(list%text, '')
+        call append(list%text, 'tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', '))
+        call append(list%text, 'tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))
+    end subroutine add_methods
+
+    subroutine add_method(list, method)
+        type(listing_t), intent(inout) :: list
+        type(method_info_t), intent(in) :: method
+        character(:), allocatable :: steps
+        character(8) :: kind
+
+        kind = 'exact'
+        if (method%fixed_step) kind = 'fixed'
+        if (method%adaptive) kind = merge('both    ', 'adaptive', method%fixed_step)
+        steps = ''
+        if (method%order > 0) steps = 'order ' // to_text(method%order)
+        if (method%adaptive) steps = steps // ' adaptive'
+        if (method%fixed_step) steps = steps // ' fixed'
+        call list%begin_item(method%name, method%what, adjustl(steps))
+        associate (json => list%json)
+            call json%add('family', method%family)
+            if (method%order > 0) then
+                call json%add('order', method%order)
+            else
+                call json%add_null('order')
+            end if
+            call json%add('kind', kind)
+            call json%add('implicit', method%implicit)
+            call json%add('symmetric', method%symmetric)
+            call json%add('description', method%what)
+            call json%add('formulations', formulations_of(method))
+            call json%add('aliases', aliases_of(method%name))
+            if (method%takes_table) then
+                call json%add('tables', arkode_table_names(method%implicit))
+            else
+                call json%add_null('tables')
+            end if
+            call json%close()
+        end associate
+    end subroutine add_method
+
+    !> The formulations under which a method can integrate a Lagrange top.
+    function formulations_of(method) result(names)
+        type(method_info_t), intent(in) :: method
+        character(16), allocatable :: names(:)
+        type(formulation_info_t), allocatable :: forms(:)
+        logical, allocatable :: runs(:)
+        class(formulation_t), allocatable :: formulation
+        class(stepper_t), allocatable :: stepper
+        type(body_t) :: top
+        integer :: i
+
+        allocate (forms, source=formulation_infos())
+        allocate (runs(size(forms)), source=.false.)
+        call create_stepper(method%name, stepper)
+        ! The exact solution has none.
+        if (allocated(stepper)) then
+            if (.not. method%adaptive) stepper%controls%steps = 1
+            stepper%controls%relative_tolerance = max(stepper%controls%relative_tolerance, method%finest_tolerance)
+            top%inertia = [2.0_dp, 2.0_dp, 1.0_dp]
+            top%centre_of_mass(3) = 1
+            do i = 1, size(forms)
+                call create_formulation(forms(i)%name, formulation)
+                runs(i) = is_ok(can_run(stepper, formulation, top))
+            end do
+        end if
+        allocate (names(count(runs)))
+        names = pack(forms%name, runs)
+    end function formulations_of
+
+    !> Other names of a method.
+    pure function aliases_of(name) result(others)
+        character(*), intent(in) :: name
+        character(40), allocatable :: others(:)
+        integer :: i, equals
+        allocate (others(0))
+        do i = 1, size(method_aliases)
+            equals = index(method_aliases(i), '=')
+            if (method_aliases(i)(equals + 1:) == name) others = [character(40) :: others, method_aliases(i)(:equals - 1)]
+        end do
+    end function aliases_of
+
+    !> The formulations.
+    subroutine add_formulations(list)
+        type(listing_t), intent(inout) :: list !! the items are added
+        type(formulation_info_t), allocatable :: forms(:)
+        integer :: i
+
+        allocate (forms, source=formulation_infos())
+        call list%add_line('auto', 'the one that suits the method and the body (the default)')
+        do i = 1, size(forms)
+            call list%begin_item(forms(i)%name, forms(i)%what)
+            call list%json%add('states', forms(i)%states)
+            call list%json%add('symmetric_only', forms(i)%symmetric_only)
+            call list%json%add('singular_at_poles', forms(i)%singular_at_poles)
+            call list%end_item(forms(i)%what)
+        end do
+    end subroutine add_formulations
+
+    !> Adds a line of text: a name, a second column if it is not blank, and a meaning.
+    subroutine add_line(self, name, what, second)
+        class(listing_t), intent(inout) :: self
+        character(*), intent(in) :: name !! the first column
+        character(*), intent(in) :: what !! the meaning
+        character(*), intent(in), optional :: second !! the second column
+        character(30) :: first_column
+        character(24) :: second_column
+        first_column = name
+        second_column = ''
+        if (present(second)) second_column = second
+        if (second_column == '') then
+            call append(self%text, '  ' // first_column // trim(what))
+        else
+            call append(self%text, '  ' // first_column // second_column // trim(what))
+        end if
+    end subroutine add_line
+
+    !> Adds the line of an item, and opens its object with its name. Its other members follow.
+    subroutine begin_item(self, name, what, second)
+        class(listing_t), intent(inout) :: self
+        character(*), intent(in) :: name !! the first column
+        character(*), intent(in) :: what !! the meaning
+        character(*), intent(in), optional :: second !! the second column
+        call self%add_line(name, what, second)
+        call self%json%open_object()
+        call self%json%add('name', name)
+    end subroutine begin_item
+
+    !> Adds the description of an item as the last member of its object.
+    subroutine end_item(self, what)
+        class(listing_t), intent(inout) :: self
+        character(*), intent(in) :: what !! the description
+        call self%json%add('description', what)
+        call self%json%close()
+    end subroutine end_item
 
 end module spintop_listing

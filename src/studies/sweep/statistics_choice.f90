@@ -15,8 +15,7 @@ module spintop_statistics_choice
     use spintop_summary, only: rounded
     use spintop_study_column, only: chosen_column_t, find_column
     use spintop_sweep_axes, only: axis_t
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: sweep_columns
+    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
     use spintop_sweep_table, only: describe_columns
     use spintop_table_column, only: column_length, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_text, only: did_you_mean, string_t, to_text

@@ -15,10 +15,16 @@ module spintop_sweep_quantities
     use spintop_nutation_recorder, only: nutation_recorder_t, no_class
     use spintop_status, only: is_ok, status_meanings, status_non_finite
     use spintop_sweep_engine, only: slot_t
-    use spintop_sweep_notes, only: note_t, note_no_period, note_no_turns, note_no_nutation, note_no_class, &
-        note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, &
-        note_no_precession_period, note_not_free, note_not_stuck
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
+    use spintop_sweep_result, only: at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, &
+        at_nutation_rate, at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, &
+        at_precession_rate_fast_top, at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, &
+        at_azimuth_after_period, at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, &
+        at_theta_end, at_phi_end, at_psi_end, at_theta_rate_end, at_energy_error_max, at_motion_class, &
+        at_spin_per_nutation, at_theta_rate_max, at_force_max, at_force_z_min, at_force_z_max, at_t_end, &
+        at_momentum_period, at_momentum_turn, at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, &
+        note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
+        note_no_azimuth, note_no_exact_motion, note_no_momentum_period, note_no_precession_period, note_not_free, &
+        note_not_stuck, kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
         sweep_result_t
     use spintop_vectors, only: cross
     implicit none
@@ -36,7 +42,7 @@ contains
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
         associate (seen => as_given(slot%case, nutation))
             call set_extremes(seen, slot%result)
-            call set_means(slot%case, seen, slot%result, slot%note)
+            call set_means(slot, seen)
         end associate
     end subroutine set_nutation
 
@@ -60,10 +66,10 @@ contains
     subroutine set_extremes(nutation, values)
         type(nutation_t), intent(in) :: nutation
         type(sweep_result_t), intent(inout) :: values
-        values%theta_min = nutation%theta_min
-        values%theta_max = nutation%theta_max
-        values%delta_u = nutation%delta_u
-        values%phi_rate_max = nutation%phi_rate_max
+        values%of(at_theta_min) = nutation%theta_min
+        values%of(at_theta_max) = nutation%theta_max
+        values%of(at_delta_u) = nutation%delta_u
+        values%of(at_phi_rate_max) = nutation%phi_rate_max
     end subroutine set_extremes
 
     !> The precession rate of a top relative to a frame that turns that is largest in magnitude. With u = cos(theta) the
@@ -96,28 +102,28 @@ contains
     end function largest_relative_rate
 
     !> The period, and what happens in it.
-    subroutine set_means(case, nutation, values, note)
-        type(case_t), intent(in) :: case
+    subroutine set_means(slot, nutation)
+        type(slot_t), intent(inout) :: slot
         type(nutation_t), intent(in) :: nutation
-        type(sweep_result_t), intent(inout) :: values
-        type(note_t), intent(inout) :: note
         real(dp) :: precession_time
 
         if (.not. is_finite(nutation%period)) then
-            call note%add(note_no_period, 'the axis approaches the upright asymptotically')
+            call slot%note%add(note_no_period, 'the axis approaches the upright asymptotically')
             return
         end if
-        values%nutation_period = nutation%period
-        values%nutation_rate = 2 * pi / nutation%period
-        values%precession_per_nutation = nutation%precession
-        values%precession_rate = nutation%precession_rate
-        if (abs(values%precession_per_nutation) > 0) then
-            values%nutations_per_turn = 2 * pi / abs(values%precession_per_nutation)
-        else
-            call note%add(note_no_turns, 'no precession')
-        end if
-        precession_time = precession_period(case%body, case%start)
-        if (precession_time > 0) values%nutations_in_period = precession_time / nutation%period
+        associate (case => slot%case, values => slot%result)
+            values%of(at_nutation_period) = nutation%period
+            values%of(at_nutation_rate) = 2 * pi / nutation%period
+            values%of(at_precession_per_nutation) = nutation%precession
+            values%of(at_precession_rate) = nutation%precession_rate
+            if (abs(nutation%precession) > 0) then
+                values%of(at_nutations_per_turn) = 2 * pi / abs(nutation%precession)
+            else
+                call slot%note%add(note_no_turns, 'no precession')
+            end if
+            precession_time = precession_period(case%body, case%start)
+            if (precession_time > 0) values%of(at_nutations_in_period) = precession_time / nutation%period
+        end associate
     end subroutine set_means
 
     !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
@@ -136,41 +142,39 @@ contains
         logical :: is_whole
 
         associate (values => slot%result)
-            if (recorder%measures%nutation_rate) values%theta_rate_max = recorder%theta_rate_max
-            if (recorder%measures%force) values%force_max = recorder%force_max
+            if (recorder%measures%nutation_rate) values%of(at_theta_rate_max) = recorder%theta_rate_max
+            if (recorder%measures%force) values%of(at_force_max) = recorder%force_max
             if (recorder%measures%vertical_force) then
-                values%force_z_min = recorder%force_z_min
-                values%force_z_max = recorder%force_z_max
+                values%of(at_force_z_min) = recorder%force_z_min
+                values%of(at_force_z_max) = recorder%force_z_max
             end if
-            if (recorder%measures%lowest) values%com_z_min = recorder%com_z_min
+            if (recorder%measures%lowest) values%of(at_com_z_min) = recorder%com_z_min
         end associate
         call recorder%nutation(nutation, is_whole)
-        call set_measured_nutation(slot%case, wanted, nutation, is_whole, recorder%is_noisy(), slot%result, slot%note)
+        call set_measured_nutation(slot, wanted, nutation, is_whole, recorder%is_noisy())
     end subroutine set_measured
 
     !> A measured nutation: extremes over the span, and what needs a whole nutation.
-    subroutine set_measured_nutation(case, wanted, nutation, is_whole, is_noisy, values, note)
-        type(case_t), intent(in) :: case !! the case whose motion was measured
+    subroutine set_measured_nutation(slot, wanted, nutation, is_whole, is_noisy)
+        type(slot_t), intent(inout) :: slot !! the case whose motion was measured
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
         logical, intent(in) :: is_whole, is_noisy !! whether there was a whole nutation; whether one was within the noise
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
-        call set_extremes(nutation, values)
+        call set_extremes(nutation, slot%result)
         if (.not. wanted(of_whole)) return
         if (.not. is_whole) then
             if (is_noisy) then
-                call note%add(note_no_nutation, 'its turning points are within the error of the method')
+                call slot%note%add(note_no_nutation, 'its turning points are within the error of the method')
             else
-                call note%add(note_no_nutation)
+                call slot%note%add(note_no_nutation)
             end if
             return
         end if
-        call set_means(case, nutation, values, note)
-        values%spin_per_nutation = nutation%spin
-        values%motion_class = nutation%class
+        call set_means(slot, nutation)
+        slot%result%of(at_spin_per_nutation) = nutation%spin
+        slot%result%of(at_motion_class) = nutation%class
         if ((wanted(of_fastest) .or. wanted(of_class)) .and. nutation%class == no_class) then
-            call note%add(note_no_class, 'it changes from nutation to nutation')
+            call slot%note%add(note_no_class, 'it changes from nutation to nutation')
         end if
     end subroutine set_measured_nutation
 
@@ -184,17 +188,17 @@ contains
                 call slot%note%add(note_no_fast_top, 'they need ' // needs_of_period(case))
                 return
             end if
-            values%precession_period = precession_period(case%body, case%start)
+            values%of(at_precession_period) = precession_period(case%body, case%start)
             if (.not. case%body%is_symmetric()) then
                 call slot%note%add(note_no_fast_top, 'they need a symmetric body')
                 return
             end if
             motion = fast_top(case%body, case%start%angle(2), case%start%omega(3))
-            values%delta_u_fast_top = motion%delta_u
-            values%nutation_rate_fast_top = motion%nutation_rate
-            values%precession_rate_fast_top = motion%precession_rate
-            values%nutations_per_turn_fast_top = motion%nutations_per_turn
-            values%fast_top_ratio = motion%ratio
+            values%of(at_delta_u_fast_top) = motion%delta_u
+            values%of(at_nutation_rate_fast_top) = motion%nutation_rate
+            values%of(at_precession_rate_fast_top) = motion%precession_rate
+            values%of(at_nutations_per_turn_fast_top) = motion%nutations_per_turn
+            values%of(at_fast_top_ratio) = motion%ratio
         end associate
     end subroutine set_fast_top
 
@@ -214,29 +218,28 @@ contains
             if (abs(case%turn%phi_shift) > 0) then
                 call slot%note%add(note_no_class, 'it is not found relative to a frame that turns')
             else
-                values%motion_class = nutation%class
+                values%of(at_motion_class) = nutation%class
             end if
             if (is_finite(nutation%period)) then
                 if (case%turn%is_shifted()) nutation%spin = nutation%spin - case%turn%psi_shift * nutation%period
-                values%spin_per_nutation = merge(-1, 1, case%turn%flipped) * nutation%spin
+                values%of(at_spin_per_nutation) = merge(-1, 1, case%turn%flipped) * nutation%spin
             end if
-            values%theta_rate_max = nutation%theta_rate_max
-            values%force_max = force%largest
-            values%force_z_min = force%lowest_vertical
-            values%force_z_max = force%highest_vertical
+            values%of(at_theta_rate_max) = nutation%theta_rate_max
+            values%of(at_force_max) = force%largest
+            values%of(at_force_z_min) = force%lowest_vertical
+            values%of(at_force_z_max) = force%highest_vertical
         end associate
     end subroutine set_details
 
     !> The azimuth after T_p, from the change of phi in that time (rad), if the motion reached it.
-    subroutine set_azimuth(seen, azimuth, values, note)
+    subroutine set_azimuth(slot, seen, azimuth)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         logical, intent(in) :: seen !! whether the motion reached T_p
         real(dp), intent(in) :: azimuth !! change of phi in T_p, rad
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        type(note_t), intent(inout) :: note !! notes on the case
         if (seen) then
-            values%azimuth_after_period_deg = azimuth / degree
+            slot%result%of(at_azimuth_after_period) = azimuth / degree
         else
-            call note%add(note_no_azimuth, 'the span has no step at T_p')
+            call slot%note%add(note_no_azimuth, 'the span has no step at T_p')
         end if
     end subroutine set_azimuth
 
@@ -245,7 +248,7 @@ contains
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(motion_t), intent(in) :: motion !! the motion at the end of the span, in the axes of the computation
         real(dp), intent(in) :: energy_error !! largest relative energy error
-        slot%result%energy_error_max = energy_error
+        slot%result%of(at_energy_error_max) = energy_error
         if (slot%case%turn%is_turned()) then
             call set_end_as_given(slot%case%turn%back(motion, motion%given_angle))
         else
@@ -257,11 +260,11 @@ contains
         !> The same in the axes in which the body was given.
         subroutine set_end_as_given(seen)
             type(motion_t), intent(in) :: seen
-            slot%result%t_end = seen%t
-            slot%result%theta_end = seen%angle(2)
-            slot%result%phi_end = seen%angle(1)
-            slot%result%psi_end = seen%angle(3)
-            slot%result%theta_rate_end = seen%rate(2)
+            slot%result%of(at_t_end) = seen%t
+            slot%result%of(at_theta_end) = seen%angle(2)
+            slot%result%of(at_phi_end) = seen%angle(1)
+            slot%result%of(at_psi_end) = seen%angle(3)
+            slot%result%of(at_theta_rate_end) = seen%rate(2)
         end subroutine set_end_as_given
 
     end subroutine set_end
@@ -333,16 +336,16 @@ contains
 
         associate (case => slot%case, values => slot%result)
             if (wanted(of_free)) then
-                values%omega_max = free%greatest_rate
-                if (free%about > 0) values%momentum_axis = free%about
+                values%of(at_omega_max) = free%greatest_rate
+                if (free%about > 0) values%of(at_momentum_axis) = free%about
                 if (free%about == 0) then
                     call slot%note%add(note_no_momentum_period, 'the body rotates about a fixed axis')
                 else if (.not. is_finite(free%period)) then
                     call slot%note%add(note_no_momentum_period, 'the body approaches a rotation about its intermediate axis')
                 else
-                    values%momentum_period = free%period
-                    values%momentum_turn = free%turn
-                    if (wanted(of_geometric)) values%momentum_turn_geometric = geometric_phase(case)
+                    values%of(at_momentum_period) = free%period
+                    values%of(at_momentum_turn) = free%turn
+                    if (wanted(of_geometric)) values%of(at_momentum_turn_geometric) = geometric_phase(case)
                 end if
             end if
             ! The range of an axis that is not a principal axis was measured.
@@ -353,9 +356,9 @@ contains
                 gamma = vertical_from_quaternion(case%given_start%quaternion)
                 range = inclination_range(free%axis_angle, atan2(norm2(cross(momentum, gamma)), dot_product(momentum, gamma)))
             end if
-            values%theta_min = range(1)
-            values%theta_max = range(2)
-            values%delta_u = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
+            values%of(at_theta_min) = range(1)
+            values%of(at_theta_max) = range(2)
+            values%of(at_delta_u) = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
         end associate
     end subroutine set_free_constants
 

@@ -1,15 +1,29 @@
 !> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
-!> does not exist or was not asked for.
+!> does not exist or was not asked for. Notes on a case name the quantities that do not exist, and the reasons.
 module spintop_sweep_result
-    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_theta, proof_words
+    use spintop_certificate, only: proof_words
     use spintop_kinds, only: dp, nan => no_number
-    use spintop_nutation_recorder, only: no_class
     implicit none
     private
-    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range, of_whole, &
-        of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, &
-        of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
-        of_singular, of_multiplier, of_free, of_proof, of_threshold, of_geometric
+    public :: at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, at_nutation_rate
+    public :: at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, at_precession_rate_fast_top
+    public :: at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, at_azimuth_after_period
+    public :: at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, at_theta_end, at_phi_end
+    public :: at_psi_end, at_theta_rate_end, at_energy_error_max, at_orientation_error, at_inherent_error
+    public :: at_evaluations, at_motion_class, at_spin_per_nutation, at_theta_rate_max, at_force_max, at_force_z_min
+    public :: at_force_z_max, at_t_end, at_t_stuck, at_critical_omega3, at_sleeping_ratio, at_growth_rate
+    public :: at_lyapunov_exponent, at_largest_singular_value, at_upright_multiplier, at_momentum_period
+    public :: at_momentum_turn, at_momentum_turn_geometric, at_momentum_axis, at_omega_max, at_theta_end_bound
+    public :: at_phi_end_bound, at_psi_end_bound, at_proof
+    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range
+    public :: of_whole, of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force
+    public :: of_vertical_force, of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent
+    public :: of_cost, of_growth, of_lyapunov, of_singular, of_multiplier, of_free, of_proof, of_threshold
+    public :: of_geometric, only_without_effects, note_t, note_names, note_no_period, note_no_turns
+    public :: note_no_nutation, note_no_class, note_no_fast_top, note_no_details, note_no_azimuth, note_no_stop
+    public :: note_no_growth, note_no_lyapunov, note_no_singular, note_no_exact_motion, note_no_precession_period
+    public :: note_not_free, note_no_momentum_period, note_no_derivative, note_no_multiplier, note_not_stuck
+    public :: note_nothing_to_bound, note_no_threshold, note_no_turns_known
 
     !> Whether the bounds of a case are proved: `none` without a result.
     character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
@@ -45,44 +59,71 @@ module spintop_sweep_result
     integer, parameter :: of_geometric = 27         !! the geometric phase of a free motion
     integer, parameter :: kinds_of_work = of_geometric
 
-    !> Number of values in the list of a result, as many as there are columns.
-    integer, parameter :: value_count = 49
+    !> The quantities of a case: their places among its values, in the order of the columns (spintop_sweep_columns).
+    enum, bind(C)
+        enumerator :: at_theta_min = 1
+        enumerator :: at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, at_nutation_rate
+        enumerator :: at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate
+        enumerator :: at_precession_rate_fast_top, at_nutations_per_turn, at_nutations_per_turn_fast_top
+        enumerator :: at_precession_period, at_azimuth_after_period, at_nutations_in_period, at_phi_rate_max
+        enumerator :: at_fast_top_ratio, at_com_z_min, at_theta_end, at_phi_end, at_psi_end
+        enumerator :: at_theta_rate_end, at_energy_error_max, at_orientation_error, at_inherent_error
+        enumerator :: at_evaluations, at_motion_class, at_spin_per_nutation, at_theta_rate_max, at_force_max
+        enumerator :: at_force_z_min, at_force_z_max, at_t_end, at_t_stuck, at_critical_omega3
+        enumerator :: at_sleeping_ratio, at_growth_rate, at_lyapunov_exponent, at_largest_singular_value
+        enumerator :: at_upright_multiplier, at_momentum_period, at_momentum_turn
+        enumerator :: at_momentum_turn_geometric, at_momentum_axis, at_omega_max, at_theta_end_bound
+        enumerator :: at_phi_end_bound, at_psi_end_bound, at_proof
+    end enum
+    !> Number of values of a case, as many as there are columns.
+    integer, parameter :: value_count = at_proof
+
+    integer, private :: k
+    !> What a case has as long as nothing is computed: no class, and no proof.
+    real(dp), parameter :: nothing(value_count) = [(merge(0.0_dp, nan, k == at_motion_class .or. k == at_proof), k=1, value_count)]
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
-        real(dp) :: theta_min = nan, theta_max = nan, delta_u = nan
-        real(dp) :: delta_u_fast_top = nan
-        real(dp) :: nutation_period = nan, nutation_rate = nan
-        real(dp) :: nutation_rate_fast_top = nan
-        real(dp) :: precession_per_nutation = nan, precession_rate = nan
-        real(dp) :: precession_rate_fast_top = nan
-        real(dp) :: nutations_per_turn = nan
-        real(dp) :: nutations_per_turn_fast_top = nan, precession_period = nan
-        real(dp) :: azimuth_after_period_deg = nan
-        real(dp) :: nutations_in_period = nan, phi_rate_max = nan
-        real(dp) :: fast_top_ratio = nan
-        real(dp) :: com_z_min = nan
-        real(dp) :: theta_end = nan, phi_end = nan, psi_end = nan, theta_rate_end = nan
-        real(dp) :: energy_error_max = nan
-        real(dp) :: orientation_error = nan
-        real(dp) :: inherent_error = nan
-        real(dp) :: evaluations = nan
-        real(dp) :: spin_per_nutation = nan, theta_rate_max = nan, force_max = nan
-        real(dp) :: force_z_min = nan, force_z_max = nan
-        real(dp) :: t_end = nan, t_stuck = nan
-        real(dp) :: momentum_period = nan, momentum_turn = nan, momentum_turn_geometric = nan
-        real(dp) :: momentum_axis = nan, omega_max = nan
-        real(dp) :: critical_omega3 = nan, sleeping_ratio = nan
-        real(dp) :: growth_rate = nan
-        real(dp) :: lyapunov_exponent = nan
-        real(dp) :: largest_singular_value = nan, upright_multiplier = nan
-        integer :: motion_class = no_class
-        !> Bounds of the errors, by quantity (spintop_certificate), and the index in `proof_cells`.
-        real(dp) :: bounds(proof_count) = nan
-        integer :: proof = 0
-    contains
-        procedure :: list
+        real(dp) :: of(value_count) = nothing
     end type sweep_result_t
+
+    !> Why a case lacks what is measured by equations without effects.
+    character(*), parameter :: only_without_effects = &
+        'it is not measured for bodies with effects that do not only shift phi and psi'
+
+    !> Indices of the notes in the list below, in this order.
+    enum, bind(C)
+        enumerator :: note_no_period = 1
+        enumerator :: note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details
+        enumerator :: note_no_azimuth, note_no_stop, note_no_growth, note_no_lyapunov
+        enumerator :: note_no_singular, note_no_exact_motion, note_no_precession_period
+        enumerator :: note_not_free, note_no_momentum_period, note_no_derivative, note_no_multiplier
+        enumerator :: note_not_stuck, note_nothing_to_bound, note_no_threshold, note_no_turns_known
+    end enum
+
+    !> The notes, without the reason in a case.
+    character(*), parameter :: note_names(note_no_turns_known) = [character(40) :: &
+        'no nutation period', 'no nutations per turn', 'no full nutation in the span', 'no class', &
+        'no fast-top formulas', 'no class and extremes', 'no azimuth after a period', &
+        'stop_at did not occur in the span', 'no growth rate', &
+        'no Lyapunov exponent', 'no largest singular value', 'no exact solution for comparison', &
+        'no precession period T_p', 'not a free body', 'no period of the momentum', &
+        'a derivative does not converge', 'no multipliers of a vibration', 'not stopped by dry friction', &
+        'a bound of a number that does not exist', 'no threshold of a sleeping top', &
+        'phi and psi may be off by whole turns']
+
+    !> The notes on a case.
+    type :: note_t
+        !> A bit for each note of the list, from the lowest.
+        integer :: flags = 0
+        !> All notes as sentences; not allocated if there are none.
+        character(:), allocatable :: text
+    contains
+        procedure :: clear
+        procedure :: add
+        procedure :: explain
+        procedure :: has
+    end type note_t
 
 contains
 
@@ -101,22 +142,42 @@ contains
             any(wanted(of_growth:of_multiplier))
     end function asks_for_span
 
-    !> All values, in the order of the columns (spintop_sweep_columns).
-    pure function list(self) result(values)
-        class(sweep_result_t), intent(in) :: self
-        real(dp) :: values(value_count)
-        values = [self%theta_min, self%theta_max, self%delta_u, self%delta_u_fast_top, self%nutation_period, &
-                  self%nutation_rate, self%nutation_rate_fast_top, self%precession_per_nutation, self%precession_rate, &
-                  self%precession_rate_fast_top, self%nutations_per_turn, self%nutations_per_turn_fast_top, &
-                  self%precession_period, self%azimuth_after_period_deg, self%nutations_in_period, self%phi_rate_max, &
-                  self%fast_top_ratio, self%com_z_min, self%theta_end, self%phi_end, self%psi_end, self%theta_rate_end, &
-                  self%energy_error_max, self%orientation_error, self%inherent_error, self%evaluations, &
-                  real(self%motion_class, dp), self%spin_per_nutation, self%theta_rate_max, self%force_max, &
-                  self%force_z_min, self%force_z_max, self%t_end, self%t_stuck, self%critical_omega3, &
-                  self%sleeping_ratio, self%growth_rate, self%lyapunov_exponent, self%largest_singular_value, &
-                  self%upright_multiplier, &
-                  self%momentum_period, self%momentum_turn, self%momentum_turn_geometric, self%momentum_axis, self%omega_max, &
-                  self%bounds([proof_of_theta, proof_of_phi, proof_of_psi]), real(self%proof, dp)]
-    end function list
+    !> Removes all notes.
+    subroutine clear(self)
+        class(note_t), intent(inout) :: self
+        self%flags = 0
+        if (allocated(self%text)) deallocate (self%text)
+    end subroutine clear
+
+    !> Adds a note of the list, with its reason in this case.
+    subroutine add(self, note, reason)
+        class(note_t), intent(inout) :: self
+        integer, intent(in) :: note !! index of the note
+        character(*), intent(in), optional :: reason !! reason in this case
+        self%flags = ibset(self%flags, note - 1)
+        if (present(reason)) then
+            call self%explain(trim(note_names(note)) // ': ' // reason)
+        else
+            call self%explain(trim(note_names(note)))
+        end if
+    end subroutine add
+
+    !> Whether a note of the list is present.
+    pure logical function has(self, note)
+        class(note_t), intent(in) :: self
+        integer, intent(in) :: note !! index of the note
+        has = btest(self%flags, note - 1)
+    end function has
+
+    !> Adds a sentence that is not in the list.
+    subroutine explain(self, sentence)
+        class(note_t), intent(inout) :: self
+        character(*), intent(in) :: sentence !! a sentence
+        if (allocated(self%text)) then
+            self%text = self%text // '; ' // sentence
+        else
+            self%text = sentence
+        end if
+    end subroutine explain
 
 end module spintop_sweep_result

@@ -10,9 +10,9 @@ module spintop_sweep_stability
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_status, only: is_ok, status_meanings, status_unsuitable
     use spintop_sweep_engine, only: lacks_perturbations, slot_t
-    use spintop_sweep_notes, only: note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, &
-        note_no_threshold, note_t, only_without_effects
-    use spintop_sweep_result, only: kinds_of_work, of_growth, of_lyapunov, of_multiplier, of_singular
+    use spintop_sweep_result, only: at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, &
+        note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, note_no_threshold, note_t, &
+        only_without_effects, kinds_of_work, of_growth, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
     public :: compute_stability, set_threshold, explain_no_threshold
@@ -33,7 +33,7 @@ contains
         if (wanted(of_growth)) then
             call find_equilibrium_eigenvalues(slot%case%body, slot%case%start, eigenvalues, how)
             if (is_ok(how)) then
-                slot%result%growth_rate = maxval(real(eigenvalues, dp))
+                slot%result%of(at_growth_rate) = maxval(real(eigenvalues, dp))
             else if (how == status_unsuitable) then
                 call slot%note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
             else
@@ -59,11 +59,11 @@ contains
         real(dp) :: omega3
         associate (body => slot%case%body, values => slot%result)
             if (.not. body%is_symmetric()) return
-            values%critical_omega3 = critical_omega3(body)
-            if (.not. values%critical_omega3 > 0) return
+            values%of(at_critical_omega3) = critical_omega3(body)
+            if (.not. values%of(at_critical_omega3) > 0) return
             omega3 = slot%case%start%omega(3)
             if (allocated(body%effects)) omega3 = omega3 + body%effects%rotor_momentum(3) / body%inertia(3)
-            values%sleeping_ratio = abs(omega3) / values%critical_omega3
+            values%of(at_sleeping_ratio) = abs(omega3) / values%of(at_critical_omega3)
         end associate
     end subroutine set_threshold
 
@@ -95,7 +95,7 @@ contains
             call find_multipliers(body, upright, drive_period(body), multipliers, how)
         end associate
         if (is_ok(how)) then
-            slot%result%upright_multiplier = maxval(abs(multipliers))
+            slot%result%of(at_upright_multiplier) = maxval(abs(multipliers))
         else if (how == status_unsuitable) then
             call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
         else

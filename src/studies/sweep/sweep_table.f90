@@ -21,11 +21,9 @@ module spintop_sweep_table
     use spintop_study_head, only: print_input
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: proof_group
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: columns_at
+    use spintop_sweep_columns, only: sweep_column_t, columns_at
     use spintop_sweep_engine, only: slot_t
-    use spintop_sweep_notes, only: note_names, note_no_turns_known, note_t
-    use spintop_sweep_result, only: proof_cells, value_count
+    use spintop_sweep_result, only: note_names, note_no_turns_known, note_t, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
     use spintop_text, only: string_t
     implicit none
@@ -184,7 +182,6 @@ contains
         real(dp), intent(in) :: parameters(:, :) !! the swept ones of each case
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
-        real(dp) :: listed(value_count)
         real(dp) :: sizes(size(columns))
         integer :: place(size(columns)), k, axes, final_status
 
@@ -194,9 +191,8 @@ contains
         associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(slots)))
             do k = 1, size(slots)
                 associate (slot => slots(k), values => cells(axes + 3:axes + 2 + size(columns), k))
-                    listed = slot%result%list()
                     final_status = slot%status
-                    values = listed(place) / sizes
+                    values = slot%result%of(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
                         call explain_missing(columns, values, slot%case, slot%note)
                         if (overflowed(columns, values)) final_status = status_non_finite

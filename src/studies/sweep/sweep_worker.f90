@@ -1,39 +1,47 @@
-!> The work of one thread in a sweep: makes cases, computes them, and fills their rows. Threads make texts one at a time, as
-!> those of `spintop_thread_team` do.
+!> The work of one thread in a sweep: makes cases, computes them, proves their numbers, and fills their rows. Threads make texts
+!> one at a time, as those of `spintop_thread_team` do.
 module spintop_sweep_worker
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
-    use spintop_certificate, only: proof_count
+    use spintop_sweep_axes, only: case_scene_t
+    use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_theta, proof_reasons, &
+        proof_words
     use spintop_clock, only: processor_seconds, seconds
     use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_effects, only: series_effects
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
+    use spintop_parameters, only: is_set
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
+    use spintop_row_proof, only: row_proof_t
+    use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
-    use spintop_case_scene, only: case_scene_t
-    use spintop_sweep_lanes, only: sweep_lanes_t
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_columns, only: columns_at, work_for
-    use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, slot_t, task_t
+    use spintop_study_column, only: proof_group
+    use spintop_sweep_columns, only: sweep_column_t, columns_at, work_for
+    use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, &
+        slot_t, task_t
     use spintop_sweep_exact, only: sweep_exact_t
-    use spintop_sweep_notes, only: note_t
-    use spintop_sweep_proof, only: prove_case, sweep_proofs
-    use spintop_sweep_result, only: asks_for_span, of_proof, of_threshold, sweep_result_t
-    use spintop_sweep_perturbations, only: perturbations_t
+    use spintop_sweep_lanes, only: sweep_lanes_t
+    use spintop_sweep_one_by_one, only: sweep_stepping_t, perturbations_t
+    use spintop_sweep_result, only: at_nutation_period, at_theta_end, at_phi_end, at_psi_end, at_t_end, &
+        at_theta_end_bound, at_phi_end_bound, at_psi_end_bound, at_proof, note_t, asks_for_span, of_proof, &
+        of_threshold, sweep_result_t, proof_cells
     use spintop_sweep_stability, only: set_threshold
-    use spintop_sweep_one_by_one, only: sweep_stepping_t
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
-    use spintop_parameters, only: is_set
+    use spintop_uncertainties, only: data_radii
     implicit none
     private
-    public :: sweep_worker_t, size_of_block
+    public :: sweep_worker_t, size_of_block, sweep_proofs, prove_case
+
+    !> The quantities of sweeps that have bounds, and the places of these.
+    integer, parameter :: quantities(3) = [proof_of_theta, proof_of_phi, proof_of_psi], &
+        bounds(3) = [at_theta_end_bound, at_phi_end_bound, at_psi_end_bound]
 
     !> Cases per block if each is expensive. Otherwise a block has as many cases as the exact solution
     !> computes at once.
@@ -228,7 +236,7 @@ contains
         integer :: k
         do k = 1, n
             associate (slot => worker%slots(k))
-                if (.not. is_ok(slot%status) .or. is_finite(slot%result%nutation_period)) cycle
+                if (.not. is_ok(slot%status) .or. is_finite(slot%result%of(at_nutation_period))) cycle
                 note = slot%note
                 call slot%note%clear()
                 call worker%swept%set_values(worker%parameters(:, k))
@@ -308,5 +316,43 @@ contains
         if (body%is_lagrange()) kind = symmetric_top
         if (allocated(body%effects)) kind = merge(affected, without_series, body%effects%only(series_effects))
     end function kind_of
+
+    !> Which quantities are to be proved for a table with these columns: those with a bound; also those that are printed,
+    !> if these are to be certified, or if there is a column `proof` without bounds.
+    pure function sweep_proofs(columns, certified) result(wanted)
+        type(sweep_column_t), intent(in) :: columns(:) !! of the table
+        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        logical :: wanted(proof_count)
+        integer :: i
+        wanted = [(any(columns%group == proof_group .and. columns%proof_of == i), i=1, proof_count)]
+        if (.not. certified .and. (any(wanted) .or. .not. any(columns%is_proof))) return
+        wanted = [(any(columns%proof_of == i), i=1, proof_count)]
+    end function sweep_proofs
+
+    !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.
+    subroutine prove_case(slot, wanted, scene)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
+        logical, intent(in) :: wanted(proof_count) !! which quantities are to be proved
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(row_proof_t) :: proof
+        real(dp) :: printed(proof_count)
+
+        associate (case => slot%case, values => slot%result)
+            printed = 0
+            printed(quantities) = [values%of(at_theta_end), values%of(at_phi_end), values%of(at_psi_end)]
+            call proof%open(wanted .and. is_finite(printed), scene%certified, case%given_body, case%given_start, &
+                            data_radii(scene))
+            call proof%prove(merge(values%of(at_t_end), case%t_end, is_finite(values%of(at_t_end))), printed)
+            call proof%close()
+            if (scene%certified) then
+                values%of(at_theta_end) = printed(proof_of_theta)
+                values%of(at_phi_end) = printed(proof_of_phi)
+                values%of(at_psi_end) = printed(proof_of_psi)
+            end if
+            where (proof%wanted(quantities)) values%of(bounds) = proof%bounds(quantities)
+            values%of(at_proof) = findloc(proof_cells, proof_words(merge(1, 0, proof%is_proved())), dim=1) - 1
+            if (.not. proof%is_proved()) call slot%note%explain('unproved: ' // trim(proof_reasons(proof%outcome())))
+        end associate
+    end subroutine prove_case
 
 end module spintop_sweep_worker

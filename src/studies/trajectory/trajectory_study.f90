@@ -6,29 +6,25 @@ module spintop_trajectory_study
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_internal
     use spintop_event_recorder, only: event_columns, event_recorder_t
-    use spintop_exact_cost, only: measure_exact_cost
+    use spintop_motion_costs, only: measure_exact_cost, describe_proof_cost
     use spintop_resumable_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
-    use spintop_motion_rows, only: compute_motion, writer_t
+    use spintop_motion_rows, only: compute_motion, writer_t, find_sensitivities
     use spintop_options, only: options_t
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
-    use spintop_proof_cost, only: describe_proof_cost
     use spintop_process, only: stop_watching_signals
     use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_steady_motion, only: sleeps_slowly
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
-    use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study, only: study_t
     use spintop_study_head, only: study_head
     use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
-    use spintop_text, only: escaped, string_t, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
-    use spintop_trajectory_sensitivities, only: find_sensitivities
+    use spintop_text, only: string_t, to_text, escaped
+    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
     public :: trajectory_study_t, run_trajectory
@@ -36,8 +32,6 @@ module spintop_trajectory_study
     !> One motion, one table.
     type, extends(study_t) :: trajectory_study_t
     contains
-        procedure, nopass :: info
-        procedure, nopass :: columns
         procedure :: check
         procedure :: explain
         procedure :: run
@@ -45,26 +39,6 @@ module spintop_trajectory_study
     end type trajectory_study_t
 
 contains
-
-    !> Properties of trajectories.
-    function info()
-        type(study_info_t) :: info
-        info = study_info_t(trim(study_kinds(kind_trajectory)), 'a trajectory', 'trajectories', '', &
-                            'one motion: a row per sample in time', takes_columns=.true., has_netcdf=.true., has_events=.true., &
-                            resumes=.true.)
-    end function info
-
-    !> All columns.
-    function columns()
-        type(listed_column_t), allocatable :: columns(:)
-        allocate (columns(size(trajectory_columns)))
-        columns%study_column_t = trajectory_columns%study_column_t
-        columns%words = trajectory_columns%is_proof
-        columns%compares = trajectory_columns%compares
-        columns%is_default = trajectory_columns%is_default
-        columns%needs_exact_motion = trajectory_columns%needs_exact_motion
-        columns%needs_effects = trajectory_columns%needs_effects
-    end function columns
 
     !> Plans the motion.
     subroutine check(self, job, problems, diagnostics)
@@ -105,7 +79,7 @@ contains
 
     !> Computes the motion; the study fails if it ends early.
     subroutine run(self, job, options, summary, code, error)
-        class(trajectory_study_t), intent(in) :: self
+        class(trajectory_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(out) :: summary !! lines for standard output

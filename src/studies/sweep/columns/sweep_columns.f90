@@ -4,21 +4,53 @@
 !> A line says what the column needs, which is computed for a case where it is wanted. The value of the column is that in its
 !> place in the list of the results of the case (spintop_sweep_result).
 module spintop_sweep_columns
+    use spintop_case, only: case_t
     use spintop_certificate, only: proof_of_phi, proof_of_psi, proof_of_theta
-    use spintop_study_column, only: chosen_column_t
-    use spintop_sweep_column, only: sweep_column_t
-    use spintop_sweep_free_columns, only: sweep_free_columns
-    use spintop_sweep_proof_columns, only: sweep_proof_columns
-    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_period, &
-        explain_not_stuck
-    use spintop_sweep_result, only: of_nutation, of_range, of_whole, of_measured, of_fastest, of_lowest, &
-        of_details, of_class, of_nutation_rate, of_force, of_vertical_force, of_fast_top, of_period, of_end, &
-        of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, of_singular, of_multiplier, &
-        of_threshold, kinds_of_work, set_of
+    use spintop_kinds, only: dp
+    use spintop_study_column, only: chosen_column_t, study_column_t, proof_group
+    use spintop_sweep_result, only: note_t, note_nothing_to_bound, of_nutation, of_range, of_whole, of_measured, &
+        of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force, of_vertical_force, of_fast_top, &
+        of_period, of_end, of_turns, of_energy, of_oracle, of_inherent, of_cost, of_growth, of_lyapunov, &
+        of_singular, of_multiplier, of_threshold, kinds_of_work, set_of, of_free, of_geometric, of_proof
+    use spintop_sweep_quantities, only: explain_no_exact_motion, explain_no_period, explain_not_stuck
     use spintop_sweep_stability, only: explain_no_threshold
     implicit none
     private
-    public :: sweep_columns, columns_at, work_for
+    public :: sweep_columns, columns_at, work_for, sweep_column_t, sweep_free_columns, sweep_proof_columns
+
+    !> A column of a sweep.
+    type, extends(study_column_t) :: sweep_column_t
+        !> What is to be computed for it (spintop_sweep_result).
+        logical :: needs(kinds_of_work) = .false.
+        !> Its place in the list of all columns, and of its value in that of a result.
+        integer :: place = 0
+        !> It is in the table when the input names no columns: it costs no more than the rest.
+        logical :: is_default = .false.
+        !> It is the end of the motion.
+        logical :: is_end = .false.
+        !> Every case has it that ends well.
+        logical :: always_exists = .false.
+        !> It is a class of motion, and not a number.
+        logical :: is_class = .false.
+        !> It is a word that tells whether the bounds are proved.
+        logical :: is_proof = .false.
+        !> The quantity (spintop_certificate) that it contains, or whose bound it is; 0 if there is none.
+        integer :: proof_of = 0
+        !> Notes why a case lacks it, where nothing else that comes with it does.
+        procedure(explain_i), pointer, nopass :: explain => null()
+        !> In a table: the quantity is the number in it times the size of its unit.
+        real(dp) :: size = 1
+    end type sweep_column_t
+
+    abstract interface
+        !> Adds a note if there is something to add.
+        subroutine explain_i(case, note)
+            import :: case_t, note_t
+            implicit none
+            type(case_t), intent(in) :: case
+            type(note_t), intent(inout) :: note
+        end subroutine explain_i
+    end interface
 
     !> What several columns need.
     integer, parameter :: range_of_theta(*) = [of_nutation, of_range], end_and_turns(*) = [of_end, of_turns], &
@@ -145,5 +177,40 @@ contains
         integer :: i
         wanted = [(any(columns%needs(i)), i=1, kinds_of_work)]
     end function work_for
+
+    !> The columns, in the order of the documentation.
+    function sweep_free_columns() result(columns)
+        type(sweep_column_t), allocatable :: columns(:)
+        columns = [ &
+            sweep_column_t('momentum_period', 's', 'period of the angular momentum in a free body', &
+                           'free', set_of([of_free])), &
+            sweep_column_t('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', set_of([of_free])), &
+            sweep_column_t('momentum_turn_geometric', 'rad', 'geometric phase, momentum_turn less 2 E momentum_period/L', &
+                           'free', set_of([of_free, of_geometric])), &
+            sweep_column_t('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
+                           'free', set_of([of_free])), &
+            sweep_column_t('omega_max', 'rad/s', 'maximum angular velocity of a free body', 'free', set_of([of_free]))]
+    end function sweep_free_columns
+
+    !> The columns, in the order of the documentation.
+    function sweep_proof_columns() result(columns)
+        type(sweep_column_t), allocatable :: columns(:)
+        columns = [ &
+            sweep_column_t('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_theta), &
+            sweep_column_t('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_phi), &
+            sweep_column_t('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
+                           proof_group, set_of([of_proof, of_end]), explain=explain_no_number, proof_of=proof_of_psi), &
+            sweep_column_t('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
+                           proof_group, set_of([of_proof]), is_proof=.true.)]
+    end function sweep_proof_columns
+
+    !> Notes that there is nothing to bound.
+    subroutine explain_no_number(case, note)
+        type(case_t), intent(in) :: case
+        type(note_t), intent(inout) :: note
+        if (note%flags == 0) call note%add(note_nothing_to_bound)
+    end subroutine explain_no_number
 
 end module spintop_sweep_columns

@@ -2,15 +2,15 @@
 !> of the precession rate, and the minima of the height of the centre of mass. All are those of body z as it was given,
 !> which is another axis than that of the computation where the body was given by an inertia tensor.
 module spintop_nutation_recorder
-    use spintop_kinds, only: dp, no_number, pi
-    use spintop_measures, only: fastest, fastest_nutation, largest_force, lowest_centre, measures_t, own_directions, own_names, &
-        vertical_force
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite, is_zero
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
+    use spintop_kinds, only: dp, no_number, pi
     use spintop_motion, only: motion_from_quaternion, motion_t
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_motions, only: instants, motions_t, axis_slopes, centre_slopes, find_force_slopes, &
         nutation_slopes, precession_slopes
     use spintop_nutation, only: nutation_t, class_loop, class_cusp, class_wave, class_steady, &
@@ -18,11 +18,32 @@ module spintop_nutation_recorder
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: exactly_plane, polar_precession_rate, precession_is_lost, swings_over_poles
     use spintop_quantities, only: angular_acceleration, axis_height_rate, support_force
-    use spintop_attitude, only: vertical_from_quaternion
     use spintop_turning_record, only: count_end, interrupt, turning_points_t, turns_at, upper, lower
     implicit none
     private
-    public :: nutation_recorder_t, measures_t, nutation_of, no_class
+    public :: nutation_recorder_t, measures_t, nutation_of, no_class, lowest_centre, fastest, fastest_nutation
+    public :: vertical_force, largest_force, own_names, own_directions
+
+    !> The events that can be measured; those that are wanted follow those of the scene. The turning points are
+    !> the first two (`spintop_turning_record`).
+    integer, parameter :: lowest_centre = 3, fastest = 4, fastest_nutation = 5, vertical_force = 6, largest_force = 7
+    !> Their names and directions.
+    character(*), parameter :: own_names(largest_force) = [character(16) :: 'upper', 'lower', 'lowest', 'fastest', &
+        'fastest nutation', 'vertical force', 'largest force']
+    integer, parameter :: own_directions(largest_force) = [-1, 1, 1, 0, 0, 0, -1]
+
+    !> What is measured.
+    type :: measures_t
+        logical :: turning = .true. !! the turning points
+        logical :: lowest = .true. !! the minimum height of the centre of mass
+        logical :: fastest = .true. !! the largest precession rate
+        logical :: nutation_rate = .false. !! the largest nutation rate
+        logical :: vertical_force = .false. !! the extremes of the vertical support force
+        logical :: force = .false. !! the largest support force
+    contains
+        procedure :: has_forces
+        procedure :: events => wanted_events
+    end type measures_t
 
     !> Class of a motion whose nutations belong to several classes.
     integer, parameter :: no_class = 0
@@ -352,5 +373,20 @@ contains
             end if
         end associate
     end function class_of
+
+    !> Whether the nutation rate or the support force is measured.
+    pure logical function has_forces(self)
+        class(measures_t), intent(in) :: self !! what is measured
+        has_forces = self%nutation_rate .or. self%vertical_force .or. self%force
+    end function has_forces
+
+    !> The events that are to be found.
+    pure function wanted_events(self) result(own)
+        class(measures_t), intent(in) :: self !! what is measured
+        integer, allocatable :: own(:)
+        integer :: k
+        own = pack([(k, k=1, largest_force)], [self%turning, self%turning, self%lowest, self%fastest, &
+            self%nutation_rate, self%vertical_force, self%force])
+    end function wanted_events
 
 end module spintop_nutation_recorder

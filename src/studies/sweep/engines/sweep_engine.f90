@@ -8,9 +8,8 @@ module spintop_sweep_engine
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_plan, only: plan_t
-    use spintop_status, only: is_good_end, status_meanings, status_ok
-    use spintop_sweep_notes, only: note_no_turns_known, note_t
-    use spintop_sweep_result, only: kinds_of_work, of_turns, of_whole, sweep_result_t
+    use spintop_status, only: is_good_end, is_ok, status_meanings, status_non_finite, status_ok, status_step_limit
+    use spintop_sweep_result, only: note_no_turns_known, note_t, kinds_of_work, of_turns, of_whole, sweep_result_t
     implicit none
     private
     public :: task_t, slot_t, engine_t, engine_entry_t, run_engines
@@ -45,6 +44,7 @@ module spintop_sweep_engine
     contains
         procedure :: fail
         procedure :: explain_turns
+        procedure :: store_or_explain
     end type slot_t
 
     !> A way to compute cases.
@@ -126,6 +126,21 @@ contains
         if (passages == 0 .or. .not. (wanted(of_turns) .or. wanted(of_whole))) return
         call self%note%add(note_no_turns_known, 'the motion passes a pole within its error')
     end subroutine explain_turns
+
+    !> Stores a value of perturbations, or notes the reason why there is none. Work that was not finished, or overflow, is a
+    !> failure of the case.
+    subroutine store_or_explain(self, place, value, how, reason)
+        class(slot_t), intent(inout) :: self
+        integer, intent(in) :: place !! of the quantity
+        real(dp), intent(in) :: value !! its value
+        integer, intent(in) :: how, reason !! how its computation ended; the note if that failed
+        if (is_ok(how)) then
+            self%result%of(place) = value
+        else
+            call self%note%add(reason, trim(status_meanings(how)))
+            if (how == status_step_limit .or. how == status_non_finite) self%status = how
+        end if
+    end subroutine store_or_explain
 
     !> Ends a case without success.
     subroutine fail(self, status)

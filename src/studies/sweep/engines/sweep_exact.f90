@@ -12,11 +12,11 @@ module spintop_sweep_exact
     use spintop_regular_start, only: rates_describe
     use spintop_status, only: is_ok, status_step_limit
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_notes, only: note_no_stop
+    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, &
+        note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_lowest, &
+        of_nutation, of_period, of_turns
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
         set_details, precession_period, lowest_height
-    use spintop_sweep_result, only: kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, &
-        of_lowest, of_nutation, of_period, of_turns
     use spintop_sweep_stability, only: compute_stability
     use spintop_sweep_stop, only: stop_exactly
     implicit none
@@ -121,19 +121,19 @@ contains
         if (wanted(of_nutation)) call unload_nutation(block, lane, wanted, slot)
         if (wanted(of_fast_top)) call set_fast_top(slot)
         if (wanted(of_period)) then
-            call set_azimuth(block%t_period(lane) > 0, block%phi_at_period(lane), slot%result, slot%note)
+            call set_azimuth(slot, block%t_period(lane) > 0, block%phi_at_period(lane))
         end if
         if (wanted(of_end) .or. wanted(of_energy)) then
             call unload_end(block, lane, wanted, slot)
             if (.not. is_ok(slot%status)) return
         end if
-        slot%result%evaluations = 0
-        slot%result%orientation_error = 0
+        slot%result%of(at_evaluations) = 0
+        slot%result%of(at_orientation_error) = 0
         if (wanted(of_details)) call set_details(slot)
         if (wanted(of_free)) call find_free_constants(slot, wanted)
         call compute_stability(slot, slot%case%t_end, wanted)
         if (wanted(of_inherent)) then
-            slot%result%inherent_error = inherent_error(slot%case%body, slot%case%start, slot%case%t_end)
+            slot%result%of(at_inherent_error) = inherent_error(slot%case%body, slot%case%start, slot%case%t_end)
         end if
     end subroutine unload_lane
 
@@ -156,7 +156,7 @@ contains
             nutation%precession_rate = nutation%precession / nutation%period
         end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
-        if (wanted(of_lowest)) slot%result%com_z_min = lowest_height(slot%case, nutation%theta_max)
+        if (wanted(of_lowest)) slot%result%of(at_com_z_min) = lowest_height(slot%case, nutation%theta_max)
         call set_nutation(slot, nutation)
     end subroutine unload_nutation
 

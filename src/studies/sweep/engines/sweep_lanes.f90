@@ -16,8 +16,9 @@ module spintop_sweep_lanes
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_fast_top, of_fastest, of_force, &
-        of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, of_vertical_force
+    use spintop_sweep_result, only: at_energy_error_max, at_evaluations, kinds_of_work, of_class, of_fast_top, &
+        of_fastest, of_force, of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, &
+        of_vertical_force
     use spintop_sweep_stability, only: compute_stability
     use spintop_sweep_monitors, only: sweep_monitors_t
     use spintop_sweep_stop, only: ends_in_lanes
@@ -147,12 +148,12 @@ contains
         slot%status = outcome%status
         if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
         if (wanted(of_fast_top)) call set_fast_top(slot)
-        slot%result%evaluations = real(outcome%counts%evaluations, dp)
+        slot%result%of(at_evaluations) = real(outcome%counts%evaluations, dp)
         if (is_good_end(slot%status)) then
             ! Without an energy error, which a monitor measures if it is wanted.
-            call set_end(slot, last, (slot%result%energy_error_max))
+            call set_end(slot, last, (slot%result%of(at_energy_error_max)))
             call slot%explain_turns(outcome%doubtful_passages, wanted)
-            call self%monitors%store_quantities(slot%case, wanted, i, last, slot%result, slot%status, slot%note)
+            call self%monitors%store_quantities(wanted, i, last, slot)
             call find_free_constants(slot, wanted)
         else
             call slot%fail(slot%status)

@@ -1,30 +1,52 @@
 !> The quantities of a sweep that monitors measure along the motions in lanes.
 module spintop_sweep_monitors
-    use spintop_azimuth_lanes, only: azimuth_lanes_t
+    use spintop_body, only: body_t
+    use spintop_energy_lanes, only: energy_lanes_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
-    use spintop_case, only: case_t
     use spintop_energy_lanes, only: energy_lanes_t
     use spintop_lyapunov, only: growth_lanes_t
     use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t
     use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t, stop_motion
+    use spintop_lyapunov, only: growth_lanes_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t
     use spintop_nutation_recorder, only: nutation_of
     use spintop_quantities, only: angular_acceleration
-    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_step_limit
+    use spintop_sweep_engine, only: slot_t
     use spintop_stepper, only: controls_t
-    use spintop_sweep_stop, only: stop_monitor
-    use spintop_sweep_notes, only: note_no_lyapunov, note_no_singular, note_no_stop, note_t
-    use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_energy, of_fastest, of_force, of_lowest, &
+    use spintop_sweep_quantities, only: set_azimuth, set_measured_nutation, precession_period
+    use spintop_sweep_result, only: at_com_z_min, at_energy_error_max, at_theta_rate_max, at_force_max, &
+        at_force_z_min, at_force_z_max, at_lyapunov_exponent, at_largest_singular_value, note_no_lyapunov, &
+        note_no_singular, note_no_stop, kinds_of_work, of_class, of_energy, of_fastest, of_force, of_lowest, &
         of_lyapunov, of_nutation_rate, of_period, of_range, of_singular, of_vertical_force, of_whole, sweep_result_t
+    use spintop_sweep_stop, only: stop_monitor
+    use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_turning_record, only: count_end, turning_points_t, upper, lower
-    use spintop_watched_quantities, only: watch_centre_height, watch_nutation_rate, watch_precession_rate, watch_total_force, &
-        watch_turning, watch_vertical_force, watched_t
+    use spintop_watched_quantities, only: watch_centre_height, watch_nutation_rate, watch_precession_rate, &
+        watch_total_force, watch_turning, watch_vertical_force, watched_t
     implicit none
     private
-    public :: sweep_monitors_t
+    public :: sweep_monitors_t, azimuth_lanes_t
+
+    !> The end of a motion is the period if it is by no more than this, relatively, before it.
+    real(dp), parameter :: rounding = 4 * epsilon(1.0_dp)
+
+    !> Watches the azimuth.
+    type, extends(lane_monitor_t) :: azimuth_lanes_t
+        !> Whether the motion of each case reached the period, and its change of phi then, rad.
+        logical, allocatable :: seen(:)
+        real(dp), allocatable :: azimuth(:)
+        !> The period, s, of lanes that have not reached it; of others it is beyond all times.
+        real(dp), private :: period(lanes) = huge(1.0_dp)
+        logical, private :: seen_in(lanes) = .false.
+        real(dp), private :: azimuth_in(lanes) = 0
+    contains
+        procedure :: prepare
+        procedure :: begin
+        procedure :: observe
+        procedure :: finish
+    end type azimuth_lanes_t
 
     !> Monitors for the work of a sweep; `slots` is passed to `integrate_many`.
     type :: sweep_monitors_t
@@ -85,17 +107,14 @@ contains
 
     end subroutine create
 
-    !> Sets the quantities measured of a case of the last run. `status` reports work on perturbations that was not
+    !> Sets the quantities measured of a case of the last run. Its status reports work on perturbations that was not
     !> finished, or overflow.
-    subroutine store_quantities(self, case, wanted, i, last, values, status, note)
+    subroutine store_quantities(self, wanted, i, last, slot)
         class(sweep_monitors_t), intent(in) :: self
-        type(case_t), intent(in) :: case !! the case whose quantities are set
         logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
         integer, intent(in) :: i !! number of the case in the run
         type(motion_t), intent(in) :: last !! the motion at the end
-        type(sweep_result_t), intent(inout) :: values !! the quantities of the case
-        integer, intent(inout) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(note_t), intent(inout) :: note !! notes on the case
+        type(slot_t), intent(inout) :: slot !! the case, and what is known of it
         type(nutation_t) :: nutation
         type(turning_points_t) :: turns(upper:lower)
         real(dp) :: ends(2), rate
@@ -108,51 +127,35 @@ contains
             type is (lane_watch_t)
                 select case (monitor%action)
                 case (stop_motion)
-                    if (.not. monitor%event_occurred(i)) call note%add(note_no_stop)
+                    if (.not. monitor%event_occurred(i)) call slot%note%add(note_no_stop)
                 case (keep_extremes)
-                    call set_extreme(monitor, i, values, rate)
+                    call set_extreme(monitor, i, slot%result, rate)
                 case (count_turns)
                     turns = monitor%turns(:, i)
                 end select
             type is (azimuth_lanes_t)
-                call set_azimuth(monitor%seen(i), monitor%azimuth(i), values, note)
+                call set_azimuth(slot, monitor%seen(i), monitor%azimuth(i))
             type is (energy_lanes_t)
-                values%energy_error_max = monitor%error_max(i)
+                slot%result%of(at_energy_error_max) = monitor%error_max(i)
             type is (growth_lanes_t)
                 associate (found => monitor%growth(i))
-                    if (monitor%is_singular) call store_or_explain(values%largest_singular_value, found%singular, &
-                                                                   found%singular_status, note_no_singular)
-                    if (monitor%has_exponent) call store_or_explain(values%lyapunov_exponent, found%exponent, &
-                                                                    found%exponent_status, note_no_lyapunov)
+                    if (monitor%is_singular) call slot%store_or_explain(at_largest_singular_value, found%singular, &
+                                                                        found%singular_status, note_no_singular)
+                    if (monitor%has_exponent) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
+                                                                         found%exponent_status, note_no_lyapunov)
                 end associate
             end select
         end do
         if (wanted(of_whole) .or. wanted(of_range)) then
-            call count_end(turns, case%start, last, angular_acceleration(case%body, last))
+            call count_end(turns, slot%case%start, last, angular_acceleration(slot%case%body, last))
         end if
-        ends = [case%start%angle(2), last%angle(2)]
+        ends = [slot%case%start%angle(2), last%angle(2)]
         if (wanted(of_fastest) .or. wanted(of_class)) then
             call nutation_of(turns, ends, nutation, is_whole, rate)
         else
             call nutation_of(turns, ends, nutation, is_whole)
         end if
-        call set_measured_nutation(case, wanted, nutation, is_whole, any(turns%is_interrupted), values, note)
-
-    contains
-
-        !> Stores a value, or notes the reason why there is none.
-        subroutine store_or_explain(quantity, value, how, reason)
-            real(dp), intent(inout) :: quantity
-            real(dp), intent(in) :: value
-            integer, intent(in) :: how, reason
-            if (is_ok(how)) then
-                quantity = value
-            else
-                call note%add(reason, trim(status_meanings(how)))
-                if (how == status_step_limit .or. how == status_non_finite) status = how
-            end if
-        end subroutine store_or_explain
-
+        call set_measured_nutation(slot, wanted, nutation, is_whole, any(turns%is_interrupted))
     end subroutine store_quantities
 
     !> Sets an extreme of a case of the last run; the precession rate is for the nutation.
@@ -165,15 +168,69 @@ contains
         case (watch_precession_rate)
             precession = monitor%largest(i)
         case (watch_nutation_rate)
-            values%theta_rate_max = monitor%largest(i)
+            values%of(at_theta_rate_max) = monitor%largest(i)
         case (watch_centre_height)
-            values%com_z_min = monitor%least(i)
+            values%of(at_com_z_min) = monitor%least(i)
         case (watch_vertical_force)
-            values%force_z_min = monitor%least(i)
-            values%force_z_max = monitor%largest(i)
+            values%of(at_force_z_min) = monitor%least(i)
+            values%of(at_force_z_max) = monitor%largest(i)
         case (watch_total_force)
-            values%force_max = monitor%largest(i)
+            values%of(at_force_max) = monitor%largest(i)
         end select
     end subroutine set_extreme
+
+    !> Makes room for so many cases.
+    subroutine prepare(self, cases)
+        class(azimuth_lanes_t), intent(inout) :: self
+        integer, intent(in) :: cases !! number of cases
+        if (allocated(self%seen)) deallocate (self%seen, self%azimuth)
+        allocate (self%seen(cases), source=.false.)
+        allocate (self%azimuth(cases), source=0.0_dp)
+        self%period = huge(1.0_dp)
+    end subroutine prepare
+
+    !> A case begins in a lane.
+    subroutine begin(self, run, lane, body, start)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: period
+        period = precession_period(body, start)
+        self%period(lane) = merge(period, huge(period), period > 0)
+        self%seen_in(lane) = .false.
+        self%azimuth_in(lane) = -start%angle(1)
+    end subroutine begin
+
+    !> Records the azimuth in lanes that reached the period in the last step.
+    subroutine observe(self, run)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        real(dp) :: angles(2)
+        integer :: lane
+        associate (now => run%now)
+            if (.not. any(now%t * (1 + rounding) >= self%period)) return
+            do lane = 1, lanes
+                if (.not. now%t(lane) * (1 + rounding) >= self%period(lane)) cycle
+                ! What the next step begins with is more accurate there.
+                if (self%period(lane) > now%t(lane) .and. now%t(lane) < now%t_end(lane)) cycle
+                angles = run%angles_at(lane, min(self%period(lane), now%t(lane)))
+                self%azimuth_in(lane) = self%azimuth_in(lane) + angles(1)
+                self%seen_in(lane) = .true.
+                self%period(lane) = huge(1.0_dp)
+            end do
+        end associate
+    end subroutine observe
+
+    !> The case in a lane is at its end.
+    subroutine finish(self, run, lane, case)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        self%seen(case) = self%seen_in(lane)
+        self%azimuth(case) = self%azimuth_in(lane)
+        self%period(lane) = huge(1.0_dp)
+    end subroutine finish
 
 end module spintop_sweep_monitors

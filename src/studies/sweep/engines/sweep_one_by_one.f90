@@ -1,15 +1,17 @@
-!> Cases of a sweep that are computed one by one: integrated numerically, or followed along their closed form.
+!> Cases of a sweep that are computed one by one: integrated numerically, or followed along their closed form; and what
+!> perturbations of their motions tell, found together in lanes for the cases of a block, however their motions were computed.
 module spintop_sweep_one_by_one
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp
-    use spintop_compare, only: is_finite
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
     use spintop_conditioning, only: inherent_error
-    use spintop_exact_path, only: exact_path_t
+    use spintop_event_recorder, only: exact_path_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_kinds, only: dp
+    use spintop_lyapunov, only: find_growth, growth_t
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_recorder, only: measures_t, nutation_recorder_t
@@ -18,16 +20,18 @@ module spintop_sweep_one_by_one
     use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_notes, only: note_t, note_no_details, note_no_stop
-    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, &
-        set_azimuth, set_end, set_details, precession_period, lowest_height
-    use spintop_sweep_result, only: kinds_of_work, of_class, of_cost, of_details, of_end, of_energy, of_fast_top, &
-        of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, of_nutation, &
-        of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, sweep_result_t
+    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
+        set_end, set_details, precession_period, lowest_height
+    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
+        at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
+        of_energy, of_fast_top, of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, &
+        of_nutation, of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, &
+        sweep_result_t, at_lyapunov_exponent, at_largest_singular_value, note_no_lyapunov, note_no_singular, &
+        of_lyapunov, of_singular
     use spintop_sweep_stability, only: compute_stability
     implicit none
     private
-    public :: sweep_stepping_t
+    public :: sweep_stepping_t, perturbations_t
 
     !> The engine for every case.
     type, extends(engine_t) :: sweep_stepping_t
@@ -49,6 +53,13 @@ module spintop_sweep_one_by_one
     contains
         procedure :: observe
     end type witness_t
+
+    !> The engine for perturbations of motions that have been computed.
+    type, extends(engine_t) :: perturbations_t
+    contains
+        procedure :: compute => compute_perturbations
+        procedure, nopass :: shares_lanes
+    end type perturbations_t
 
 contains
 
@@ -82,7 +93,7 @@ contains
                     call find_nutation(case%body, case%start, nutation, status)
                     if (is_ok(status)) then
                         call set_nutation(slot, nutation)
-                        slot%result%com_z_min = lowest_height(case, nutation%theta_max)
+                        slot%result%of(at_com_z_min) = lowest_height(case, nutation%theta_max)
                     else
                         call slot%note%explain(trim(status_meanings(status)))
                     end if
@@ -123,7 +134,7 @@ contains
                 which%fastest = .true.
                 slot%note = before
             end do
-            call compute_stability(slot, slot%result%t_end, wanted)
+            call compute_stability(slot, slot%result%of(at_t_end), wanted)
             if (measures) call set_measured(slot, recorder, wanted)
             call find_free_constants(slot, wanted)
             if (stops) then
@@ -182,13 +193,13 @@ contains
                 end if
             end if
             slot%status = outcome%status
-            values%evaluations = real(outcome%counts%evaluations, dp)
-            if (wanted(of_period)) call set_azimuth(witness%saw_period, witness%azimuth_at_period, values, slot%note)
+            values%of(at_evaluations) = real(outcome%counts%evaluations, dp)
+            if (wanted(of_period)) call set_azimuth(slot, witness%saw_period, witness%azimuth_at_period)
             if (.not. is_good_end(slot%status)) then
                 call slot%fail(slot%status)
                 return
             end if
-            values%t_stuck = outcome%t_stuck
+            values%of(at_t_stuck) = outcome%t_stuck
             call set_end(slot, witness%last, witness%energy_error)
             call slot%explain_turns(outcome%doubtful_passages, wanted)
             if (case%body%has_closed_form()) call compare_with_exact(case, wanted, witness%last, values)
@@ -247,11 +258,11 @@ contains
         if (wanted(of_oracle)) then
             call prepare_exact_motion(case%body, case%start, exact, status)
             if (is_ok(status)) then
-                values%orientation_error = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
+                values%of(at_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
             end if
         end if
         if (wanted(of_inherent)) then
-            values%inherent_error = inherent_error(case%body, case%start, last%t)
+            values%of(at_inherent_error) = inherent_error(case%body, case%start, last%t)
         end if
     end subroutine compare_with_exact
 
@@ -308,5 +319,42 @@ contains
         ! A value that is not finite is kept.
         if (is_finite(self%energy_error) .and. .not. energy <= self%energy_error) self%energy_error = energy
     end subroutine update_energy_error
+
+    !> Cases of one limit of work share lanes.
+    logical function shares_lanes(a, b)
+        type(slot_t), intent(in) :: a, b !! the cases
+        shares_lanes = a%max_steps == b%max_steps
+    end function shares_lanes
+
+    !> Computes what perturbations of the cases have to tell.
+    subroutine compute_perturbations(self, slots, list, task)
+        class(perturbations_t), intent(inout) :: self
+        type(slot_t), intent(inout) :: slots(:) !! the block
+        integer, intent(in) :: list(:) !! the places of the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
+    end subroutine compute_perturbations
+
+    !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
+    subroutine compute_growths(slots, list, wanted)
+        type(slot_t), intent(inout) :: slots(:)
+        integer, intent(in) :: list(:)
+        logical, intent(in) :: wanted(kinds_of_work)
+        type(growth_t), allocatable :: growth(:)
+        integer :: i
+
+        if (size(list) == 0) return
+        allocate (growth(size(list)))
+        call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
+                         wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
+        do i = 1, size(list)
+            associate (found => growth(i), slot => slots(list(i)))
+                if (wanted(of_lyapunov)) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
+                                                                    found%exponent_status, note_no_lyapunov)
+                if (wanted(of_singular)) call slot%store_or_explain(at_largest_singular_value, found%singular, &
+                                                                    found%singular_status, note_no_singular)
+            end associate
+        end do
+    end subroutine compute_growths
 
 end module spintop_sweep_one_by_one

@@ -4,8 +4,7 @@ module spintop_sweep_stop
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
     use spintop_compare, only: is_equal, is_zero
-    use spintop_event_recorder, only: event_recorder_t
-    use spintop_exact_path, only: exact_path_t
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: pi, dp
     use spintop_lane_watch, only: lane_watch_t

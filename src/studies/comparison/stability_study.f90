@@ -1,0 +1,381 @@
+!> The stability study: every method on motions that are difficult to integrate.
+!>
+!> Every method runs every case. The motion is compared with the exact solution, or with a motion in quadruple
+!> precision. One row per case and method contains the errors, the drifts of the invariants, the cost and a
+!> verdict.
+module spintop_stability_study
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_case, only: make_case
+    use spintop_comparison, only: add_methods, find_cases, method_choice_t, setting_t, attempt_t, comparison_t, &
+        make_scene_of_settings, problem_t
+    use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t, internal_error
+    use spintop_formulation, only: structure_quadruple
+    use spintop_hard_cases, only: hard_cases, settings_of
+    use spintop_job, only: job_t
+    use spintop_kinds, only: dp, no_number
+    use spintop_lyapunov, only: find_lyapunov
+    use spintop_methods, only: method_infos
+    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_parameters, only: is_set, unset_integer
+    use spintop_plan, only: plan_t
+    use spintop_problems, only: problems_t
+    use spintop_reference_motion, only: find_reference
+    use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_scene_keys, only: scene_t
+    use spintop_scene_words, only: reference_auto
+    use spintop_status, only: is_ok, status_meaning, status_names
+    use spintop_stepper, only: method_info_t
+    use spintop_study_column, only: listed_column_t
+    use spintop_summary, only: summary_t
+    use spintop_text, only: string_t, to_text
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_trial, only: errors_t, run_trial, trial_t
+    use spintop_verdict, only: explain_trial, judge_trial, verdict_meaning, verdict_names, verdict_no_reference, verdict_unsuitable
+    implicit none
+    private
+    public :: stability_study_t, own_case, stability_columns, add_row
+
+    !> Name of the case of the input.
+    character(*), parameter :: own_case = 'input'
+    !> Default tolerance.
+    real(dp), parameter :: default_tolerance = 1.0e-12_dp
+    !> Default number of steps for the case of the input.
+    integer, parameter :: default_steps = 8000
+    !> Methods on motions that are difficult to integrate.
+    type, extends(comparison_t) :: stability_study_t
+        !> Indices in the catalogue; 0 is the case of the input.
+        integer, allocatable :: places(:)
+        !> The relative tolerance of adaptive methods.
+        real(dp) :: tolerance = default_tolerance
+    contains
+        procedure :: check
+        procedure :: choose
+        procedure :: scene_of
+        procedure :: settings
+        procedure :: compare
+        procedure :: judge
+        procedure :: remarks
+        procedure :: summarize
+    end type stability_study_t
+
+    !> All columns, in the order of the table.
+    type(listed_column_t), parameter :: stability_columns(*) = [ &
+        listed_column_t('case', '', 'case of the catalogue', 'trial', words=.true.), &
+        listed_column_t('method', '', 'method', 'trial', words=.true.), &
+        listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
+        listed_column_t('verdict', '', 'verdict on the computed motion', 'verdict', words=.true.), &
+        listed_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
+        listed_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
+        listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
+        listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
+        listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
+        listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
+        listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
+        listed_column_t('steps', '', 'steps', 'cost'), &
+        listed_column_t('rejected', '', 'rejected steps', 'cost'), &
+        listed_column_t('evaluations', '', 'RHS evaluations', 'cost'), &
+        listed_column_t('time_s', 's', 'computing time', 'cost'), &
+        listed_column_t('status', '', 'status of the run', 'verdict', words=.true.), &
+        listed_column_t('t', 's', 'time reached', 'verdict'), &
+        listed_column_t('upright_growth', '1/s', &
+                        'largest growth rate of the symmetric top sleeping upright with this spin', &
+                           'growth'), &
+        listed_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
+        listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
+        listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
+                        'reference'), &
+        listed_column_t('reason', '', 'reason of the verdict', 'verdict', words=.true.)]
+
+    !> Combinations that are run in addition to each method with the formulation that suits the body.
+    character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &
+        'ode45/lagrange', 'ode45/euler', 'dop853/lagrange', 'dop853/euler', 'taylor/rigid_body', &
+        'splitting_8/rigid_body']
+
+    !> Fewest and most intervals between the times at which a motion is compared, as far as the steps allow it.
+    integer, parameter :: fewest_intervals = 40, most_intervals = 1000
+
+contains
+
+    !> Finds the cases and the methods; checks the case of the input if it is one of them.
+    subroutine check(self, job, problems, diagnostics)
+        class(stability_study_t), intent(inout) :: self
+        type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(scene_t), allocatable :: scene
+
+        call self%choose(job%input%scene, problems)
+        self%count = size(self%places)
+        self%attempts_each = size(self%choices)
+        allocate (self%verdicts(size(self%choices), size(verdict_names)), source=0_int64)
+        self%phrase = 'the stability of ' // to_text(size(self%choices)) // ' methods on ' // to_text(size(self%places)) // ' cases'
+        if (problems%any() .or. all(self%places > 0)) return
+        call job%make_first_case(scene, problems, planned=.false.)
+    end subroutine check
+
+    !> The named cases and methods, or all.
+    subroutine choose(self, scene, problems)
+        class(stability_study_t), intent(inout) :: self
+        type(scene_t), intent(in) :: scene !! contents of the input
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(*), parameter :: compares = 'a stability study compares methods and formulations', &
+            hint = 'name them in stability.methods'
+        integer :: i
+
+        if (scene%stop_at /= '') then
+            call problems%add('span.stop_at', 'a stability study computes each motion to the end of its span', 'omit it')
+        end if
+        if (scene%method /= 'auto') call problems%add('integration.method', compares, hint)
+        if (scene%formulation /= 'auto') call problems%add('integration.formulation', compares, hint)
+        if (all(scene%stability_cases == '')) then
+            self%places = pack([(i, i=1, size(hard_cases))], .not. hard_cases%is_long)
+        else
+            call find_cases('stability.cases', 'case', scene%stability_cases, [character(24) :: hard_cases%name, own_case], &
+                            self%places, problems)
+            where (self%places > size(hard_cases)) self%places = 0 ! the case of the input
+        end if
+        if (is_set(scene%relative_tolerance)) self%tolerance = scene%relative_tolerance
+        if (all(scene%stability_methods == '')) then
+            call choose_all_methods(self%choices)
+            return
+        end if
+        if (allocated(self%choices)) deallocate (self%choices)
+        allocate (self%choices(0))
+        call add_methods('stability.methods', scene%stability_methods, method_infos(), ['auto'], self%choices, problems)
+    end subroutine choose
+
+    !> Every method with the formulation that suits the body, some also with others.
+    subroutine choose_all_methods(choices)
+        type(method_choice_t), allocatable, intent(out) :: choices(:)
+        type(method_info_t), allocatable :: methods(:)
+        integer :: i, k, slash
+
+        allocate (methods, source=method_infos())
+        allocate (choices(0))
+        do i = 1, size(methods)
+            choices = [choices, method_choice_t(methods(i))]
+            do k = 1, size(more_choices)
+                slash = index(more_choices(k), '/')
+                if (more_choices(k)(:slash - 1) /= methods(i)%name) cycle
+                choices = [choices, method_choice_t(methods(i), more_choices(k)(slash + 1:))]
+            end do
+        end do
+    end subroutine choose_all_methods
+
+    !> The scene of a case: of the catalogue, with the tolerances of the input, or (0) the input itself.
+    subroutine scene_of(self, input, place, scene, error)
+        class(stability_study_t), intent(in) :: self
+        type(scene_t), intent(in) :: input !! the scene of the input
+        integer, intent(in) :: place !! index in the catalogue
+        type(scene_t), intent(inout) :: scene !! becomes the scene of the case
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        if (place > 0) then
+            call make_scene_of_settings(settings_of(hard_cases(place)), scene, error)
+            scene%absolute_tolerance = input%absolute_tolerance
+        else
+            scene = input
+            if (scene%steps == unset_integer) scene%steps = default_steps
+        end if
+    end subroutine scene_of
+
+    !> The setting of a method: adaptive methods use the tolerances of the input, the others the number of steps of the case.
+    function settings(self, choice, problem)
+        class(stability_study_t), intent(in) :: self
+        type(method_choice_t), intent(in) :: choice !! method and formulation
+        type(problem_t), intent(in) :: problem !! the case
+        type(setting_t), allocatable :: settings(:)
+        if (.not. choice%method%adaptive) then
+            settings = [setting_t(steps=problem%scene%steps)]
+        else if (choice%method%needs == structure_quadruple) then
+            settings = [setting_t()] ! its default tolerances are smaller
+        else
+            settings = [setting_t(tolerance=self%tolerance)]
+        end if
+    end function settings
+
+    !> Runs all methods on a case.
+    subroutine compare(self, job, number, cells, summary, error)
+        class(stability_study_t), intent(inout) :: self
+        type(job_t), intent(in) :: job !! the job
+        integer(int64), intent(in) :: number !! of the case
+        type(text_buffer_t), intent(inout) :: cells !! the rows are appended
+        type(summary_t), intent(inout) :: summary !! lines are added
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(problem_t), allocatable :: problem
+        type(problems_t) :: problems
+        real(dp) :: upright_growth, lyapunov_exponent
+        integer :: i
+
+        allocate (problem)
+        problem%name = own_case
+        associate (place => self%places(number))
+            if (place > 0) problem%name = trim(hard_cases(place)%name)
+            call self%scene_of(job%input%scene, place, problem%scene, error)
+        end associate
+        if (allocated(error)) return
+        call make_case(problem%scene, problem%case, problems)
+        if (problems%any()) then
+            error = internal_error('stability: case ' // problem%name // ': ' // problems%first())
+            return
+        end if
+        call find_reference(problem%case, 1 + intervals_of(problem%scene%steps), reference_auto, &
+                            int(problem%scene%max_steps, int64), problem%reference, problem%status)
+        call find_growth(problem, upright_growth, lyapunov_exponent)
+        call self%try_all(problem)
+        do i = 1, size(self%attempts)
+            associate (row => self%attempts(i))
+                self%verdicts(row%number, row%verdict) = self%verdicts(row%number, row%verdict) + 1
+                call add_row(problem, row, upright_growth, lyapunov_exponent, cells)
+            end associate
+        end do
+        if (is_ok(problem%status)) then
+            call self%count_end(self%attempts%verdict /= verdict_unsuitable)
+        else
+            self%failures = self%failures + 1
+        end if
+    end subroutine compare
+
+    !> Number of intervals between the times at which a motion is compared: these are steps of fixed size, all of them if they
+    !> are not too many.
+    pure integer function intervals_of(steps) result(intervals)
+        integer, intent(in) :: steps
+        do intervals = min(steps, most_intervals), fewest_intervals, -1
+            if (mod(steps, intervals) == 0) return
+        end do
+        intervals = steps
+    end function intervals_of
+
+    !> Growth rates of perturbations of a case, 1/s; NaN if they do not exist.
+    subroutine find_growth(problem, upright_growth, lyapunov_exponent)
+        type(problem_t), intent(in) :: problem
+        real(dp), intent(out) :: upright_growth, lyapunov_exponent
+        type(motion_t) :: sleeping
+        complex(dp) :: eigenvalues(6)
+        integer :: status
+
+        upright_growth = no_number
+        associate (case => problem%case)
+            if (case%body%is_lagrange()) then
+                sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+                                                  [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
+                call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
+                if (is_ok(status)) upright_growth = maxval(real(eigenvalues, dp))
+            end if
+            call find_lyapunov(case%body, case%start, case%t_end, lyapunov_exponent, status, &
+                               max_steps=min(problem%scene%max_steps, huge(1) - 1))
+            if (.not. is_ok(status)) lyapunov_exponent = no_number
+        end associate
+    end subroutine find_growth
+
+    !> Runs one method on a case, and finds the verdict. There is no row for a combination that was run already, or that would be
+    !> compared with itself.
+    subroutine judge(self, problem, scene, plan, attempt)
+        class(stability_study_t), intent(inout) :: self
+        type(problem_t), intent(in) :: problem !! the case
+        type(scene_t), intent(in) :: scene !! its scene with the method
+        type(plan_t), intent(inout) :: plan !! the plan of that scene
+        type(attempt_t), intent(inout) :: attempt !! completed by this procedure
+
+        attempt%is_kept = .not. (attempt%is_repeated .or. attempt%is_reference)
+        if (.not. attempt%is_kept) return
+        if (attempt%reason /= '') then
+            attempt%verdict = verdict_unsuitable
+            attempt%trial = no_trial()
+        else if (.not. is_ok(problem%status)) then
+            attempt%verdict = verdict_no_reference
+            attempt%trial = no_trial()
+            attempt%trial%status = problem%status
+            attempt%reason = 'no reference: ' // status_meaning(problem%status)
+        else
+            call run_trial(problem%case, plan, problem%reference, attempt%trial)
+            attempt%verdict = judge_trial(attempt%trial, maxval(problem%reference%floor), problem%reference%uncertainty)
+            attempt%reason = explain_trial(attempt%trial, attempt%verdict)
+        end if
+    end subroutine judge
+
+    !> The trial of a method that was not run: it has no errors, no computing time and no end.
+    pure type(trial_t) function no_trial() result(trial)
+        trial%errors = errors_t(no_number, no_number, no_number, no_number, no_number, no_number)
+        trial%time = no_number
+        trial%t = no_number
+    end function no_trial
+
+    !> Adds a row, a cell per column.
+    subroutine add_row(problem, row, upright_growth, lyapunov_exponent, cells)
+        type(problem_t), intent(in) :: problem !! the case
+        type(attempt_t), intent(in) :: row !! the row
+        real(dp), intent(in) :: upright_growth, lyapunov_exponent !! growth rates of the case, 1/s
+        type(text_buffer_t), intent(inout) :: cells !! the row is appended
+        real(dp) :: inherent_error
+
+        inherent_error = no_number
+        if (is_ok(problem%status)) inherent_error = maxval(problem%reference%floor)
+        call row%begin_cells(problem%name, cells)
+        call cells%add_text(verdict_names(row%verdict))
+        associate (errors => row%trial%errors, counts => row%trial%counts)
+            call cells%add_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, errors%axial, &
+                                  errors%quaternion, inherent_error])
+            call cells%add_integer(counts%steps)
+            call cells%add_integer(counts%rejected)
+            call cells%add_integer(counts%evaluations)
+        end associate
+        call cells%add_reals([row%trial%time])
+        ! A combination that does not suit the body was not run.
+        if (row%verdict == verdict_unsuitable) then
+            call cells%add_text(verdict_names(verdict_unsuitable))
+        else
+            call cells%add_text(status_names(row%trial%status))
+        end if
+        call cells%add_reals([row%trial%t, upright_growth, lyapunov_exponent])
+        call cells%add_text(problem%reference%source)
+        call cells%add_reals([problem%reference%uncertainty])
+        call cells%add_text(row%reason)
+        call cells%end_row()
+    end subroutine add_row
+
+    !> The meanings of the verdicts, for the header of the table.
+    function remarks(self) result(lines)
+        class(stability_study_t), intent(in) :: self
+        type(string_t), allocatable :: lines(:)
+        integer :: k
+        allocate (lines(size(verdict_names)))
+        do k = 1, size(lines)
+            lines(k)%text = 'verdict ' // trim(verdict_names(k)) // ': ' // verdict_meaning(k)
+        end do
+    end function remarks
+
+    !> The verdicts, and the results of each method in one line.
+    subroutine summarize(self, summary)
+        class(stability_study_t), intent(in) :: self
+        type(summary_t), intent(inout) :: summary !! lines are added
+        character(36) :: name
+        integer :: k
+
+        do k = 1, size(verdict_names)
+            if (k == verdict_no_reference .and. all(self%verdicts(:, k) == 0)) cycle
+            call summary%add(verdict_names(k), verdict_meaning(k))
+        end do
+        do k = 1, size(self%verdicts, 1)
+            associate (choice => self%choices(k))
+                name = choice%method%name
+                if (choice%formulation /= 'auto') name = trim(name) // '/' // choice%formulation
+            end associate
+            call summary%add('', name // counts_of(self%verdicts(k, :)))
+        end do
+    end subroutine summarize
+
+    !> The number of occurrences of each verdict.
+    function counts_of(verdicts) result(text)
+        integer(int64), intent(in) :: verdicts(:)
+        character(:), allocatable :: text
+        integer :: k
+        text = ''
+        do k = 1, size(verdicts)
+            if (verdicts(k) == 0) cycle
+            if (text /= '') text = text // ', '
+            text = text // to_text(verdicts(k)) // ' ' // trim(verdict_names(k))
+        end do
+    end function counts_of
+
+end module spintop_stability_study

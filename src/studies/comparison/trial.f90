@@ -1,0 +1,296 @@
+!> One motion computed by one method, compared with a reference; and the time that it takes.
+module spintop_trial
+    use spintop_clock, only: seconds
+    use spintop_kinds, only: dp, no_number, pi
+    use spintop_attitude, only: rotation_angle, vertical_from_quaternion
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
+    use spintop_compare, only: is_finite
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_formulation, only: formulation_t, max_states
+    use spintop_pole_passages, only: through_pole
+    use spintop_integration, only: integrate, observer_t, outcome_t
+    use spintop_motion, only: motion_from_quaternion, motion_t
+    use spintop_plan, only: plan_t
+    use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
+        vertical_momentum
+    use spintop_reference_motion, only: reference_t
+    use spintop_status, only: is_good_end, is_ok, status_ok
+    use spintop_stepper, only: counts_t
+    implicit none
+    private
+    public :: trial_t, errors_t, run_trial, time_trial
+
+    !> Magnitudes of the differences from the reference.
+    type :: errors_t
+        !> Rotation angle between the attitudes, rad, and distance of the axis tips.
+        real(dp) :: orientation = 0, tip = 0
+        !> Error of the energy over (kinetic energy at the start + m g |r|); errors of the momenta about the
+        !> vertical and about body z over (momentum at the start + square root of m g |r| times the largest
+        !> inertia).
+        real(dp) :: energy = 0, vertical = 0, axial = 0
+        !> Norm error abs(q) - 1 of the quaternion.
+        real(dp) :: quaternion = 0
+        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s. In a pole only theta exists; what
+        !> never did is NaN.
+        real(dp) :: angle(3) = no_number, rate(3) = no_number
+    end type errors_t
+
+    !> Result of a computation.
+    type :: trial_t
+        integer :: status = status_ok
+        !> Time reached, s.
+        real(dp) :: t = 0
+        !> Largest errors at the times of the reference, and errors at the last time reached.
+        type(errors_t) :: errors, last
+        type(counts_t) :: counts
+        !> Computing time without comparisons, s.
+        real(dp) :: time = 0
+    end type trial_t
+
+    !> Compares a motion with the reference at its times.
+    type, extends(observer_t) :: judge_t
+        type(case_t) :: case
+        type(reference_t) :: reference
+        integer :: seen = 0
+        real(dp) :: energy_scale = 1, momentum_scale = 1
+        type(errors_t) :: errors, last
+        !> Time for comparisons, s.
+        real(dp) :: comparing = 0
+    contains
+        procedure :: begin
+        procedure :: observe
+        procedure :: compare
+    end type judge_t
+
+    !> Keeps the last motion, and the state that it is made of.
+    type, extends(observer_t) :: arrival_t
+        type(motion_t) :: motion
+        real(dp) :: t = 0, y(max_states) = 0, near(3) = 0
+    contains
+        procedure :: observe => observe_arrival
+    end type arrival_t
+
+    !> Minimum duration of a measurement, which consists of consecutive calls, and approximate maximum of all
+    !> repeats together, s.
+    real(dp), parameter :: shortest = 2.0e-4_dp, longest = 2.0_dp
+
+contains
+
+    !> Computes a case with a plan, with steps at, or dense output for, the times of the reference.
+    subroutine run_trial(case, plan, reference, trial)
+        type(case_t), intent(in) :: case !! the case to compute
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        type(reference_t), intent(in) :: reference !! the reference motion
+        type(trial_t), intent(out) :: trial !! result of the computation
+        type(judge_t) :: judge
+        type(outcome_t) :: outcome
+        real(dp) :: began
+
+        call judge%begin(case, reference)
+        began = seconds()
+        if (plan%exact) then
+            call judge_exact_motion(judge, outcome)
+        else
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           reference%motions%t, judge, outcome)
+        end if
+        trial%time = seconds() - began - judge%comparing
+        trial%status = outcome%status
+        if (is_good_end(outcome%status)) trial%status = status_ok
+        trial%t = outcome%t
+        trial%counts = outcome%counts
+        trial%errors = judge%errors
+        trial%last = judge%last
+    end subroutine run_trial
+
+    !> The exact solution at the times of the reference.
+    subroutine judge_exact_motion(judge, outcome)
+        type(judge_t), intent(inout) :: judge
+        type(outcome_t), intent(out) :: outcome
+        type(exact_motion_t) :: exact
+        integer :: i
+
+        call prepare_exact_motion(judge%case%body, judge%case%start, exact, outcome%status)
+        if (.not. is_ok(outcome%status)) return
+        do i = 1, size(judge%reference%motions)
+            outcome%t = judge%reference%motions(i)%t
+            call judge%compare(exact%at(outcome%t))
+        end do
+    end subroutine judge_exact_motion
+
+    !> Sets the case, the reference, and the scales of their energy and momenta.
+    subroutine begin(self, case, reference)
+        class(judge_t), intent(inout) :: self
+        type(case_t), intent(in) :: case
+        type(reference_t), intent(in) :: reference
+        real(dp) :: weight
+
+        self%case = case
+        self%reference = reference
+        self%counts_turns = .false.
+        weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
+        self%energy_scale = energy_scale(case%body, case%start)
+        ! A body at rest without weight has no momentum.
+        self%momentum_scale = max(norm2(case%body%inertia * case%start%omega) &
+                                  + sqrt(weight) * sqrt(maxval(case%body%inertia)), tiny(weight))
+    end subroutine begin
+
+    !> Compares a state with the reference at its time.
+    subroutine observe(self, formulation, t, y, near)
+        class(judge_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp) :: began
+        began = seconds()
+        call self%compare(formulation%motion(t, y, near))
+        self%comparing = self%comparing + (seconds() - began)
+    end subroutine observe
+
+    !> Compares a motion with the next one of the reference.
+    subroutine compare(self, motion)
+        class(judge_t), intent(inout) :: self
+        type(motion_t), intent(in) :: motion
+
+        if (self%seen == size(self%reference%motions)) return
+        self%seen = self%seen + 1
+        self%last = errors_t()
+        associate (truth => self%reference%motions(self%seen), body => self%case%body, last => self%last)
+            call enlarge(last%orientation, rotation_angle(truth%quaternion, motion%quaternion))
+            call enlarge(last%tip, norm2(axis_tip(body, motion) - axis_tip(body, truth)))
+            call enlarge(last%energy, (energy(body, motion) - energy(body, truth)) / self%energy_scale)
+            call enlarge(last%vertical, (vertical_momentum(body, motion) &
+                                         - vertical_momentum(body, truth)) / self%momentum_scale)
+            call enlarge(last%axial, (axial_momentum(body, motion) - axial_momentum(body, truth)) &
+                                     / self%momentum_scale)
+            call enlarge(last%quaternion, motion%norm_error)
+            call compare_angles(self%case, motion, truth, last)
+        end associate
+        associate (errors => self%errors, last => self%last)
+            call enlarge(errors%orientation, last%orientation)
+            call enlarge(errors%tip, last%tip)
+            call enlarge(errors%energy, last%energy)
+            call enlarge(errors%vertical, last%vertical)
+            call enlarge(errors%axial, last%axial)
+            call enlarge(errors%quaternion, last%quaternion)
+            where (is_finite(last%angle)) errors%angle = enlarged(errors%angle, last%angle)
+            where (is_finite(last%rate)) errors%rate = enlarged(errors%rate, last%rate)
+        end associate
+    end subroutine compare
+
+    !> Compares angles and rates, in the axes in which the body was given.
+    subroutine compare_angles(case, motion, truth, errors)
+        type(case_t), intent(in) :: case
+        type(motion_t), intent(in) :: motion, truth
+        type(errors_t), intent(inout) :: errors
+        type(motion_t) :: computed, true
+        real(dp) :: difference(3), gamma(3)
+
+        ! Angles of a state may have left 0 <= theta <= pi; those of the attitude have not.
+        computed = motion_from_quaternion(motion%t, motion%quaternion, motion%omega, motion%angle)
+        computed = case%turn%back(computed, case%given_start%angle)
+        true = case%turn%back(truth, case%given_start%angle)
+        difference = computed%angle - true%angle
+        difference = difference - 2 * pi * anint(difference / (2 * pi))
+        call enlarge(errors%angle(2), difference(2))
+        ! In a pole only theta exists.
+        gamma = vertical_from_quaternion(true%quaternion)
+        if (norm2(gamma(1:2)) <= through_pole) return
+        call enlarge(errors%angle(1:3:2), difference(1:3:2))
+        where (is_finite(true%rate)) errors%rate = enlarged(errors%rate, computed%rate - true%rate)
+    end subroutine compare_angles
+
+    !> Replaces an error by a larger one.
+    elemental subroutine enlarge(error, difference)
+        real(dp), intent(inout) :: error
+        real(dp), intent(in) :: difference
+        error = enlarged(error, difference)
+    end subroutine enlarge
+
+    !> The larger of an error, which may not exist yet, and a difference, of which NaN counts as the largest.
+    elemental real(dp) function enlarged(error, difference)
+        real(dp), intent(in) :: error, difference
+        enlarged = abs(difference)
+        if (.not. is_finite(difference)) enlarged = huge(error)
+        if (error > enlarged) enlarged = error
+    end function enlarged
+
+    !> Total energy, J.
+    pure real(dp) function energy(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        energy = kinetic_energy(body, motion) + potential_energy(body, motion)
+    end function energy
+
+    !> The minimum time of `repeats` computations of a case with a plan, s, for attitude and rates at the end of the span. It is
+    !> that of elapsed times: what else the processor does can only lengthen them. The processor time of a thread is no such
+    !> bound: a virtual machine takes the time that its host withheld from where it notices, and may so count nothing for a
+    !> short run.
+    !> A similar computation, which took
+    !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
+    !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
+    subroutine time_trial(case, plan, expected, repeats, time, counts, motion, status)
+        type(case_t), intent(in) :: case !! the case whose computation is timed
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        real(dp), intent(in) :: expected !! expected time of one computation, s
+        integer, intent(in) :: repeats !! maximum number of measurements
+        real(dp), intent(out) :: time !! minimum time, s
+        type(counts_t), intent(out) :: counts !! cost of one computation
+        type(motion_t), intent(out), optional :: motion !! the end of the span, in the axes of the computation
+        integer, intent(out), optional :: status !! how the last computation ended (spintop_status)
+        type(arrival_t) :: arrival
+        real(dp) :: began, start
+        integer :: calls, repeat, i, ended
+
+        arrival%counts_turns = .false.
+        calls = 1 + int(shortest / max(expected, shortest / 1000))
+        time = huge(time)
+        start = seconds()
+        do repeat = 1, repeats
+            began = seconds()
+            do i = 1, calls
+                call go(case, plan, arrival, counts, ended)
+            end do
+            time = min(time, (seconds() - began) / calls)
+            if (seconds() - start > longest) exit
+        end do
+        if (present(motion)) then
+            motion = arrival%motion
+            if (.not. plan%exact) motion = plan%formulation%motion(arrival%t, arrival%y, arrival%near)
+        end if
+        if (present(status)) status = ended
+    end subroutine time_trial
+
+    !> Computes the state at the end of the span.
+    subroutine go(case, plan, arrival, counts, status)
+        type(case_t), intent(in) :: case
+        type(plan_t), intent(inout) :: plan
+        type(arrival_t), intent(inout) :: arrival
+        type(counts_t), intent(out) :: counts
+        integer, intent(out) :: status
+        type(exact_motion_t) :: exact
+        type(outcome_t) :: outcome
+
+        if (plan%exact) then
+            call prepare_exact_motion(case%body, case%start, exact, status)
+            arrival%motion = exact%at(case%t_end)
+        else
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
+                           [case%t_end], arrival, outcome)
+            counts = outcome%counts
+            status = outcome%status
+        end if
+    end subroutine go
+
+    !> Keeps the motion: attitude and rates, without the angles that describe the attitude.
+    subroutine observe_arrival(self, formulation, t, y, near)
+        class(arrival_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        self%motion = formulation%motion_without_angles(t, y)
+        self%t = t
+        self%y = y
+        self%near = near
+    end subroutine observe_arrival
+
+end module spintop_trial

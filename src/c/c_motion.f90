@@ -7,7 +7,8 @@ module spintop_c_motion
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plan, only: plan_t
-    use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_ok
+    use spintop_row_maker, only: row_maker_t
+    use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
@@ -68,6 +69,12 @@ contains
         status = self%status
         if (.not. all(is_finite(t))) status = status_bad_samples
         if (.not. is_ok(status)) return
+        if (allocated(self%writer%path)) then
+            if (self%writer%columns%wants_angles_of(self%writer%path%exact)) then
+                call find_angles(self%writer, t, cells, status, t_reached)
+                return
+            end if
+        end if
         allocate (writer, source=self%writer)
         writer%asked = t
         allocate (writer%kept(self%columns, size(t)), source=no_number)
@@ -85,5 +92,27 @@ contains
         status = outcome%status
         if (is_good_end(status) .and. writer%has_missed) status = status_bad_samples
     end subroutine find
+
+    !> The same of an exact motion, for columns of angles and where no turns have to be counted: several times faster.
+    subroutine find_angles(writer, t, cells, status, t_reached)
+        type(writer_t), intent(in) :: writer
+        real(dp), intent(in) :: t(:)
+        real(dp), intent(inout) :: cells(:, :), t_reached
+        integer, intent(out) :: status
+        type(row_maker_t) :: maker
+        integer :: i
+
+        status = status_ok
+        maker = writer%columns
+        do i = 1, size(t)
+            call maker%find_exact_row(writer%path%exact, t(i), cells(:, i))
+            if (.not. maker%is_defined(cells(:, i))) then
+                cells(:, i) = no_number
+                status = status_non_finite
+            end if
+            t_reached = t(i)
+            if (.not. is_ok(status)) return
+        end do
+    end subroutine find_angles
 
 end module spintop_c_motion

@@ -6,7 +6,6 @@ module spintop_motion_rows
     use spintop_differences, only: nodes_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
-    use spintop_exact_motion, only: exact_motion_t
     use spintop_exit_codes, only: exit_internal
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t, observer_t
@@ -57,7 +56,6 @@ module spintop_motion_rows
         procedure :: observe
         procedure :: set_columns
         procedure, private :: write_row
-        procedure, private :: write_angles
     end type writer_t
 
     !> The motions of a job with other values of its keys.
@@ -166,7 +164,6 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t
-        logical :: is_quick
         integer :: i, rows
 
         if (allocated(writer%path)) then
@@ -191,7 +188,6 @@ contains
         if (allocated(writer%asked)) rows = size(writer%asked)
         call path%restart(case, looks_per_step * plan%max_steps + rows)
         path%counts_turns = writer%counts_turns
-        is_quick = allocated(writer%asked) .and. writer%columns%wants_angles_of(path%exact)
         do i = 1, rows
             if (allocated(writer%asked)) then
                 t = writer%asked(i)
@@ -199,17 +195,13 @@ contains
                 t = sample_time(t_end, rows, i)
             end if
             if (.not. is_ok(outcome%status) .and. t > t_known) exit
-            if (is_quick) then
-                call writer%write_angles(path%exact, t)
-            else
-                call path%at(t, motion)
-                if (path%is_spent()) then
-                    outcome%status = status_step_limit
-                    t_known = outcome%t
-                    exit
-                end if
-                call writer%write_row(motion)
+            call path%at(t, motion)
+            if (path%is_spent()) then
+                outcome%status = status_step_limit
+                t_known = outcome%t
+                exit
             end if
+            call writer%write_row(motion)
             if (writer%has_enough) exit
             outcome%t = t
         end do
@@ -243,37 +235,22 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         self%last = motion
-        call write_values(self, motion%t, self%columns%row(motion, work=self%work))
-    end subroutine write_row
-
-    !> Writes the row of an exact motion, for columns of angles and where no turns have to be counted.
-    subroutine write_angles(self, exact, t)
-        class(writer_t), intent(inout) :: self
-        type(exact_motion_t), intent(in) :: exact
-        real(dp), intent(in) :: t
-        real(dp) :: values(size(self%chosen))
-        call self%columns%find_exact_row(exact, t, values)
-        call write_values(self, t, values)
-    end subroutine write_angles
-
-    !> Writes a row of a time, unless it is undefined.
-    subroutine write_values(self, t, values)
-        class(writer_t), intent(inout) :: self
-        real(dp), intent(in) :: t, values(:)
-        self%is_undefined = .not. self%columns%is_defined(values)
-        self%t_undefined = t
-        self%has_enough = self%is_undefined
-        if (self%is_undefined) return
-        self%rows = self%rows + 1
-        if (allocated(self%kept)) then
-            self%kept(:, self%rows) = values
-        else
-            call self%table%add_row(values, self%error)
-        end if
-        self%has_enough = allocated(self%error) .or. t >= self%t_stop
+        associate (values => self%columns%row(motion, work=self%work))
+            self%is_undefined = .not. self%columns%is_defined(values)
+            self%t_undefined = motion%t
+            self%has_enough = self%is_undefined
+            if (self%is_undefined) return
+            self%rows = self%rows + 1
+            if (allocated(self%kept)) then
+                self%kept(:, self%rows) = values
+            else
+                call self%table%add_row(values, self%error)
+            end if
+        end associate
+        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
         if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
-        call self%progress%update(int(t / self%t_end * self%total, int64))
-    end subroutine write_values
+        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+    end subroutine write_row
 
     !> The derivatives and their errors in each row.
     subroutine find_sensitivities(job, columns, base, cells, error)

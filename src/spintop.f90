@@ -40,7 +40,7 @@ module spintop
     use spintop_suitability, only: can_run
     use spintop_events, only: event_t, event_search_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
-    use spintop_many_bodies, only: integrate_many
+    use spintop_taylor_lanes, only: integrate_many
     use spintop_execution, only: run_study
     use spintop_loaded_table, only: read_table, table_t
     use spintop_text, only: string_t

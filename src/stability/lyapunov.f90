@@ -10,9 +10,8 @@ module spintop_lyapunov
     use spintop_euler_poisson, only: euler_poisson_state, state_units
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp
-    use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t, lane_order, lanes, taylor_lanes_t
+    use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t, lane_order, lanes, taylor_lanes_t, integrate_many
     use spintop_lapack, only: dgesvd
-    use spintop_many_bodies, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t

@@ -5,7 +5,7 @@
 !> behind the quaternion, cyclically; elements are applied in the order of time. The motion of a state is y' = d/ds move(y, s
 !> xi) at s = 0: velocities xi take the place of the slopes of a Runge-Kutta method.
 module spintop_lie_group
-    use spintop_attitude, only: conjugate_quaternion, quaternion_product, rotation_minus_one
+    use spintop_attitude, only: quaternion_product, rotation_minus_one
     use spintop_kinds, only: dp
     use spintop_runge_kutta, only: butcher_t, max_stages, stage_sum
     use spintop_fixed_step, only: fixed_step_t
@@ -115,16 +115,20 @@ contains
     pure function velocity(formulation, y, dy) result(xi)
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: y(max_states), dy(max_states) !! state and slope
-        real(dp), dimension(max_states) :: xi, x, rate
-        real(dp) :: turn(4)
-        x = cshift(y, formulation%attitude - 1)
-        rate = cshift(dy, formulation%attitude - 1)
-        if (formulation%turns_in_space) then
-            turn = quaternion_product(rate(1:4), conjugate_quaternion(x(1:4)))
-        else
-            turn = quaternion_product(conjugate_quaternion(x(1:4)), rate(1:4))
-        end if
-        xi = [2 * turn(2:) / sum(x(1:4)**2), rate(5:), 0.0_dp]
+        real(dp) :: xi(max_states), v(3), dv(3), across(3)
+        integer :: i
+        ! The imaginary part of q* q' or of q' q*, written out: with function calls a step would take longer.
+        associate (a => formulation%attitude)
+            v = y(a + 1:a + 3)
+            dv = dy(a + 1:a + 3)
+            across = [v(2) * dv(3) - v(3) * dv(2), v(3) * dv(1) - v(1) * dv(3), v(1) * dv(2) - v(2) * dv(1)]
+            if (.not. formulation%turns_in_space) across = -across
+            xi(1:3) = (2 / (y(a)**2 + v(1)**2 + v(2)**2 + v(3)**2)) * (y(a) * dv - dy(a) * v + across)
+            do i = 4, 7
+                xi(i) = dy(1 + mod(a + i - 1, max_states))
+            end do
+            xi(8) = 0
+        end associate
     end function velocity
 
     !> The bracket [a, b] of two elements: a move by a followed by a move by b is the move by a + b + [a, b]/2 + ... Rotations
@@ -143,15 +147,20 @@ contains
         class(formulation_t), intent(in) :: formulation !! the equations of motion
         real(dp), intent(in) :: y(max_states), xi(max_states) !! state and element
         real(dp), intent(out) :: change(max_states) !! of the state
-        real(dp) :: q(4), turn(4)
+        real(dp) :: turn(4)
+        integer :: i
         turn = rotation_minus_one(xi(1:3))
-        q = y(formulation%attitude:formulation%attitude + 3)
-        if (formulation%turns_in_space) then
-            q = quaternion_product(turn, q)
-        else
-            q = quaternion_product(q, turn)
-        end if
-        change = cshift([q, xi(4:7)], 1 - formulation%attitude)
+        associate (a => formulation%attitude)
+            if (formulation%turns_in_space) then
+                change(a:a + 3) = quaternion_product(turn, y(a:a + 3))
+            else
+                change(a:a + 3) = quaternion_product(y(a:a + 3), turn)
+            end if
+            ! With a shift of the array a step would take half as long again.
+            do i = 4, 7
+                change(1 + mod(a + i - 1, max_states)) = xi(i)
+            end do
+        end associate
     end subroutine move
 
 end module spintop_lie_group

@@ -3,14 +3,27 @@
 !> Each lane has its own time, step size and end, so its result does not depend on the other lanes. The state
 !> is omega, Gamma and the angle xi = psi + s phi (`spintop_lane_series`). When the body of a lane leaves one
 !> side for the other, s changes between two steps. The other angle, (s phi - psi)/2, follows from Gamma
-!> except for its turns, which are counted.
+!> except for its turns, which are counted. Cases are assigned to the lanes:
+!>
+!>     call integrate_many(controls, bodies, starts, t_end, ends, outcomes)
+!>     if (is_ok(outcomes(i)%status)) then; ... = ends(i)%quaternion
+!>
+!> A monitor exists for each quantity of a motion that is needed between the ends of its steps. It keeps its own
+!> numbers for each lane, and at the end of a case stores its result. The numbers of a lane do not depend on
+!> the other lanes.
 module spintop_taylor_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_intptr_t, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_body_numbers, only: kinds_of
+    use spintop_caller, only: stop_is_wanted
+    use spintop_compare, only: is_finite
     use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
+    use spintop_effects, only: kernel_effects
+    use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_formulation, only: max_series_order
+    use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
     use spintop_kinds, only: dp, pi, qp
     use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
@@ -19,13 +32,16 @@ module spintop_taylor_lanes
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
-    use spintop_quantities, only: motion_scales, motion_scales_t
-    use spintop_status, only: status_non_finite, status_ok, status_step_limit, status_step_too_small
+    use spintop_quantities, only: angular_acceleration, motion_scales, motion_scales_t
+    use spintop_status, only: is_ok, status_bad_input, status_bad_span, status_non_finite, status_ok, &
+        status_step_limit, status_step_too_small, status_unsuitable
     use spintop_stepper, only: controls_t, looks_per_step
-    use spintop_taylor, only: order_for
+    use spintop_suitability, only: controls_status
+    use spintop_taylor, only: order_for, taylor_info
+    use spintop_validity, only: body_status, motion_status
     implicit none
     private
-    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t
+    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t, integrate_many
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share_of_tolerance = 0.004_dp
@@ -148,6 +164,9 @@ module spintop_taylor_lanes
             integer, intent(in) :: lane, case !! index of the lane, and of its case
         end subroutine finish
     end interface
+
+    !> Cases that are not integrated, and bodies without effects.
+    integer, parameter :: refused = 0, plain = 1
 
 contains
 
@@ -442,5 +461,153 @@ contains
             if (motion%passed%arrived) motion%angle(1:3:2) = near(1:3:2)
         end associate
     end function motion
+
+    !> Integrates each body from its start over its span, and returns the motions at the ends and their
+    !> outcomes. phi and psi count all their turns. `controls` contains the tolerances and the maximum number
+    !> of steps per case. Any body is possible, damped or undamped, in any attitude, and with effects but dry friction and
+    !> tables of torques (`status_unsuitable`). The result of a case does not depend on the others. A case that fails
+    !> returns the last motion that it reached, also where a drag has no series because a speed is zero, or nearly so while the
+    !> body reverses (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
+    !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
+    !> the sizes of the arrays differ.
+    recursive subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
+        type(controls_t), intent(in) :: controls !! settings of the method
+        type(body_t), intent(in) :: bodies(:) !! mass properties, one for each case
+        type(motion_t), intent(in) :: starts(:) !! starts, one for each case
+        real(dp), intent(in) :: t_end(:) !! ends of the spans, one for each case, s
+        type(motion_t), intent(out) :: ends(:) !! motions at the end of the span, one for each case
+        type(outcome_t), intent(out) :: outcomes(:) !! status, time reached and cost of each case
+        type(monitor_slot_t), intent(inout), optional :: monitors(:) !! measure quantities along the motions
+        type(monitor_slot_t) :: nobody(0)
+        integer :: kind(size(bodies)), i
+
+        if (.not. present(monitors)) then
+            call integrate_many(controls, bodies, starts, t_end, ends, outcomes, nobody)
+            return
+        end if
+        outcomes%status = controls_status(taylor_info, controls)
+        if (any([size(starts), size(t_end), size(ends), size(outcomes)] /= size(bodies))) then
+            outcomes%status = status_bad_input
+            return
+        end if
+        if (any(.not. is_ok(outcomes%status))) return
+        do i = 1, size(monitors)
+            call monitors(i)%monitor%prepare(size(bodies))
+        end do
+        do i = 1, size(bodies)
+            outcomes(i)%status = case_status(bodies(i), starts(i), t_end(i))
+            kind(i) = kind_of(bodies(i))
+            if (is_ok(outcomes(i)%status)) cycle
+            kind(i) = refused
+            ends(i) = starts(i)
+        end do
+        do while (any(kind /= refused))
+            i = maxval(kind)
+            call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, &
+                                outcomes, monitors)
+            where (kind == i) kind = refused
+        end do
+    end subroutine integrate_many
+
+    !> Whether the equations hold for a case.
+    pure integer function case_status(body, start, t_end) result(status)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in) :: t_end
+        status = body_status(body)
+        if (is_ok(status) .and. allocated(body%effects)) then
+            if (.not. body%effects%only(kernel_effects)) status = status_unsuitable
+        end if
+        if (is_ok(status)) status = motion_status(start, body)
+        if (is_ok(status) .and. .not. (t_end >= 0 .and. is_finite(t_end))) status = status_bad_span
+    end function case_status
+
+    !> A number of the effects on a body: `plain` without any, and the same for bodies with the same effects. Those are
+    !> integrated together, so that no sum of a body depends on the effects on others.
+    pure integer function kind_of(body) result(kind)
+        type(body_t), intent(in) :: body
+        type(motion_kinds_t) :: kinds
+        kind = plain
+        if (.not. allocated(body%effects)) return
+        kinds = kinds_of(body)
+        kind = plain + 1 + kinds%frame + 3 * (kinds%torque + 3 * (kinds%push + 3 * (kinds%rotor + 2 * kinds%drags)))
+    end function kind_of
+
+    !> Integrates the cases with the same effects.
+    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, monitors)
+        type(controls_t), intent(in) :: controls
+        integer, intent(in) :: cases(:) !! their numbers
+        type(body_t), intent(in) :: bodies(:)
+        type(motion_t), intent(in) :: starts(:)
+        real(dp), intent(in) :: t_end(:)
+        type(motion_t), intent(inout) :: ends(:)
+        type(outcome_t), intent(inout) :: outcomes(:)
+        type(monitor_slot_t), intent(inout) :: monitors(:)
+        type(taylor_lanes_t), target :: run
+        integer :: case_in(lanes), next, lane, i
+
+        if (allocated(bodies(cases(1))%effects)) then
+            call run%set(controls, kinds_of(bodies(cases(1))))
+        else
+            call run%set(controls)
+        end if
+        case_in = 0
+        next = 1
+        do
+            do lane = 1, lanes
+                do while (.not. run%now%t(lane) < run%now%t_end(lane))
+                    if (case_in(lane) > 0) then
+                        call unload(run, lane, bodies(case_in(lane)), ends(case_in(lane)), outcomes(case_in(lane)))
+                        do i = 1, size(monitors)
+                            call monitors(i)%monitor%finish(run, lane, case_in(lane))
+                        end do
+                    end if
+                    case_in(lane) = 0
+                    if (next > size(cases)) exit
+                    associate (case => cases(next))
+                        call run%load(lane, bodies(case), starts(case), t_end(case))
+                        do i = 1, size(monitors)
+                            call monitors(i)%monitor%begin(run, lane, bodies(case), starts(case))
+                        end do
+                        case_in(lane) = case
+                    end associate
+                    next = next + 1
+                end do
+            end do
+            if (all(case_in == 0)) exit
+            if (stop_is_wanted()) then
+                run%now%t_end = run%now%t
+                cycle
+            end if
+            call run%advance()
+            if (size(monitors) > 0) call run%find_powers()
+            do i = 1, size(monitors)
+                call monitors(i)%monitor%observe(run)
+            end do
+        end do
+    end subroutine integrate_kind
+
+    !> The motion in a lane, and its outcome.
+    subroutine unload(run, lane, body, motion, outcome)
+        type(taylor_lanes_t), intent(in) :: run
+        integer, intent(in) :: lane
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(out) :: motion
+        type(outcome_t), intent(out) :: outcome
+        real(dp) :: rate(6)
+
+        outcome%status = run%status(lane)
+        outcome%t = run%now%t(lane)
+        outcome%counts%steps = run%steps(lane)
+        outcome%counts%evaluations = run%order * run%steps(lane)
+        outcome%doubtful_passages = run%passed(lane)%doubtful
+        motion = run%motion(lane)
+        if (allocated(body%effects)) then
+            motion%omega_rate = angular_acceleration(body, motion)
+            return
+        end if
+        rate = euler_poisson_rate(body, [run%now%state(lane, 4:6), body%inertia * motion%omega])
+        motion%omega_rate = rate(4:6) / body%inertia
+    end subroutine unload
 
 end module spintop_taylor_lanes

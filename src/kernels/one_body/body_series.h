@@ -1,4 +1,4 @@
-// Taylor coefficients of the motion of one body; see rigid_body_series.f90, which has the equations. C with
+// Taylor coefficients of the motion of one body; see rigid_body.f90, which has the equations. C with
 // vectors, as no Fortran compiler makes vectors of the products of one body: each term of the series is kept in
 // six arrangements, so that all products of two terms are three products of vectors.
 

@@ -1,4 +1,4 @@
-// Stages of a Runge-Kutta step for one body; see rigid_body_stages.f90, which has the equations. C with vectors of three or
+// Stages of a Runge-Kutta step for one body; see rigid_body.f90, which has the equations. C with vectors of three or
 // four components, as a stage waits for the one before it: the angular velocity and the vertical wait for themselves only,
 // and the quaternion follows beside.
 

@@ -1,4 +1,4 @@
-// Stages of a Runge-Kutta step for one body with effects; see effects_stages.f90, which has the equations. As body_stages.h,
+// Stages of a Runge-Kutta step for one body with effects; see body_with_effects.f90, which has the equations. As body_stages.h,
 // with what effects add. Both are kept: here each stage waits for a vertical from the quaternion, which for a body without
 // effects would double the cycles.
 

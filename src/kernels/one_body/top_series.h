@@ -1,4 +1,4 @@
-// Taylor coefficients of the motion of a symmetric top; see space_frame_series.f90, which has the equations. C with vectors:
+// Taylor coefficients of the motion of a symmetric top; see space_frame.f90, which has the equations. C with vectors:
 // all components of a term are one vector, and the terms stay in registers where there are enough of them.
 //
 // All variables have poles at the same complex times, simple ones but for the height v, which is 2/(t - t*)^2 there. So D with

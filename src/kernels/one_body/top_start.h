@@ -1,5 +1,5 @@
 // Where the motion of a symmetric top starts, for top_series.h: computed with the numbers `real`, by the name `find_start`.
-// space_frame_series.f90 has the equations.
+// space_frame.f90 has the equations.
 
 inlined struct top_start find_start(const struct symmetric_top *top, const double *state) {
     const real m = top->pull, inertia = top->inertia, l0 = state[0], l1 = state[1];

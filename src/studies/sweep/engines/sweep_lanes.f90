@@ -7,7 +7,7 @@ module spintop_sweep_lanes
     use spintop_effects, only: kernel_effects
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
-    use spintop_many_bodies, only: integrate_many
+    use spintop_taylor_lanes, only: integrate_many
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: nearly_plane, swings_over_poles

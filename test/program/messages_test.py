@@ -235,7 +235,7 @@ def test_errors_that_follow(spin, setting, more):
 
 def test_names_of_other_programs(spin):
     """Each other name leads to a key that exists, in its group or in another one."""
-    source = (ROOT / "src/scenes/key_aliases.f90").read_text(encoding="utf-8")
+    source = (ROOT / "src/scenes/scene_keys.f90").read_text(encoding="utf-8")
     names = re.findall(r"'([a-z]\w*)=(\w+)\.(\w+)'", source)
     assert len(names) > 40
     said = hint(spin, GOOD, *(f"{group}.{other}=1" for other, group, _ in names))

@@ -262,7 +262,8 @@ contains
         integer :: key, i, k, row
 
         cells = no_number
-        allocate (values(size(base, 1), size(base, 2), node_count), best(self%count, size(base, 2)), stat=status)
+        allocate (values(size(base, 1), size(base, 2), node_count), stat=status)
+        if (status == 0) allocate (best(self%count, size(base, 2)), stat=status)
         if (status == 0) allocate (others(size(base, 1), size(base, 2), node_count, other_accuracies), stat=status)
         if (status /= 0) return
         do key = 1, size(nodes)

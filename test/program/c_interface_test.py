@@ -257,7 +257,7 @@ def test_small_stacks(spin, driver_program):
 
 
 def test_work_of_effects(spin, driver):
-    """The work of effects, and the energy error, which accounts for it, are those of the program."""
+    """The work of effects, and the energy error without it, are those of the program."""
     text = (
         f"{TOP} {START} &effects drag_moment = 0.1, 0.1, 0.1 / &span t_end = 2 samples = 9 /"
         "&integration method = 'dop853' / &output columns = 't', 'work', 'energy_error' /"

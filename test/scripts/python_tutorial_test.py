@@ -41,10 +41,9 @@ class TutorialTest(unittest.TestCase):
         for name in ("phi", "theta", "psi"):
             assert run[name][1:].tolist() == one["motion"][name].tolist()
         settings = {"method": "dop853", "relative_tolerance": 1e-9}
-        scene = methods["top"].input(
-            span={"t_end": 5, "samples": 501}, integration=settings, output={"columns": ["t", "orientation_error"]}
-        )
-        run = spintop.run(scene)
+        output = {"columns": ["t", "orientation_error"]}
+        span = {"t_end": 5, "samples": 501}
+        run = spintop.run(methods["top"].input(span=span, integration=settings, output=output))
         found = methods["top"].integrate(run["t"], ["orientation_error"], **settings)
         assert run["orientation_error"].tolist() == found.orientation_error.tolist()
         events = ["lower_turning_points", "upper_turning_points"]

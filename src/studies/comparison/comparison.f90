@@ -381,7 +381,8 @@ contains
 
         if (ranks%count == 1) return
         if (.not. allocated(self%verdicts)) allocate (self%verdicts(0, 0))
-        values = real([self%failures, self%ends, reshape(self%verdicts, [size(self%verdicts)])], dp)
+        allocate (values(1 + size(self%ends) + size(self%verdicts)))
+        values(:) = real([self%failures, self%ends, reshape(self%verdicts, [size(self%verdicts)])], dp)
         call ranks%reduce(values)
         self%failures = nint(values(1), int64)
         self%ends = nint(values(2:size(self%ends) + 1), int64)

@@ -2,11 +2,11 @@
 !>
 !> The motion is searched in intervals so short that the quantities vary smoothly in them: in one of them the attitude turns by
 !> less than `largest_turn`, and an axis moves by less than the fraction `largest_way` of its distance from the vertical.
-!> Polynomials through values there show by their coefficients in Bernstein form whether a quantity is monotone, or does not reach its level;
-!> else the interval is halved, first in the polynomial, and where its error hides the answer by new values. Any number of
-!> passages is therefore found. The following are not events: a level that is touched and not passed, to the rounding error of
-!> the quantity, which is measured where it matters; passages of one that equals its level within rounding errors; the start.
-!> Each evaluation counts as work; the search ends when the path allows no more.
+!> Polynomials through values there show by their coefficients in Bernstein form whether a quantity is monotone, or does not
+!> reach its level; else the interval is halved, first in the polynomial, and where its error hides the answer by new values.
+!> Any number of passages is therefore found. The following are not events: a level that is touched and not passed, to the
+!> rounding error of the quantity, which is measured where it matters; passages of one that equals its level within rounding
+!> errors; the start. Each evaluation counts as work; the search ends when the path allows no more.
 module spintop_events
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_bernstein, only: coarse, fine, halve, interpolation, interpolation_t, root_of, value_at

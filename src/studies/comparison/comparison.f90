@@ -268,7 +268,7 @@ contains
         type(problem_t), intent(in) :: problem !! the problem
         type(setting_t), allocatable :: settings(:)
         type(scene_t), allocatable :: scene
-        type(attempt_t) :: attempt
+        type(attempt_t) :: attempt, none
         type(plan_t), allocatable :: plan
         character(40) :: tried(size(self%choices))
         integer :: i, k
@@ -279,7 +279,10 @@ contains
         do i = 1, size(self%choices)
             settings = self%settings(self%choices(i), problem)
             do k = 1, size(settings)
-                attempt = attempt_t(choice=self%choices(i), setting=settings(k), number=i)
+                attempt = none
+                attempt%choice = self%choices(i)
+                attempt%setting = settings(k)
+                attempt%number = i
                 call plan_attempt(problem, attempt, scene, plan)
                 tried(i) = attempt%name()
                 attempt%is_repeated = any(tried(:i - 1) == tried(i))

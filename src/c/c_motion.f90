@@ -70,8 +70,8 @@ contains
         if (.not. all(is_finite(t))) status = status_bad_samples
         if (.not. is_ok(status)) return
         if (allocated(self%writer%path)) then
-            if (self%writer%columns%wants_angles_of(self%writer%path%exact)) then
-                call find_angles(self%writer, t, cells, status, t_reached)
+            if (.not. self%writer%path%exact%has_to_follow()) then
+                call find_directly(self%writer, t, cells, status, t_reached)
                 return
             end if
         end if
@@ -93,19 +93,25 @@ contains
         if (is_good_end(status) .and. writer%has_missed) status = status_bad_samples
     end subroutine find
 
-    !> The same of an exact motion, for columns of angles and where no turns have to be counted: several times faster.
-    subroutine find_angles(writer, t, cells, status, t_reached)
+    !> The same of an exact motion of which no turns have to be counted: without a copy of the writer.
+    subroutine find_directly(writer, t, cells, status, t_reached)
         type(writer_t), intent(in) :: writer
         real(dp), intent(in) :: t(:)
         real(dp), intent(inout) :: cells(:, :), t_reached
         integer, intent(out) :: status
         type(row_maker_t) :: maker
+        logical :: are_angles
         integer :: i
 
         status = status_ok
         maker = writer%columns
+        are_angles = maker%wants_angles_of(writer%path%exact)
         do i = 1, size(t)
-            call maker%find_exact_row(writer%path%exact, t(i), cells(:, i))
+            if (are_angles) then
+                call maker%find_exact_row(writer%path%exact, t(i), cells(:, i))
+            else
+                cells(:, i) = maker%row(writer%path%exact%at(t(i)))
+            end if
             if (.not. maker%is_defined(cells(:, i))) then
                 cells(:, i) = no_number
                 status = status_non_finite
@@ -113,6 +119,6 @@ contains
             t_reached = t(i)
             if (.not. is_ok(status)) return
         end do
-    end subroutine find_angles
+    end subroutine find_directly
 
 end module spintop_c_motion

@@ -268,7 +268,7 @@ contains
         type(problem_t), intent(in) :: problem !! the problem
         type(setting_t), allocatable :: settings(:)
         type(scene_t), allocatable :: scene
-        type(attempt_t) :: attempt, none
+        type(attempt_t), allocatable :: attempt ! it is large, and a thread may have a small stack
         type(plan_t), allocatable :: plan
         character(40) :: tried(size(self%choices))
         integer :: i, k
@@ -279,7 +279,8 @@ contains
         do i = 1, size(self%choices)
             settings = self%settings(self%choices(i), problem)
             do k = 1, size(settings)
-                attempt = none
+                if (allocated(attempt)) deallocate (attempt)
+                allocate (attempt)
                 attempt%choice = self%choices(i)
                 attempt%setting = settings(k)
                 attempt%number = i

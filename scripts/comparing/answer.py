@@ -30,11 +30,7 @@ class Answer:
     evaluations: float = math.nan
 
 
-def least_time(
-    run: Callable[[], None],
-    before: Callable[[], None] = lambda: None,
-    clock: Callable[[], float] = time.perf_counter,
-) -> float:
+def least_time(run: Callable[[], None], before: Callable[[], None] = lambda: None) -> float:
     """The least time of several runs after a first, each after what is to be done before.
 
     programs/answer.h does the same for those in C.
@@ -42,9 +38,9 @@ def least_time(
     spent, least, repeats = 0.0, math.inf, -1
     while repeats < LEAST_REPEATS or (spent < ENOUGH and repeats < MOST_REPEATS):
         before()
-        start = clock()
+        start = time.perf_counter()
         run()
-        taken = clock() - start
+        taken = time.perf_counter() - start
         repeats += 1
         if repeats > 0 or taken > LONG:
             spent, least = spent + taken, min(least, taken)

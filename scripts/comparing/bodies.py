@@ -10,9 +10,8 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from comparing.problem import Problem, as_list
+from comparing.problem import Problem, angle_between, as_list
 from comparing.program import RunError, processors, run_sweep
-from comparing.quaternion import angle_between
 
 CASES = 10000
 INERTIA = (0.875, 0.7, 0.25)

@@ -13,8 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from comparing.problem import Problem
-from comparing.quaternion import product, to_space
+from comparing.problem import Problem, product, to_space
 
 Vector = list[float]
 

@@ -5,9 +5,8 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from comparing.problem import ALIKE, Problem, as_list
+from comparing.problem import ALIKE, Problem, as_list, product
 from comparing.program import RunError, call
-from comparing.quaternion import product
 from spintop_figures.tables.table import Table, read_head, read_table
 from spintop_figures.tables.words import is_good_end
 

@@ -13,8 +13,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BallRpyJoint, FixedOffsetFrame, SpatialInertia, UnitInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
-from comparing.problem import Problem
-from comparing.quaternion import conjugate, to_space
+from comparing.problem import Problem, conjugate, to_space
 
 VERSIONS = f"Drake {version('drake')}"
 STEPPERS = ("discrete", "runge_kutta3", "runge_kutta5")

@@ -25,6 +25,8 @@ pytest_plugins = ["fortran_suites"]
 # scripts/test names the program to test; a bare pytest takes the release build.
 EXE = Path(os.environ.setdefault("SPINTOP_EXE", str(ROOT / "build/release/spintop"))).resolve()
 KIND = os.environ.get("SPINTOP_TEST_KIND", "release")
+MISSING = "this build has no FLINT"
+"""What builds without FLINT say where they are asked for proofs."""
 
 MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 MPI = {

@@ -7,29 +7,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from conftest import GOOD, KIND, ROOT
+from conftest import GOOD, ROOT
 
 PROGRAM = os.environ["SPINTOP_EXE"]
-COMPARISONS = "kind = 'stability'", "kind = 'work_precision'", "kind = 'benchmark'"
-"""These take long: other tests run parts of them."""
-NEEDS_FLINT = {"certified_top", "uncertain_top"}
-"""Builds without FLINT refuse these: `verify_test` runs them."""
-
-INPUTS = [
-    path
-    for path in sorted((ROOT / "input").glob("*.nml"))
-    if path.stem not in NEEDS_FLINT and not any(kind in path.read_text() for kind in COMPARISONS)
-]
-# A build that is not optimised takes minutes for these: there they are computed with less.
-IS_OPTIMISED = KIND == "release"
-LESS = {
-    "long_drift": ("nutations = 1000000", "nutations = 1000"),
-    "million_spins": ("count(1) = 1000000", "count(1) = 10000"),
-    "spin_tilt_statistics": ("cases = 100000", "cases = 2000"),
-}
-LARGEST = "million_spins"  # a table of half a gigabyte, too much to be read here in any build
-WITHOUT_ROWS = {"nutation_indices", "spin_tilt_statistics"}
-FAILING = {"slow_top_scenario1"}  # ends at its turning point, with exit code 3
 
 
 class Table:
@@ -129,54 +109,3 @@ class ProgramCase(unittest.TestCase):
         self.assertEqual(result.stdout, "")
         self.assertEqual(self.produced(), before)
         return result.stderr
-
-
-class TableChecks(ProgramCase):
-    """Checks of the tables of the supplied inputs."""
-
-    def with_less(self, scene: Path) -> Path:
-        """The input, or a copy that is computed sooner."""
-        if scene.stem not in LESS or (IS_OPTIMISED and scene.stem != LARGEST):
-            return scene
-        text = scene.read_text(encoding="utf-8")
-        self.assertIn(LESS[scene.stem][0], text)
-        return self.write(text.replace(*LESS[scene.stem]), scene.name)
-
-    def check_tables(self, inputs: list[Path], folder: str, output: str) -> None:
-        """Each input has its table, and each table is whole."""
-        tables = [path.name for path in (self.folder / folder).glob("*.csv")]
-        endings = (".events.csv", ".histogram.csv", ".indices.csv", ".residuals.csv")
-        beside = [name for name in tables if name.endswith(endings)]
-        fits = ("fit", "inclinometer", "mounted_sensor", "spin_down", "tip_camera")
-        expected = [f"{fit}.residuals.csv" for fit in fits]
-        expected += ["nutation_indices.histogram.csv", "nutation_indices.indices.csv"]
-        expected += ["slow_top_events.events.csv", "spin_tilt_statistics.histogram.csv"]
-        self.assertEqual(sorted(beside), sorted(expected))
-        self.assertEqual(len(tables) - len(beside), len(inputs))
-        for scene in inputs:
-            with self.subTest(scene.stem):
-                self.assertIn(f"{scene}: ", output)
-                self.check_table(scene, folder)
-
-    def check_table(self, scene: Path, folder: str) -> None:
-        """A table is whole, and its header describes its columns."""
-        table = self.table(scene.stem + ".statistics" * (scene.stem in WITHOUT_ROWS), folder)
-        self.assertTrue(table.ends_line)
-        self.assertEqual(len(table.names), len(set(table.names)))
-        for row in table.rows:
-            self.assertEqual(len(row), len(table.names))
-        units = table.header[table.header.index("columns:") + 1 :]
-        described = [line.split()[0].rstrip(":") for line in units]
-        self.assertEqual(described, table.names)
-        if "status" in table.names:
-            self.assertEqual(set(table.texts("status")), {"ok"})
-            self.assertEqual(table.column("case"), list(range(1, len(table.rows) + 1)))
-            self.assertFalse(any(line.startswith("date") for line in table.header))
-        elif scene.stem in WITHOUT_ROWS:
-            self.assertEqual(table.column("bin"), list(range(len(table.rows))))
-            self.assertFalse(any(line.startswith("date") for line in table.header))
-        elif scene.stem in FAILING:
-            self.assertRegex(table.last_line, r"^# status: turning_point at t = 1\.1929502")
-        else:
-            self.assertRegex(table.last_line, r"^# status: (ok|at_rest at t = [0-9.]+)$")
-            self.assertTrue(any(line.startswith("date: ") for line in table.header))

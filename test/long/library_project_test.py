@@ -9,8 +9,8 @@ sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS / "scripts"), str(TESTS / "program")]
 
+from conftest import ROOT  # noqa: E402
 from manual_test import ManualCase, parts_of_library_page  # noqa: E402
-from program_test import ROOT  # noqa: E402
 
 
 class LibraryProjectTest(ManualCase):

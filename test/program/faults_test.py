@@ -5,20 +5,16 @@ whole run; the long suite `all_faults_test` takes all of them.
 """
 
 import errno
-import os
 import re
 import shutil
 import subprocess
-import tempfile
-import unittest
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 import pytest
 
-from program_test import PROGRAM, ROOT, ProgramCase
+from conftest import KIND, ROOT
 
 pytestmark = pytest.mark.slow
 
@@ -73,65 +69,31 @@ class Fault:
         return given | ({"FAULT_LASTS": "1"} if self.lasts else {})
 
 
-class FaultCase(ProgramCase):
-    """Runs with a fault."""
+class Faulty:
+    """The program with a fault, in a folder that has the measurements of the fit."""
 
-    library: ClassVar[Path]
-    tried: ClassVar[int] = 0
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        """Compile the library, and find out which formats the program has."""
-        compiler = shutil.which("gcc") or shutil.which("cc")
-        if compiler is None:
-            raise unittest.SkipTest("no C compiler is found")
-        if os.environ.get("SPINTOP_TEST_KIND") == "sanitized":
-            raise unittest.SkipTest("the sanitizers have an allocator of their own")
-        folder = Path(tempfile.mkdtemp(prefix="spintop-faults-"))
-        cls.addClassCleanup(shutil.rmtree, folder)
-        cls.library = folder / "faults.so"
-        source = ROOT / "test/support/faults.txt"
-        command = [
-            compiler,
-            "-O1",
-            "-shared",
-            "-fPIC",
-            "-o",
-            cls.library,
-            "-x",
-            "c",
-            source,
-            "-ldl",
-        ]
-        subprocess.run(command, check=True)
-
-    def setUp(self) -> None:
-        """The measurements of the fit."""
-        super().setUp()
+    def __init__(self, spin, library: Path) -> None:
+        self.spin, self.library = spin, library
+        self.output = spin.folder / "output"
         rows = "\n".join(f"{i / 10},{0.349 + 0.01 * i}" for i in range(8))
-        (self.folder / "measured.csv").write_text(f"t,theta\n{rows}\n", encoding="utf-8")
+        spin.write(f"t,theta\n{rows}\n", "measured.csv")
 
-    def run_with(
-        self, folder: Path, name: str, *options: str, **environment: str
-    ) -> tuple[int, str]:
+    def run(self, name: str, *options: str, **environment: str) -> tuple[int, str]:
         """Run an input on one thread; the code, and what was said on standard error."""
         preload = {"LD_PRELOAD": str(self.library), "FAULT_TICK": "10000000"}
-        result = subprocess.run(
-            [PROGRAM, "--threads", "1", "--quiet", "-o", str(folder), *options, f"{name}.nml"],
-            cwd=self.folder,
-            env=os.environ | (preload | environment if environment else {}),
-            capture_output=True,
-            text=True,
+        run = self.spin.call(
+            *("--threads", "1", "--quiet", "-o", str(self.output), *options, f"{name}.nml"),
+            environment=preload | environment if environment else {},
+            code=(0, 2, 4, 5),
             errors="replace",
-            check=False,
             timeout=120,
         )
-        return result.returncode, result.stderr
+        return run.code, run.stderr
 
-    def contents(self, folder: Path) -> dict[str, bytes]:
+    def contents(self) -> dict[str, bytes]:
         """The files that have their final names; of measured times only that they are there."""
         found = {}
-        for path in sorted(folder.glob("*")):
+        for path in sorted(self.output.glob("*")):
             if path.name.endswith(UNFINISHED):
                 continue
             data = path.read_bytes()
@@ -142,56 +104,75 @@ class FaultCase(ProgramCase):
             found[path.name] = data
         return found
 
-    def prepare(self, name: str) -> tuple[dict[str, bytes], dict[str, int]] | None:
-        """The output without a fault, and the calls of each kind; None without NetCDF."""
-        self.write(INPUTS[name], f"{name}.nml")
-        folder, counts = self.folder / "output", self.folder / "counts"
-        shutil.rmtree(folder, ignore_errors=True)
-        code, said = self.run_with(folder, name, FAULT_COUNTS=str(counts))
+    def prepare(self, name: str) -> tuple[dict[str, bytes], dict[str, int]]:
+        """The output without a fault, and the calls of each kind; skips without NetCDF."""
+        self.spin.write(INPUTS[name], f"{name}.nml")
+        counts = self.spin.folder / "counts"
+        code, said = self.run(name, FAULT_COUNTS=str(counts))
         if name.endswith("_nc") and code == 2:
-            self.assertRegex(said, "this build has no NetCDF|NetCDF-4")
-            return None
-        self.assertEqual(code, 0, said)
+            assert re.search("this build has no NetCDF|NetCDF-4", said)
+            pytest.skip("no NetCDF")
+        assert code == 0, said
         lines = counts.read_text(encoding="utf-8").split("\n")
-        return self.contents(folder), {call: int(n) for call, n in map(str.split, lines[:-1])}
+        return self.contents(), {call: int(n) for call, n in map(str.split, lines[:-1])}
 
     def check(self, name: str, expected: dict[str, bytes], fault: Fault) -> None:
         """A true message, the documented code, no half-written file; then the same bytes."""
-        FaultCase.tried += 1
-        folder = self.folder / "output"
-        shutil.rmtree(folder, ignore_errors=True)
-        code, said = self.run_with(folder, name, **fault.environment)
-        found = self.contents(folder)
+        shutil.rmtree(self.output, ignore_errors=True)
+        code, said = self.run(name, **fault.environment)
+        found = self.contents()
         for file, data in found.items():
-            self.assertEqual(data, expected.get(file), f"{file}: {said}")
+            assert data == expected.get(file), (fault, file, said)
         if code == 0:
-            self.assertEqual(list(found), list(expected))
+            assert list(found) == list(expected), fault
             return
         if fault.call == "memory":
-            self.assertEqual(code, 5, said)
-            self.assertIn("there is no more memory", said)
+            assert code == 5, (fault, said)
+            assert "there is no more memory" in said, fault
         else:
-            self.assertIn(code, (2, 4), said)
-            self.assertRegex(said, REASONS)
+            assert code in (2, 4), (fault, said)
+            assert re.search(REASONS, said), (fault, said)
             if code == 2:
-                self.assertIn("cannot read", said)
-                self.assertEqual(found, {})
+                assert "cannot read" in said, fault
+                assert found == {}, fault
         resumes = name.startswith(("trajectory", "sweep", "compressed", "statistics"))
-        code, said = self.run_with(folder, name, *["--resume"] * resumes)
-        self.assertEqual(code, 0, said)
+        code, said = self.run(name, *["--resume"] * resumes)
+        assert code == 0, (fault, said)
         # A log of the fault's run, whose table is complete, is not written again.
+        again = self.contents()
         for file, data in expected.items():
             if not file.endswith(".log"):
-                self.assertEqual((file, self.contents(folder).get(file)), (file, data))
-        left = [path.name for path in folder.iterdir() if path.suffix in (".part", ".journal")]
-        self.assertEqual(left, [])
+                assert (file, again.get(file)) == (file, data), fault
+        left = [p.name for p in self.output.iterdir() if p.suffix in (".part", ".journal")]
+        assert left == [], fault
 
-    def kinds(self, call: str) -> tuple[tuple[int, bool], ...]:
-        """The faults of a call: the error, and whether it lasts."""
-        if call == "memory":
-            return ((errno.ENOMEM, False),)
-        faults = [(errno.EIO, False), (errno.ENOSPC, True)]
-        return (*faults, (SHORT, False)) if call in ("read", "write") else tuple(faults)
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory) -> Path:
+    """The library between the program and the system."""
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler is found")
+    if KIND == "sanitized":
+        pytest.skip("the sanitizers have an allocator of their own")
+    path, source = tmp_path_factory.mktemp("faults") / "faults.so", ROOT / "test/support/faults.txt"
+    command = [compiler, "-O1", "-shared", "-fPIC", "-o", path, "-x", "c", source, "-ldl"]
+    subprocess.run(command, check=True)
+    return path
+
+
+@pytest.fixture
+def faulty(spin, library) -> Faulty:
+    """The program, and the faults it meets."""
+    return Faulty(spin, library)
+
+
+def kinds_of(call: str) -> tuple[tuple[int, bool], ...]:
+    """The faults of a call: the error, and whether it lasts."""
+    if call == "memory":
+        return ((errno.ENOMEM, False),)
+    faults = ((errno.EIO, False), (errno.ENOSPC, True))
+    return (*faults, (SHORT, False)) if call in ("read", "write") else faults
 
 
 def sample(count: int, most: int, start: int) -> Iterator[int]:
@@ -200,25 +181,14 @@ def sample(count: int, most: int, start: int) -> Iterator[int]:
     yield from range(1 + start % step, count + 1, step)
 
 
-class FaultsTest(FaultCase):
-    """A sample of the faults of each kind of output."""
-
-    def test_every_kind_of_output(self) -> None:
-        """The input's name gives the place where the sample begins."""
-        for index, name in enumerate(INPUTS):
-            prepared = self.prepare(name)
-            if prepared is None:
-                continue
-            expected, counts = prepared
-            for call in CALLS:
-                kinds = self.kinds(call)
-                for k, number in enumerate(sample(counts[call], 6, 7 * index)):
-                    kind, lasts = kinds[(k + index) % len(kinds)]
-                    fault = Fault(call, number, kind, lasts)
-                    with self.subTest(name, fault=fault):
-                        self.check(name, expected, fault)
-        self.assertGreater(self.tried, 200)
-
-
-if __name__ == "__main__":
-    unittest.main()
+@pytest.mark.parametrize(("index", "name"), list(enumerate(INPUTS)), ids=list(INPUTS))
+def test_a_sample_of_the_faults(faulty, index, name):
+    """Of each kind of output; the input's number gives the place where the sample begins."""
+    expected, counts = faulty.prepare(name)
+    tried = 0
+    for call in CALLS:
+        kinds = kinds_of(call)
+        for k, number in enumerate(sample(counts[call], 6, 7 * index)):
+            faulty.check(name, expected, Fault(call, number, *kinds[(k + index) % len(kinds)]))
+            tried += 1
+    assert tried > 20

@@ -17,8 +17,9 @@ import pytest
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
+from conftest import GOOD  # noqa: E402
 from mpi_test import ENVIRONMENT  # noqa: E402
-from program_test import GOOD, PROGRAM, ProgramCase, Table  # noqa: E402
+from program_case import PROGRAM, ProgramCase, Table  # noqa: E402
 from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
 from spintop_figures.tables.netcdf import read_netcdf  # noqa: E402
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import pytest
 
-from program_test import GOOD, PROGRAM, ROOT, ProgramCase
+from conftest import GOOD, ROOT
+from program_case import PROGRAM, ProgramCase
 
 pytestmark = pytest.mark.slow
 

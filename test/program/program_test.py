@@ -10,18 +10,7 @@ import numpy as np
 import pytest
 
 from conftest import CLOSED, GOOD, KIND, ROOT, largest, output, read
-from program_case import (  # noqa: F401 - the other names are for suites that use its classes
-    COMPARISONS,
-    FAILING,
-    INPUTS,
-    IS_OPTIMISED,
-    LARGEST,
-    NEEDS_FLINT,
-    PROGRAM,
-    ProgramCase,
-    Table,
-    TableChecks,
-)
+from supplied_inputs import INPUTS, check_tables, with_less
 
 # Example 1, to as many digits as double precision holds.
 LARGEST_PHI_RATE = 67.96567368900274
@@ -56,16 +45,12 @@ def same_on_threads(spin, text, *threads, code=0):
     return runs[0]
 
 
-class InputsTest(TableChecks):
-    """The supplied inputs run, and their tables have the documented contents."""
-
-    @pytest.mark.skipif(KIND == "release", reason="all_inputs_test runs all inputs, by scripts/run")
-    def test_every_input_runs(self):
-        """All inputs at once; the largest exit code counts, and each table is whole."""
-        inputs = [self.with_less(path) for path in INPUTS]
-        result = self.run_program(*inputs, "-o", "deep/er/folder")
-        self.assertEqual(result.returncode, 3, result.stderr)
-        self.check_tables(inputs, "deep/er/folder", result.stdout)
+@pytest.mark.skipif(KIND == "release", reason="all_inputs_test runs all inputs, by scripts/run")
+def test_every_input_runs(spin):
+    """All inputs at once; the largest exit code counts, and each table is whole."""
+    inputs = [with_less(path, spin.folder) for path in INPUTS]
+    run = spin.call(*inputs, "-o", "deep/er/folder", code=3)
+    check_tables(inputs, spin.folder / "deep/er/folder", run.out)
 
 
 @pytest.mark.parametrize("scene", INPUTS, ids=lambda path: path.stem)

@@ -4,16 +4,16 @@ import csv
 import itertools
 import math
 import random
-import subprocess
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
+
+import pytest
 
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
-from program_test import ProgramCase  # noqa: E402
+from conftest import read, wait_until  # noqa: E402
 from spintop_figures.tables.table import read_table  # noqa: E402
 
 SEED = 20121
@@ -82,249 +82,213 @@ def spaced(first: float, last: float, count: int, logarithmic: bool) -> list[flo
     return [*values[:-1], last] if count > 1 else values
 
 
-class ReadBackCase(ProgramCase):
-    """Sweeps in both formats, read back."""
-
-    def setUp(self) -> None:
-        """A folder, a generator, and the formats that the build has."""
-        super().setUp()
-        self.random = random.Random(SEED)
-        self.rows_of(["initial.theta"], [[1.0]])
-        self.scene_path = self.write(SCENE)
-        said = self.run_program("--check", self.scene_path, "--set", "output.format=netcdf").stderr
-        self.formats = ["csv"] if "this build has no NetCDF" in said else ["csv", "netcdf"]
-
-    def rows_of(self, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None:
-        """Write the table of cases."""
-        quoted = [f'"{name}"' if "," in name else name for name in names]
-        lines = [",".join(quoted), *(",".join(map(repr, row)) for row in rows)]
-        (self.folder / "cases.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
-
-    def draw(self, names: Sequence[str], cases: int) -> list[list[float]]:
-        """Values of parameters at random."""
-        return [
-            [self.random.uniform(*(ANY_BODY | ANY_TENSOR)[name]) for name in names]
-            for _ in range(cases)
-        ]
-
-    def sweep(self, scene: Path, *arguments: str, kind: str = "csv") -> Path:
-        """Run a sweep; every case must end well."""
-        result = self.run_program(scene, "--set", f"output.format={kind}", *arguments)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        return self.folder / "output" / f"{scene.stem}.{kind.replace('netcdf', 'nc')}"
-
-    def parameters(self, path: Path, names: Sequence[str]) -> list[list[float]]:
-        """The columns of parameters of a table, as rows; its cases are numbered in order."""
-        rows = read_table(path).rows
-        self.assertEqual(list(rows["case"]), list(range(1, len(rows) + 1)))
-        self.assertEqual(list(rows.columns[1 : len(names) + 1]), list(names))
-        return [list(map(float, row)) for row in zip(*(rows[name] for name in names), strict=True)]
-
-    def body(self, path: Path, skip: int = 0) -> list[str]:
-        """The lines of a CSV table without its header and its first columns."""
-        lines = path.read_text(encoding="utf-8").splitlines()
-        return [line.split(",", skip)[-1] for line in lines if not line.startswith("#")]
+@pytest.fixture
+def formats(spin):
+    """The formats that the build has; a table of cases and its scene are there."""
+    rows_of(spin, ["initial.theta"], [[1.0]])
+    check = spin.call("--check", spin.write(SCENE), "--set=output.format=netcdf", code=(0, 2))
+    return ["csv"] if "this build has no NetCDF" in check.stderr else ["csv", "netcdf"]
 
 
-class TableOfAnyWidthTest(ReadBackCase):
-    """Tables of 1 to 20 columns."""
-
-    def test_each_column_is_that_of_the_table(self) -> None:
-        """In both formats, for bodies of any kind, in any order of the columns."""
-        for width in range(1, len(ANY_BODY) + 1):
-            names = self.random.sample(list(ANY_BODY), width)
-            rows = self.draw(names, CASES)
-            self.rows_of(names, rows)
-            for kind in self.formats:
-                with self.subTest(width=width, kind=kind):
-                    path = self.sweep(self.scene_path, "--threads", "2", kind=kind)
-                    self.assertEqual(self.parameters(path, names), rows)
-
-    def test_names_with_a_comma(self) -> None:
-        """They stand in quotes, in tables of statistics, too, and in what is merged."""
-        scene = self.write(TENSOR, "tensor.nml")
-        for width in range(1, len(ANY_TENSOR) + 1):
-            names = self.random.sample(list(ANY_TENSOR), width)
-            rows = self.draw(names, CASES)
-            self.rows_of(names, rows)
-            for kind in self.formats:
-                with self.subTest(width=width, kind=kind):
-                    path = self.sweep(scene, "--threads", "2", kind=kind)
-                    self.assertEqual(self.parameters(path, names), rows)
-        names = ["top.inertia_tensor(1,2)", "initial.psi"]
-        self.rows_of(names, rows := self.draw(names, CASES))
-        settings = ["--set", f"statistics.over='{names[0]}'", "--set", "statistics.bins=2"]
-        settings += ["--set", "statistics.from=-0.1", "--set", "statistics.to=0.1"]
-        settings += ["--set", f"statistics.columns='{names[0]}'"]
-        whole = self.sweep(scene, *settings)
-        with whole.open(encoding="utf-8") as file:
-            cells = list(csv.reader(line for line in file if not line.startswith("#")))
-        self.assertEqual(cells[0][:4], ["case", *names, "status"])
-        self.assertEqual([[float(cell) for cell in row[1:3]] for row in cells[1:]], rows)
-        statistics = read_table(whole.with_suffix(".statistics.csv")).rows
-        self.assertEqual(sum(statistics[f"{names[0]}_count"][1:]), CASES)
-        histogram = read_table(whole.with_suffix(".histogram.csv")).rows
-        self.assertEqual(set(histogram["column"]), {names[0]})
-        parts = []
-        for i in (1, 2):
-            table = self.sweep(scene, "--shard", f"{i}/2")
-            parts.append(table.with_name(f"tensor.{i}-of-2.csv"))
-        self.sweep(scene)
-        self.assertEqual(self.run_program("merge", "merged.csv", *parts).returncode, 0)
-        self.assertEqual((self.folder / "merged.csv").read_bytes(), whole.read_bytes())
-
-    def test_each_column_is_that_of_the_table_in_closed_form(self) -> None:
-        """More cases than are computed at once; up to as many columns as there are."""
-        for width in range(1, len(LAGRANGE_TOP) + 1):
-            names = self.random.sample(LAGRANGE_TOP, width)
-            rows = self.draw(names, 600)
-            self.rows_of(names, rows)
-            for kind in self.formats:
-                with self.subTest(width=width, kind=kind):
-                    path = self.sweep(self.scene_path, "--threads", "2", kind=kind)
-                    self.assertEqual(self.parameters(path, names), rows)
-
-    def test_parts_threads_and_what_was_resumed(self) -> None:
-        """The same bytes, and those of the table, however the sweep is computed."""
-        names = list(ANY_BODY)
-        rows = self.draw(names, 300)
-        self.rows_of(names, rows)
-        whole = self.sweep(self.scene_path, "--threads", "1")
-        self.assertEqual(self.parameters(whole, names), rows)
-        expected = whole.read_bytes()
-        for threads in ("2", "3", "7"):
-            self.assertEqual(
-                self.sweep(self.scene_path, "--threads", threads).read_bytes(), expected
-            )
-        parts = []
-        for i in (1, 2, 3):
-            self.sweep(self.scene_path, "--shard", f"{i}/3")
-            parts.append(self.folder / "output" / f"scene.{i}-of-3.csv")
-        result = self.run_program("merge", "merged.csv", *parts)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual((self.folder / "merged.csv").read_bytes(), expected)
-
-    def test_resumed(self) -> None:
-        """A long sweep that was killed on its way."""
-        names = list(ANY_BODY)
-        spans = names.index("span.t_end")
-        rows = self.draw(names, 2000)
-        for row in rows:
-            row[spans] *= 200
-        self.rows_of(names, rows)
-        run = subprocess.Popen(
-            [*self.command, self.scene_path, "--threads", "1"],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        journal = self.folder / "output" / "scene.csv.journal"
-        deadline = time.monotonic() + 30
-        while not journal.exists() and run.poll() is None:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        run.kill()
-        run.wait()
-        path = self.sweep(self.scene_path, "--threads", "2", "--resume")
-        self.assertEqual(self.parameters(path, names), rows)
+@pytest.fixture
+def draws():
+    """Draws that are those of each run."""
+    return random.Random(SEED)
 
 
-class AxesTest(ReadBackCase):
-    """Axes of every kind, in every combination."""
-
-    def values_of(self, name: str, kind: str, count: int) -> tuple[list[float], str]:
-        """The values of an axis, and what the input says of it with `#` for its number."""
-        whole = name == "integration.max_steps"
-        if kind == "values":
-            low, high = (500, 900) if whole else (0.5, 2.5)
-            draw = self.random.randint if whole else self.random.uniform
-            values = [draw(low, high) for _ in range(count)]
-            return values, "values(#,:) = " + ", ".join(map(repr, values))
-        logarithmic = kind == "log"
-        if whole:
-            # Whole numbers, as they must be.
-            first, last = (1000, 1000 * 2 ** (count - 1)) if logarithmic else (500, 498 + 2 * count)
-        else:
-            first, last = self.random.uniform(0.5, 1), self.random.uniform(1.5, 2.5)
-        text = f"from(#) = {first!r}, to(#) = {last!r}, count(#) = {count}"
-        spacing = ", spacing(#) = 'log'" if logarithmic else ""
-        return spaced(first, last, count, logarithmic), text + spacing
-
-    def scene_of(self, combine: str, axes: Sequence[tuple[str, str]]) -> Path:
-        """A scene with axes."""
-        text = SCENE.replace("table = 'cases.csv' /", combine)
-        for name, _ in axes:
-            key = name.split(".")[1]
-            if key == "max_steps":
-                text = text.replace("&integration", "&integration max_steps = 1000,")
-        for i, (name, said) in enumerate(axes, 1):
-            text += f"    parameter({i}) = '{name}', {said.replace('#', str(i))}\n"
-        return self.write(text + "/\n", "axes.nml")
-
-    def check(self, scene: Path, names: Sequence[str], expected: list[list[float]] | None) -> None:
-        """All formats, threads and parts give the cases expected, and their rows as a table do."""
-        tables = {kind: self.sweep(scene, "--threads", "2", kind=kind) for kind in self.formats}
-        rows = self.parameters(tables["csv"], names)
-        if expected is not None:
-            self.assertEqual(len(rows), len(expected))
-            for row, values in zip(rows, expected, strict=True):
-                for value, wanted in zip(row, values, strict=True):
-                    # The library's powers may round otherwise.
-                    self.assertLessEqual(abs(value - wanted), 2 * EPSILON * abs(wanted))
-        for path in tables.values():
-            self.assertEqual(self.parameters(path, names), rows)
-        self.rows_of(names, rows)
-        again = self.write(SCENE.replace("&integration", "&integration max_steps = 1000,"))
-        quantities = self.body(tables["csv"], len(names) + 1)
-        self.assertEqual(self.body(self.sweep(again), len(names) + 1), quantities)
-        parts = []
-        for i in (1, 2):
-            self.sweep(scene, "--threads", "1", "--shard", f"{i}/2")
-            parts.append(self.folder / "output" / f"axes.{i}-of-2.csv")
-        result = self.run_program("merge", "merged.csv", *parts)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        merged = self.folder / "merged.csv"
-        self.assertEqual(merged.read_bytes(), tables["csv"].read_bytes())
-        merged.unlink()
-
-    def test_grids_and_zips(self) -> None:
-        """Each number of axes with each way to give their values."""
-        kinds = ("values", "linear", "log")
-        for combine, axes in itertools.product(("grid", "zip"), (1, 2, 3, 4)):
-            for turn in range(len(kinds)):
-                given = []
-                for i, name in enumerate(self.random.sample(AXES, axes)):
-                    count = 5 if combine == "zip" else self.random.randint(1, 4)
-                    kind = kinds[(turn + i) % len(kinds)]
-                    given.append((name, *self.values_of(name, kind, count)))
-                values = [axis for _, axis, _ in given]
-                cases = (
-                    zip(*values, strict=True) if combine == "zip" else itertools.product(*values)
-                )
-                with self.subTest(combine=combine, axes=given):
-                    scene = self.scene_of(f"combine = '{combine}'", [(n, s) for n, _, s in given])
-                    self.check(scene, [n for n, _, _ in given], [list(case) for case in cases])
-
-    def test_drawn_cases(self) -> None:
-        """Between their ends, each value as the quantities of its case have it."""
-        for combine, axes in itertools.product(("random", "latin_hypercube"), (1, 2, 3, 4)):
-            names = self.random.sample(AXES, axes)
-            given = []
-            for i, name in enumerate(names):
-                low, high = (700, 900) if name == "integration.max_steps" else (0.5, 2.5)
-                spacing = ", spacing(#) = 'log'" if i % 2 else ""
-                given.append((name, f"from(#) = {low}, to(#) = {high}{spacing}"))
-            with self.subTest(combine=combine, axes=given):
-                scene = self.scene_of(f"combine = '{combine}', cases = 53, seed = 7", given)
-                self.check(scene, names, None)
-                for row in self.parameters(self.folder / "output" / "axes.csv", names):
-                    for name, value in zip(names, row, strict=True):
-                        low, high = (700, 900) if name == "integration.max_steps" else (0.5, 2.5)
-                        self.assertTrue(low <= value <= high)
-                        self.assertTrue(math.isfinite(value))
+def rows_of(spin, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None:
+    """Write the table of cases."""
+    quoted = [f'"{name}"' if "," in name else name for name in names]
+    lines = [",".join(quoted), *(",".join(map(repr, row)) for row in rows)]
+    spin.write("\n".join(lines) + "\n", "cases.csv")
 
 
-if __name__ == "__main__":
-    import unittest
+def draw(draws, spin, names: Sequence[str], cases: int) -> list[list[float]]:
+    """Values of parameters at random, which are the table of cases."""
+    ends = ANY_BODY | ANY_TENSOR
+    rows = [[draws.uniform(*ends[name]) for name in names] for _ in range(cases)]
+    rows_of(spin, names, rows)
+    return rows
 
-    unittest.main()
+
+def sweep(spin, scene: str, *words: str, kind: str = "csv") -> Path:
+    """Run a sweep; every case must end well."""
+    path = spin(scene, f"output.format={kind}", *words).path
+    return path.with_suffix(f".{kind.replace('netcdf', 'nc')}")
+
+
+def merged(spin, scene: str, parts: int, *words: str) -> bytes:
+    """The table of parts that are merged."""
+    for i in range(1, parts + 1):
+        sweep(spin, scene, f"--shard={i}/{parts}", *words)
+    stem = Path(scene).stem
+    tables = [f"output/{stem}.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
+    path = spin.call("merge", "merged.csv", *tables, path="merged.csv").path
+    table = path.read_bytes()
+    path.unlink()
+    return table
+
+
+def parameters(path: Path, names: Sequence[str]) -> list[list[float]]:
+    """The columns of parameters of a table, as rows; its cases are numbered in order."""
+    rows = read_table(path).rows
+    assert list(rows["case"]) == list(range(1, len(rows) + 1))
+    assert list(rows.columns[1 : len(names) + 1]) == list(names)
+    return [list(map(float, row)) for row in zip(*(rows[name] for name in names), strict=True)]
+
+
+def body(path: Path, skip: int) -> list[str]:
+    """The lines of a CSV table without its header and its first columns."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line.split(",", skip)[-1] for line in lines if not line.startswith("#")]
+
+
+# Bodies of any kind; names with a comma, which stand in quotes; more cases than are computed at
+# once in closed form.
+TABLES = ((SCENE, list(ANY_BODY), CASES), (TENSOR, list(ANY_TENSOR), CASES))
+TABLES += ((SCENE, LAGRANGE_TOP, 600),)
+
+
+@pytest.mark.parametrize(("text", "known", "cases"), TABLES, ids=("any", "tensor", "closed form"))
+def test_each_column_is_that_of_the_table(spin, formats, draws, text, known, cases):
+    """In both formats, of one column to as many as there are, in any order of the columns."""
+    scene = spin.write(text)
+    for width in range(1, len(known) + 1):
+        names = draws.sample(known, width)
+        rows = draw(draws, spin, names, cases)
+        for kind in formats:
+            path = sweep(spin, scene, "--threads=2", kind=kind)
+            assert parameters(path, names) == rows, (width, kind)
+
+
+def test_names_with_a_comma(spin, draws):
+    """They stand in quotes, in tables of statistics, too, and in what is merged."""
+    scene = spin.write(TENSOR, "tensor.nml")
+    names = ["top.inertia_tensor(1,2)", "initial.psi"]
+    rows = draw(draws, spin, names, CASES)
+    settings = [f"statistics.over='{names[0]}'", "statistics.bins=2", "statistics.from=-0.1"]
+    settings += ["statistics.to=0.1", f"statistics.columns='{names[0]}'"]
+    whole = sweep(spin, scene, *settings)
+    with whole.open(encoding="utf-8") as file:
+        cells = list(csv.reader(line for line in file if not line.startswith("#")))
+    assert cells[0][:4] == ["case", *names, "status"]
+    assert [[float(cell) for cell in row[1:3]] for row in cells[1:]] == rows
+    statistics = read(whole.with_suffix(".statistics.csv"))
+    assert sum(statistics[f"{names[0]}_count"][1:]) == CASES
+    assert set(read(whole.with_suffix(".histogram.csv")).column) == {names[0]}
+    parts = merged(spin, scene, 2)
+    assert sweep(spin, scene).read_bytes() == parts
+
+
+def test_parts_threads_and_what_was_resumed(spin, formats, draws):
+    """The same bytes, and those of the table, however the sweep is computed."""
+    names = list(ANY_BODY)
+    rows = draw(draws, spin, names, 300)
+    whole = sweep(spin, "scene.nml", "--threads=1")
+    assert parameters(whole, names) == rows
+    expected = whole.read_bytes()
+    for threads in (2, 3, 7):
+        assert sweep(spin, "scene.nml", f"--threads={threads}").read_bytes() == expected
+    assert merged(spin, "scene.nml", 3) == expected
+
+
+def test_resumed(spin, formats, draws):
+    """A long sweep that was killed on its way."""
+    names = list(ANY_BODY)
+    spans = names.index("span.t_end")
+    rows = draw(draws, spin, names, 2000)
+    for row in rows:
+        row[spans] *= 200
+    rows_of(spin, names, rows)
+    with spin.start("scene.nml", "--threads=1") as run:
+        journal = spin.folder / "output/scene.csv.journal"
+        wait_until(lambda: journal.exists() or run.poll() is not None, limit=30)
+    path = sweep(spin, "scene.nml", "--threads=2", "--resume")
+    assert parameters(path, names) == rows
+
+
+def values_of(draws, name: str, kind: str, count: int) -> tuple[list[float], str]:
+    """The values of an axis, and what the input says of it with `#` for its number."""
+    whole = name == "integration.max_steps"
+    if kind == "values":
+        low, high = (500, 900) if whole else (0.5, 2.5)
+        draw = draws.randint if whole else draws.uniform
+        values = [draw(low, high) for _ in range(count)]
+        return values, "values(#,:) = " + ", ".join(map(repr, values))
+    logarithmic = kind == "log"
+    if whole:
+        # Whole numbers, as they must be.
+        first, last = (1000, 1000 * 2 ** (count - 1)) if logarithmic else (500, 498 + 2 * count)
+    else:
+        first, last = draws.uniform(0.5, 1), draws.uniform(1.5, 2.5)
+    text = f"from(#) = {first!r}, to(#) = {last!r}, count(#) = {count}"
+    spacing = ", spacing(#) = 'log'" if logarithmic else ""
+    return spaced(first, last, count, logarithmic), text + spacing
+
+
+def scene_of(spin, combine: str, axes: Sequence[tuple[str, str]]) -> str:
+    """A scene with axes."""
+    text = SCENE.replace("table = 'cases.csv' /", combine)
+    for name, _ in axes:
+        key = name.split(".")[1]
+        if key == "max_steps":
+            text = text.replace("&integration", "&integration max_steps = 1000,")
+    for i, (name, said) in enumerate(axes, 1):
+        text += f"    parameter({i}) = '{name}', {said.replace('#', str(i))}\n"
+    return spin.write(text + "/\n", "axes.nml")
+
+
+def check(
+    spin, formats, scene: str, names: Sequence[str], expected: list[list[float]] | None
+) -> None:
+    """All formats, threads and parts give the cases expected, and their rows as a table do."""
+    tables = {kind: sweep(spin, scene, "--threads=2", kind=kind) for kind in formats}
+    rows = parameters(tables["csv"], names)
+    if expected is not None:
+        assert len(rows) == len(expected)
+        for row, values in zip(rows, expected, strict=True):
+            for value, wanted in zip(row, values, strict=True):
+                # The library's powers may round otherwise.
+                assert abs(value - wanted) <= 2 * EPSILON * abs(wanted)
+    for path in tables.values():
+        assert parameters(path, names) == rows
+    rows_of(spin, names, rows)
+    again = spin.write(SCENE.replace("&integration", "&integration max_steps = 1000,"))
+    quantities = body(tables["csv"], len(names) + 1)
+    assert body(sweep(spin, again), len(names) + 1) == quantities
+    assert merged(spin, scene, 2, "--threads=1") == tables["csv"].read_bytes()
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3, 4])
+@pytest.mark.parametrize("combine", ["grid", "zip"])
+def test_grids_and_zips(spin, formats, draws, combine, axes):
+    """Each number of axes with each way to give their values."""
+    kinds = ("values", "linear", "log")
+    for turn in range(len(kinds)):
+        given = []
+        for i, name in enumerate(draws.sample(AXES, axes)):
+            count = 5 if combine == "zip" else draws.randint(1, 4)
+            given.append((name, *values_of(draws, name, kinds[(turn + i) % len(kinds)], count)))
+        values = [axis for _, axis, _ in given]
+        cases = zip(*values, strict=True) if combine == "zip" else itertools.product(*values)
+        scene = scene_of(spin, f"combine = '{combine}'", [(name, said) for name, _, said in given])
+        names = [name for name, _, _ in given]
+        check(spin, formats, scene, names, [list(case) for case in cases])
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3, 4])
+@pytest.mark.parametrize("combine", ["random", "latin_hypercube"])
+def test_drawn_cases(spin, formats, draws, combine, axes):
+    """Between their ends, each value as the quantities of its case have it."""
+    names = draws.sample(AXES, axes)
+    ends = [(700, 900) if name == "integration.max_steps" else (0.5, 2.5) for name in names]
+    given = []
+    for i, (low, high) in enumerate(ends):
+        spacing = ", spacing(#) = 'log'" if i % 2 else ""
+        given.append((names[i], f"from(#) = {low}, to(#) = {high}{spacing}"))
+    scene = scene_of(spin, f"combine = '{combine}', cases = 53, seed = 7", given)
+    check(spin, formats, scene, names, None)
+    for row in parameters(spin.folder / "output/axes.csv", names):
+        for (low, high), value in zip(ends, row, strict=True):
+            assert low <= value <= high
+            assert math.isfinite(value)

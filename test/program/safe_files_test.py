@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from program_test import PROGRAM, ROOT, ProgramCase
+from conftest import ROOT
+from program_case import PROGRAM, ProgramCase
 from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
 from survival_test import SLOW, SurvivalCase
 

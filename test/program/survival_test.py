@@ -15,10 +15,11 @@ from typing import ClassVar
 
 import pytest
 
-from program_test import GOOD, IS_OPTIMISED, PROGRAM, ROOT, ProgramCase, Table
+from conftest import GOOD, KIND, ROOT
+from program_case import PROGRAM, ProgramCase, Table
 
 # Long enough to be interrupted at any moment: a few seconds on one thread.
-STEPS = "steps = 2000" if IS_OPTIMISED else "steps = 600"
+STEPS = "steps = 2000" if KIND == "release" else "steps = 600"
 STEPPING = f"formulation = 'lagrange', method = 'rk4', {STEPS}"
 SLOW = f"""\
 &study kind = 'sweep' /

@@ -11,7 +11,7 @@ from pathlib import Path
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS.parent / "python")]
 
-from batch_case import MISSING  # noqa: E402
+from conftest import MISSING  # noqa: E402
 from safe_files_test import STUDIES, StudyCase  # noqa: E402
 from spintop_figures.tables.table import TableError, read_table  # noqa: E402
 

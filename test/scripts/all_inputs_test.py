@@ -5,7 +5,6 @@ Studies of methods are computed with fewer settings, and the largest sweep with 
 
 import subprocess
 import sys
-import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
@@ -14,20 +13,20 @@ import pytest
 
 sys.dont_write_bytecode = True
 TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS / "program"), str(TESTS.parent / "python")]
+sys.path.insert(0, str(TESTS.parent / "python"))
 
-from program_test import (  # noqa: E402
+from conftest import ROOT  # noqa: E402
+from spintop_figures.registry import FIGURES  # noqa: E402
+from spintop_figures.tables.table import read_table  # noqa: E402
+from spintop_figures.tables.words import words_of  # noqa: E402
+from supplied_inputs import (  # noqa: E402
     COMPARISONS,
     FAILING,
     INPUTS,
     LARGEST,
     NEEDS_FLINT,
-    ROOT,
-    TableChecks,
+    check_tables,
 )
-from spintop_figures.registry import FIGURES  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
-from spintop_figures.tables.words import words_of  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -84,55 +83,45 @@ def names_of_figures(stem: str) -> set[str]:
     return {f"{stem}{ending}_{kind.name}.png" for ending in beside for kind in FIGURES}
 
 
-class AllInputsTest(TableChecks):
-    """Every input that comes with the program."""
-
-    def test_all(self) -> None:
-        """Two groups at a time; then their tables, their figures and the kinds of columns."""
-        groups = group_all()
-        inputs = [path for group in groups for path in group.inputs]
-        self.assertEqual(sorted(inputs), sorted((ROOT / "input").glob("*.nml")))
-        with ThreadPoolExecutor(2) as pool:
-            results = list(pool.map(lambda group: group.run(self.folder), groups))
-        if "FLINT" in results[-1].stderr:  # which this build does not have
-            self.assertEqual(results.pop().returncode, REFUSED)
-            groups.pop()
-        drawn = {path.name for path in (self.folder / FOLDER).glob("*.png")}
-        for group, result in zip(groups, results, strict=True):
-            with self.subTest(group.inputs[0].stem):
-                self.assertEqual(result.returncode, group.code, result.stderr)
-                told = [line for line in result.stderr.splitlines() if "scripts/plot: " in line]
-                self.assertEqual([line for line in told if not line.endswith(NO_FIGURE)], [])
-            for path in group.inputs:
-                with self.subTest(path.stem):
-                    figures = names_of_figures(path.stem) & drawn
-                    self.assertEqual(not figures, path.stem in WITHOUT_FIGURES)
-        for path in (self.folder / FOLDER).glob("*.png"):
-            self.assertGreater(path.stat().st_size, 5000)
-            self.assertGreater(path.with_suffix(".svg").stat().st_size, 5000)
-        self.check_words([path for group in groups[1:4] for path in group.inputs])
-        known = {path.stem for path in INPUTS} | {*FAILING}
-        for path in (self.folder / FOLDER).glob("*.csv"):
-            if path.stem.split(".")[0] not in known:
-                path.unlink()
-        self.check_tables(
-            [path for path in inputs if path.stem in known],
-            FOLDER,
-            "".join(result.stdout for result in results),
-        )
-
-    def check_words(self, scenes: list[Path]) -> None:
-        """Columns of words, as the registry has them, hold words; all others hold numbers."""
-        seen: dict[str, bool] = {}
-        for scene in scenes:
-            table = read_table(self.folder / FOLDER / f"{scene.stem}.csv")
-            words = words_of(table.kind)
-            for name in table.rows:
-                self.assertEqual(table.numeric(name), name not in words, f"{scene.stem}: {name}")
-                if name in words:
-                    seen[name] = seen.get(name, False) or table.has_words(name)
-        self.assertEqual([name for name, is_word in seen.items() if not is_word], [])
+def test_all(folder):
+    """Two groups at a time; then their tables, their figures and the kinds of columns."""
+    groups = group_all()
+    inputs = [path for group in groups for path in group.inputs]
+    assert sorted(inputs) == sorted((ROOT / "input").glob("*.nml"))
+    with ThreadPoolExecutor(2) as pool:
+        results = list(pool.map(lambda group: group.run(folder), groups))
+    if "FLINT" in results[-1].stderr:  # which this build does not have
+        assert results.pop().returncode == REFUSED
+        groups.pop()
+    place = folder / FOLDER
+    drawn = {path.name for path in place.glob("*.png")}
+    for group, result in zip(groups, results, strict=True):
+        assert result.returncode == group.code, result.stderr
+        told = [line for line in result.stderr.splitlines() if "scripts/plot: " in line]
+        assert [line for line in told if not line.endswith(NO_FIGURE)] == []
+        for path in group.inputs:
+            figures = names_of_figures(path.stem) & drawn
+            assert (not figures) == (path.stem in WITHOUT_FIGURES), path.stem
+    for path in place.glob("*.png"):
+        assert path.stat().st_size > 5000, path
+        assert path.with_suffix(".svg").stat().st_size > 5000, path
+    check_words(place, [path for group in groups[1:4] for path in group.inputs])
+    known = {path.stem for path in INPUTS} | {*FAILING}
+    for path in place.glob("*.csv"):
+        if path.stem.split(".")[0] not in known:
+            path.unlink()
+    output = "".join(result.stdout for result in results)
+    check_tables([path for path in inputs if path.stem in known], place, output)
 
 
-if __name__ == "__main__":
-    unittest.main()
+def check_words(folder: Path, scenes: list[Path]) -> None:
+    """Columns of words, as the registry has them, hold words; all others hold numbers."""
+    seen: dict[str, bool] = {}
+    for scene in scenes:
+        table = read_table(folder / f"{scene.stem}.csv")
+        words = words_of(table.kind)
+        for name in table.rows:
+            assert table.numeric(name) == (name not in words), f"{scene.stem}: {name}"
+            if name in words:
+                seen[name] = seen.get(name, False) or table.has_words(name)
+    assert [name for name, is_word in seen.items() if not is_word] == []

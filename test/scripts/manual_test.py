@@ -16,6 +16,7 @@ import pytest
 TESTS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
 
+from conftest import EXE, KIND, MPI, MPI_EXE, ROOT  # noqa: E402
 from manual.pages import (  # noqa: E402
     Block,
     anchors_of,
@@ -25,10 +26,7 @@ from manual.pages import (  # noqa: E402
     prose_of,
 )
 from manual.tables import registries, renewed  # noqa: E402
-from mpi_test import ENVIRONMENT  # noqa: E402
-from program_test import IS_OPTIMISED, PROGRAM, ROOT  # noqa: E402
 
-MPI_PROGRAM = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 FOLDERS = "app|doc|input|packaging|python|scripts|src|test"
 """Folders of the project that pages name."""
 PAGES = manual_pages()
@@ -244,7 +242,7 @@ class ManualCase(unittest.TestCase):
             elif path.name != "setup":
                 (scripts / path.name).symlink_to(path)
         (scripts / "setup").write_text(STUB.format(python=sys.executable), encoding="utf-8")
-        for kind, program in (("release", PROGRAM), ("mpi", MPI_PROGRAM)):
+        for kind, program in (("release", EXE), ("mpi", MPI_EXE)):
             if Path(program).is_file():
                 (self.folder / "build" / kind).mkdir(parents=True)
                 (self.folder / "build" / kind / "spintop").symlink_to(Path(program).resolve())
@@ -256,7 +254,7 @@ class ManualCase(unittest.TestCase):
         return subprocess.run(
             ["bash", "-c", command],
             cwd=self.folder,
-            env=os.environ | ENVIRONMENT | {"PATH": path, "SPINTOP_EXE": PROGRAM},
+            env=os.environ | MPI | {"PATH": path, "SPINTOP_EXE": str(EXE)},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -332,12 +330,12 @@ class PagesTest(unittest.TestCase):
         """Parameters, columns, methods and the like; scripts/manual_tables renews them."""
         for page in PAGES:
             with self.subTest(page.name):
-                self.assertEqual(page.read_text(encoding="utf-8"), renewed(page, Path(PROGRAM)))
+                self.assertEqual(page.read_text(encoding="utf-8"), renewed(page, EXE))
 
     def test_everything_that_can_be_listed_is_described(self) -> None:
         """Each topic of `spintop list`, each group of the input, and columns that can be chosen."""
         text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
-        known = registries(Path(PROGRAM))
+        known = registries(EXE)
         self.assertGreater(len(known), 10)
         parts = {"columns": "study", "parameters": "group"}
         fixed = {study["name"] for study in known["studies"] if not study["takes_columns"]}
@@ -388,11 +386,11 @@ class CommandsTest(ManualCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertNotEqual(result.stdout, "")
 
-    @unittest.skipUnless(IS_OPTIMISED, "the commands take long with run-time checks")
+    @unittest.skipUnless(KIND == "release", "the commands take long with run-time checks")
     @pytest.mark.slow
     def test_commands(self) -> None:
         """Page by page, for later blocks may use what earlier ones have made."""
-        has_mpi = shutil.which("mpirun") and Path(MPI_PROGRAM).is_file()
+        has_mpi = shutil.which("mpirun") and Path(MPI_EXE).is_file()
         netcdf = self.shell("spintop --check --set output.format=netcdf input/random_tops.nml")
         flint = self.shell("spintop --check --set output.certified=.true. input/slow_top.nml")
         for block in BLOCKS:
@@ -487,7 +485,7 @@ class CommandsTest(ManualCase):
                 self.assertEqual(result.returncode, 2)
                 self.assertRegex(result.stderr, rf"{reason}(?!, \w)")
 
-    @unittest.skipUnless(IS_OPTIMISED, "does not use the program under test")
+    @unittest.skipUnless(KIND == "release", "does not use the program under test")
     def test_the_library(self) -> None:
         """The program of the library's page prints what the page says."""
         parts = parts_of_library_page()

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 import python_library  # noqa: F401
 import spintop
-from batch_case import MISSING
+from conftest import MISSING
 from spintop import animation
 from spintop.library import library
 from spintop_figures.tables.table import TableError, read_table

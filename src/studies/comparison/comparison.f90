@@ -299,9 +299,10 @@ contains
     !> Counts the attempts on each problem, where their settings do not depend on it.
     subroutine count_attempts(self)
         class(comparison_t), intent(inout) :: self
-        type(problem_t) :: any_problem
+        type(problem_t), allocatable :: any_problem ! it is large, and a thread may have a small stack
         type(setting_t), allocatable :: settings(:)
         integer :: i
+        allocate (any_problem)
         self%attempts_each = 0
         do i = 1, size(self%choices)
             settings = self%settings(self%choices(i), any_problem)

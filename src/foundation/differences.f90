@@ -128,7 +128,7 @@ contains
         real(dp), dimension(size(derivatives), 0:rows - 1) :: now, last
         real(dp), dimension(size(derivatives)) :: rounding, change
         real(dp) :: factor, least, range, width
-        integer :: above, below, first, i, k
+        integer :: above, below, first, i, k, one, other
 
         best = 0
         derivatives = nan
@@ -147,8 +147,11 @@ contains
             first = i
         end do
         do i = first, rows
-            associate (up => values(:, node(above, i)), down => values(:, node(below, i)), middle => values(:, centre))
-                width = self%x(node(above, i)) - self%x(node(below, i))
+            ! Not the functions themselves: gfortran 14 does not know them in an associate.
+            one = node(above, i)
+            other = node(below, i)
+            associate (up => values(:, one), down => values(:, other), middle => values(:, centre))
+                width = self%x(one) - self%x(other)
                 now(:, 0) = (up - down) / width
                 rounding = 2 * epsilon(1.0_dp) * max(abs(up), abs(down), abs(middle)) / width
                 noise(i) = norm2(rounding)

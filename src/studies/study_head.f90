@@ -12,7 +12,7 @@ module spintop_study_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: compare_with_writer, study_head, study_facts, print_input
+    public :: compare_with_writer, study_head, print_input
 
     !> Groups that every study reads, and those of a case, given or not.
     character(*), parameter :: groups_of_all = 'study|integration|output', groups_of_a_case = 'top|initial|span'
@@ -32,15 +32,6 @@ contains
 
         beginning = ''
         if (present(part)) beginning = part
-        call study_facts(job, facts, input)
-        head = header_of(beginning, facts, input, columns, remarks)
-    end function study_head
-
-    !> What the header says of a job, and its resolved input.
-    subroutine study_facts(job, facts, input)
-        type(job_t), intent(in) :: job !! the job
-        type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
-        type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
         if (allocated(job%plan%model)) then
             call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
@@ -49,7 +40,8 @@ contains
                               dated=.true., facts=facts)
         end if
         call print_input(job, input)
-    end subroutine study_facts
+        head = header_of(beginning, facts, input, columns, remarks)
+    end function study_head
 
     !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
     !> input gives something.

@@ -3,17 +3,15 @@
 module spintop_motion_table
     use spintop_certificate, only: proof_words
     use spintop_errors, only: error_t
-    use spintop_resumable_table, only: resumable_table_t
+    use spintop_row_table, only: row_table_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_description_t
-    use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_ok
-    use spintop_study_head, only: study_facts, study_head
-    use spintop_table_column, only: status_column, table_column_t
-    use spintop_text, only: append
+    use spintop_study_head, only: study_head
+    use spintop_table_column, only: status_column
+    use spintop_text, only: string_t
     use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
@@ -22,16 +20,13 @@ module spintop_motion_table
     !> The quantity that is the coordinate of the rows in NetCDF, and the dimension where that is not chosen.
     character(*), parameter :: time_column = 't', row_dimension = 'row'
 
-    !> The value of the line, or the attribute, that says how the motion ended for one that is complete.
-    character(*), parameter :: complete = 'ok'
-
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
 
     !> A table that is being written.
     type :: motion_table_t
         !> The table: CSV or NetCDF, with its header.
-        type(resumable_table_t) :: rows_table
+        type(row_table_t) :: rows_table
         character(:), allocatable, private :: path, head
         type(row_block_t), private :: block
     contains
@@ -50,48 +45,28 @@ contains
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
         type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
-        type(table_column_t) :: described(size(columns))
         integer :: i
 
         self%path = job%files%table
-        do i = 1, size(columns)
-            described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
-            if (columns(i)%is_proof) call described(i)%set_words(proof_words(0:1))
-        end do
+        self%head = study_head(job, columns)
         self%rows_table%has_journal = .false.
-        allocate (self%rows_table%columns, source=described)
-        if (job%input%scene%format == 'netcdf') then
-            allocate (self%rows_table%netcdf)
-            call describe_file(self%rows_table%netcdf)
-            self%head = self%rows_table%netcdf%head()
-        else
-            self%head = study_head(job, columns)
-        end if
-
-    contains
-
-        !> The description of a NetCDF file.
-        subroutine describe_file(description)
-            type(netcdf_description_t), intent(inout) :: description
-            type(fact_t) :: facts(fact_count)
-            call study_facts(job, facts, description%input)
-            allocate (description%facts(fact_count + 1))
-            description%facts(:fact_count) = facts
-            description%facts(fact_count + 1)%key = status_column
-            description%facts(fact_count + 1)%value = complete
-            allocate (description%columns, source=described)
-            allocate (description%axes(1))
-            description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
-            do i = 1, size(columns)
-                if (columns(i)%quantity() /= time_column) cycle
-                description%columns(i)%axis = 1
-                description%axes(1)%name = trim(columns(i)%name)
-                exit
-            end do
-            description%part = ''
-            if (job%input%scene%compression >= 0) description%compression = job%input%scene%compression
-        end subroutine describe_file
-
+        allocate (self%rows_table%columns(size(columns)))
+        do i = 1, size(columns)
+            associate (column => self%rows_table%columns(i))
+                column%column_t = columns(i)%column_t
+                if (columns(i)%is_proof) call column%set_words(proof_words(0:1))
+            end associate
+        end do
+        if (job%input%scene%format /= 'netcdf') return
+        allocate (self%rows_table%netcdf)
+        self%rows_table%netcdf%axes = [netcdf_axis_t(row_dimension, job%plan%samples)]
+        if (job%input%scene%compression >= 0) self%rows_table%netcdf%compression = job%input%scene%compression
+        do i = 1, size(columns)
+            if (columns(i)%quantity() /= time_column) cycle
+            self%rows_table%columns(i)%axis = 1
+            self%rows_table%netcdf%axes(1)%name = columns(i)%name
+            exit
+        end do
     end subroutine describe
 
     !> Starts the table, unless it is to be left where it is complete (`resume`); or starts it anew after `discard`.
@@ -138,14 +113,8 @@ contains
 
         call append_block(self, error)
         if (allocated(error)) return
-        allocate (self%rows_table%trailer(0))
-        call append(self%rows_table%trailer, status_column // ': ' // status)
-        if (allocated(self%rows_table%netcdf)) then
-            associate (description => self%rows_table%netcdf)
-                description%facts(size(description%facts))%value = status
-                description%axes(1)%length = int(self%rows_table%rows())
-            end associate
-        end if
+        self%rows_table%trailer = [string_t(status_column // ': ' // status)]
+        if (allocated(self%rows_table%netcdf)) self%rows_table%netcdf%axes(1)%length = int(self%rows_table%rows())
         call self%rows_table%finish(error)
     end subroutine finish
 

@@ -7,7 +7,7 @@ module spintop_trajectory_study
     use spintop_exit_codes, only: exit_internal
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_motion_costs, only: measure_exact_cost, describe_proof_cost
-    use spintop_resumable_table, only: refusal, remove_leftovers
+    use spintop_row_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp

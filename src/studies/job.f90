@@ -2,8 +2,7 @@
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_table, only: given_axis_t, make_axes_of_arrays, read_axes
-    use spintop_axes_of_scene, only: describe_axes => make_axes
-    use spintop_axis_laws, only: count_axes
+    use spintop_axes_of_scene, only: count_axes, describe_axes => make_axes
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case

@@ -6,7 +6,7 @@ module spintop_preparation
     use spintop_case, only: case_t
     use spintop_column_choice, only: choose_columns
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_effects_of_scene, only: read_friction_table, read_torques
+    use spintop_effects_of_scene, only: read_effect_tables
     use spintop_errors, only: error_t, input_error
     use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
     use spintop_event_text, only: column_event_t, read_event
@@ -107,8 +107,7 @@ contains
         call read_namelist(input, options%overrides, job%input%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
         if (.not. diagnostics%has_errors()) call convert_named_units(job%input%scene, job%input%table, diagnostics)
-        call read_torques(input, job%input%scene%effects, problems)
-        call read_friction_table(input, job%input%scene%effects, problems)
+        call read_effect_tables(input, job%input%scene%effects, problems)
         call read_tables(input, job%input%scene, problems)
         call create_study(trim(job%input%scene%kind), study)
         job%has_case = study%info%has_case

@@ -19,7 +19,7 @@ module spintop_sweep_study
     use spintop_scene_keys, only: scene_t
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
-    use spintop_statistics_result, only: bytes_of_result
+    use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
     use spintop_study_column, only: chosen_column_t

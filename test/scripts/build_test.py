@@ -40,7 +40,7 @@ def checkout(tmp_path: Path) -> Path:
         (root / name).mkdir(parents=True)
     for name in (
         "scripts/setup",
-        "scripts/requirements.txt",
+        "scripts/requirements.lock",
         "scripts/compiler/gfortran",
         "fpm.toml",
     ):
@@ -180,7 +180,7 @@ def test_users_install_no_linters() -> None:
 
 def test_every_package_is_locked() -> None:
     """All packages of the groups have a version and hashes in the lock, which has no others."""
-    lock = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
+    lock = (ROOT / "scripts/requirements.lock").read_text(encoding="utf-8")
     locked = re.findall(r"^([\w.-]+)==", lock, re.MULTILINE)
     assert lock.count("--hash=sha256:") >= len(locked)
     named = call(ROOT, 'printf "%s\\n" ${packages[@]}').stdout.split()

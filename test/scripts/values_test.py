@@ -213,7 +213,7 @@ class Checkout:
         self.make_shims()
         venv = self.root / ".venv"
         for group in ("base", "netcdf", "test"):
-            shutil.copy(ROOT / "scripts/requirements.txt", venv / f"{group}.txt")
+            shutil.copy(ROOT / "scripts/requirements.lock", venv / f"{group}.txt")
         (venv / "bin/activate").write_text("# for bash\n", encoding="utf-8")
         built, _ = self.call(["bash", "-c", "source scripts/setup; build release"], self.root)
         assert built.returncode == 0, built.stderr

@@ -7,13 +7,10 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+from netCDF4 import Dataset
 
-from netCDF4 import Dataset  # noqa: E402
-
-from plot_case import (  # noqa: E402
+from conftest import EXE
+from plot_case import (
     SCRIPTS,
     TableCase,
     a_stability,
@@ -21,13 +18,11 @@ from plot_case import (  # noqa: E402
     a_trajectory,
     some_events,
 )
-from reporting.pictures import pictures_of  # noqa: E402
-from reporting.study import read_study  # noqa: E402
-from spintop_figures.moving.body import read_body  # noqa: E402
-from spintop_figures.tables.characters import printable  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
+from reporting.pictures import pictures_of
+from reporting.study import read_study
+from spintop_figures.moving.body import read_body
+from spintop_figures.tables.table import TableError, read_table
 
-PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 RED = "\x1b[31m"
 """Turns a terminal red; it stands for all bytes that must not reach one."""
 
@@ -57,7 +52,7 @@ class DamagedCase(TableCase):
     def run_program(self, *arguments: str | Path) -> subprocess.CompletedProcess:
         """Run spintop in the folder."""
         return subprocess.run(
-            [PROGRAM, *arguments],
+            [EXE, *arguments],
             cwd=self.folder,
             capture_output=True,
             check=False,
@@ -116,11 +111,6 @@ class TableTest(DamagedCase):
             read_table(self.put("a.csv", good.replace("theta,psi", "theta,theta")))
         with self.assertRaisesRegex(TableError, r"line \d+: column 2 has no name"):
             read_table(self.put("a.csv", good.replace("theta,psi", ",psi")))
-
-    def test_numbers_of_any_length(self) -> None:
-        """An integer that fits no machine word is a number."""
-        text = a_trajectory(["t", "theta"], count=2, theta=10**30)
-        self.assertEqual(read_table(self.put("a.csv", text)).rows["theta"][1], 1e30)
 
     def test_bytes(self) -> None:
         """A zero byte is reported with its line; other bytes are shown as printable text."""
@@ -258,15 +248,6 @@ class ScriptTest(DamagedCase):
             text = line.format(mass, inertia) + a_trajectory()
             self.assertIsNone(read_body(read_table(self.put("a.csv", text))))
 
-    def test_printable(self) -> None:
-        """Control characters are shown by their numbers."""
-        self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
-
-    def test_console_is_used(self) -> None:
-        """Both scripts complain through it."""
-        for script in ("plot", "reporting/__main__.py"):
-            self.assertIn("printable(message)", (SCRIPTS / script).read_text(encoding="utf-8"))
-
 
 class ProgramTest(DamagedCase):
     """The program shows no byte of a file as it is."""
@@ -317,7 +298,3 @@ class ProgramTest(DamagedCase):
         self.put("cases.csv", "top.mass\n1\n")
         self.put(f"{RED}.nml", MOTION)
         self.check_run(0, f"{RED}.nml")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -30,6 +30,7 @@ SWEEP = """\
 &sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 320 /
 """
 
+
 @dataclass
 class Node:
     """A file of a disk: what of it is safe, and what was done to it since."""

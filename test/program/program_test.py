@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from conftest import CLOSED, GOOD, KIND, ROOT, files_of, largest, output, read
-from supplied_inputs import INPUTS, check_tables, with_less
+from conftest import CLOSED, GOOD, ROOT, files_of, largest, output, read
+from supplied_inputs import INPUTS
 
 # Example 1, to as many digits as double precision holds.
 LARGEST_PHI_RATE = 67.96567368900274
@@ -40,14 +40,6 @@ def same_on_threads(spin, text, *threads, code=0):
     runs = [spin(text, f"--threads={n}", f"--output={n}", code=code) for n in threads]
     assert len({run.path.read_bytes() for run in runs}) == 1
     return runs[0]
-
-
-@pytest.mark.skipif(KIND == "release", reason="all_inputs_test runs all inputs, by scripts/run")
-def test_every_input_runs(spin):
-    """All inputs at once; the largest exit code counts, and each table is whole."""
-    inputs = [with_less(path, spin.folder) for path in INPUTS]
-    run = spin.call(*inputs, "-o", "deep/er/folder", code=3)
-    check_tables(inputs, spin.folder / "deep/er/folder", run.out)
 
 
 @pytest.mark.parametrize("scene", INPUTS, ids=lambda path: path.stem)

@@ -1,13 +1,9 @@
 """Statistics of sweeps: their numbers, the same bytes however a run goes, hostile input."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
 
 from conftest import MPI, needs_mpi, under, wait_until
 from spintop_figures.sweeps.statistics import distributions_of

@@ -1,20 +1,16 @@
 """The figure of the account of energy: what it shows is what the program computes."""
 
-import os
 import subprocess
-from pathlib import Path
 
 import numpy as np
 
+from conftest import EXE, ROOT
 from plot_case import TableCase, a_trajectory
 from spintop_figures.motion.trajectory import draw_account
 from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.tables.table import Table, read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+INPUTS = ROOT / "input"
 
 
 class AccountTest(TableCase):

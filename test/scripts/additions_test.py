@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
 
 ADDITIONS = ("effect", "method", "watch")
 """A torque in body axes that decays; Heun's method of order 3; the largest height of the centre."""

@@ -10,22 +10,18 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
-
-import pandas as pd  # noqa: E402
-
-from comparing import ENGINES, SOLVERS, bodies, crew, table  # noqa: E402
-from comparing.equations import EQUATIONS, python_rates  # noqa: E402
-from comparing.problem import MOTIONS, Problem  # noqa: E402
-from comparing.program import RunError  # noqa: E402
-from comparing.scene import pose, read_scene, with_truth  # noqa: E402
-from referencing.extrapolation import extrapolated  # noqa: E402
-from spintop_figures.registry import FIGURES  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
+from comparing import ENGINES, SOLVERS, bodies, crew, table
+from comparing.equations import EQUATIONS, python_rates
+from comparing.problem import MOTIONS, Problem
+from comparing.program import RunError
+from comparing.scene import pose, read_scene, with_truth
+from conftest import ROOT
+from referencing.extrapolation import extrapolated
+from spintop_figures.registry import FIGURES
+from spintop_figures.tables.table import read_table
 
 pytestmark = pytest.mark.slow
 
@@ -112,13 +108,6 @@ class EquationsTest(CompareCase):
         problem = self.pose(path)
         self.assertFalse(problem.is_symmetric)
         self.check(problem, 1, 16)
-
-    def test_symmetry_is_not_used(self) -> None:
-        """A symmetric top as any other body has one form of equations, with the same end."""
-        problem = self.pose(self.put())
-        general = dataclasses.replace(problem, general=True)
-        self.assertFalse(general.is_symmetric)
-        self.check(general, 1, 16)
 
     def test_sweep(self) -> None:
         """A sweep is no problem."""
@@ -239,11 +228,6 @@ class TableTest(unittest.TestCase):
         for lost in (states[1:], [*states[1:], [math.nan] * 7]):
             self.assertEqual(problem.judge(lost), {"orientation_error": math.inf})
 
-    def test_inertia(self) -> None:
-        """About the centre of mass and about the fixed point of a top."""
-        self.assertEqual(MOTIONS[5].inertia, (15.234375, 0.46875, 15.234375))
-        self.assertEqual(MOTIONS[5].central_moments, [0.234375, 0.46875, 0.234375])
-
     def test_engines(self) -> None:
         """The order of made errors, and the page of the manual has all engines."""
         rows = pd.DataFrame(
@@ -277,12 +261,6 @@ class TableTest(unittest.TestCase):
         expected = [["100,000", "40,000", "2.50 |"], ["50,000", "40,000", "1.25 |"]]
         expected += [[none, none, f"{none} |"]]
         self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
-
-    def test_times_in_words(self) -> None:
-        """Three digits and a unit."""
-        texts = {2.5e-7: "0.250 us", 9.996e-4: "1.00 ms", 0.0123: "12.3 ms", 123.4: "123 s"}
-        for seconds, text in texts.items():
-            self.assertEqual(table.as_time(seconds), text)
 
 
 class ScriptTest(CompareCase):
@@ -338,7 +316,3 @@ class ScriptTest(CompareCase):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(message, result.stderr)
                 self.assertFalse((self.folder / "peers.csv").exists())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -6,12 +6,10 @@ name is one of the program; and colours differ for all eyes.
 
 import itertools
 import json
-import os
 import subprocess
 import unittest
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -22,6 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
+from conftest import EXE, ROOT
 from figure_checks import problems_of
 from plot_case import (
     TRAJECTORY,
@@ -43,10 +42,7 @@ from spintop_figures.style.numbers import with_comma, write, write_fixed
 from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.table import Table, TableError
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+INPUTS = ROOT / "input"
 
 RUNS = {
     "gyrocompass": ("span.samples=200",),

@@ -1,7 +1,6 @@
 """Tests of the units in figures: those of headings and labels, and of tables in other units."""
 
 import itertools
-import os
 import subprocess
 import unittest
 import unittest.mock
@@ -14,6 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from conftest import EXE, ROOT
 from plot_case import TableCase, a_sweep, some_events
 from spintop_figures import draw, read_table
 from spintop_figures.files import Files, draw_to
@@ -23,10 +23,7 @@ from spintop_figures.tables.names import axis_of, with_unit
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+INPUTS = ROOT / "input"
 AXES = {
     "initial.omega3": "rad/s",
     "initial.theta": "rad",

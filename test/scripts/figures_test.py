@@ -1,12 +1,10 @@
 """Tests of what figures say: their data, lines, labels and titles, not their pixels."""
 
-import itertools
 import math
 import os
 import subprocess
 import unittest
 from dataclasses import replace
-from pathlib import Path
 from unittest import mock
 
 import matplotlib as mpl
@@ -17,12 +15,12 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 import spintop_figures
-from plot_case import TRAJECTORY, TableCase, a_stability, a_sweep, a_table, a_trajectory
-from spintop_figures.methods.trials import cases_by_reference, draw_costs, trials
-from spintop_figures.methods.trials import lay_out as lay_out_verdicts
+from conftest import EXE, ROOT
+from plot_case import TableCase, a_stability, a_sweep, a_table, a_trajectory
+from spintop_figures.methods.trials import draw_costs
 from spintop_figures.motion.events import describe_event, draw_events
 from spintop_figures.motion.residuals import draw_error, draw_residuals
-from spintop_figures.motion.sphere import draw_path, draw_trace, draw_traces
+from spintop_figures.motion.sphere import draw_path, draw_trace
 from spintop_figures.motion.trajectory import (
     draw_angles,
     draw_forces,
@@ -32,16 +30,13 @@ from spintop_figures.motion.trajectory import (
 )
 from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.style.axes import draw_sizes
-from spintop_figures.style.saving import lay_out, save, save_as, save_small
+from spintop_figures.style.saving import save, save_as, save_small
 from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
-from spintop_figures.sweeps.maps import SIGNED, draw_maps, jumps, spots
+from spintop_figures.sweeps.maps import SIGNED, draw_maps
 from spintop_figures.sweeps.scatter import draw_scatter
 from spintop_figures.tables.table import Table, TableError, read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+INPUTS = ROOT / "input"
 
 
 class FigureCase(TableCase):
@@ -89,15 +84,6 @@ class PackageTest(FigureCase):
         assert before == dict(mpl.rcParams)
         assert not figure.axes[0].spines["top"].get_visible()
 
-    def test_few_colours(self) -> None:
-        """A picture of few colours has those of small marks, too."""
-        figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
-        save_small(figure, small := self.folder / "c.png")
-        (png,) = save_as(figure, self.folder / "b", ("png",))
-        with Image.open(png) as one, Image.open(small) as other:
-            pixels = [np.asarray(picture.convert("RGB")).astype(int) for picture in (one, other)]
-        assert np.abs(pixels[0] - pixels[1]).max() < 20
-
     def test_at_once(self) -> None:
         """Another process draws the same figure while it is being written: both succeed."""
         figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
@@ -137,47 +123,9 @@ class PackageTest(FigureCase):
         assert len(caption) < 109
         assert caption.endswith("s") and "\N{HORIZONTAL ELLIPSIS}; ended" in caption
 
-    def test_nothing_is_hidden(self) -> None:
-        """A panel in space has no ground that covers the labels of the one beside it."""
-        table = self.compute("regular_precession", "output.columns=all")
-        for name in ("cones", "path"):
-            for axes in spintop_figures.draw(table, name).axes:
-                assert (axes.name == "3d") != axes.patch.get_visible()
-
-    def test_nothing_is_cut_off(self) -> None:
-        """All texts lie in the picture: of long titles, in space, beside panels."""
-        cones = self.compute("regular_precession")
-        titled = [
-            replace(cones, header=cones.header | {"title": f"{name} released with precession"})
-            for name in ("Loops:", "Waves: these were")
-        ]
-        figures = [spintop_figures.draw(cones, "cones"), draw_traces(titled + titled[:1])]
-        for figure in figures:
-            lay_out(figure)
-            renderer = figure.canvas.get_renderer()
-            labels = [figure._suptitle, *itertools.chain(*(axes.texts for axes in figure.axes))]
-            for axes in figure.axes:
-                labels.append(axes.title)
-                labels += [getattr(axes, f"{which}axis").label for which in axes._axis_names]
-            for axes in figure.axes:
-                axes.draw(renderer)  # labels of axes in space are placed as they are drawn
-            for label in filter(lambda label: label.get_text() and label.get_visible(), labels):
-                box = label.get_window_extent(renderer)
-                inside = box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
-                assert inside, label.get_text()
-
 
 class MapTest(FigureCase):
     """Fields over two parameters."""
-
-    def test_jumps(self) -> None:
-        """A change of sign by a branch cut is a jump, one of a slope is none."""
-        x = np.linspace(-2, 3, 40)
-        slope = np.ma.masked_invalid(np.tile(x, (5, 1)))
-        assert not jumps(slope)[0].any()
-        cut, size = jumps(np.ma.masked_invalid(np.where(slope > 0.3, slope - 360, slope + 5)))
-        assert cut.sum() == 10
-        self.assertAlmostEqual(size, 365, delta=1)
 
     def test_zero(self) -> None:
         """The line of zero is not drawn along a jump; signed data have a neutral zero."""
@@ -218,16 +166,6 @@ class MapTest(FigureCase):
                 & (rows[table.axes()[1]] == tilt[int(y * tilt.size)])
             ]
             assert list(near["motion_class"]) == [text.get_text()]
-
-    def test_spots(self) -> None:
-        """A region has its name inside, also if it is bent; small regions have none."""
-        codes = np.zeros((30, 40))
-        codes[10:, :25] = 1
-        codes[0, 0] = 2
-        found = {spot.code: spot for spot in spots(codes)}
-        assert set(found) == {0, 1}
-        for code, spot in found.items():
-            assert codes[int(spot.y * 30), int(spot.x * 40)] == code
 
 
 class ResidualTest(FigureCase):
@@ -373,16 +311,6 @@ class SphereTest(FigureCase):
 class SweepTest(FigureCase):
     """The figure of Table 1."""
 
-    def test_azimuth(self) -> None:
-        """The line of the full turn does not strike the legend."""
-        figure = draw_sweep(self.compute("spinning_wheel_sweep"))
-        lay_out(figure)
-        axes = figure.axes[4]
-        legend = axes.get_legend().get_window_extent(figure.canvas.get_renderer())
-        for line in axes.lines:
-            heights = axes.transData.transform(line.get_xydata())[:, 1]
-            assert heights.max() < legend.y0
-
     def test_without_formulas(self) -> None:
         """Bodies that the paper's formulas do not hold for have no such figure, and no error."""
         table = self.read(a_sweep("initial.omega3"))
@@ -478,16 +406,6 @@ class CloudTest(FigureCase):
 class StudyTest(FigureCase):
     """Stability studies."""
 
-    def test_order_of_cases(self) -> None:
-        """Verdicts have the cases in the order of references."""
-        lines = a_stability().split("\n")
-        first = next(i for i, line in enumerate(lines) if line.startswith("fall,"))
-        lines.insert(first + 1, lines[first].replace("fall", "flip").replace("exact", "other"))
-        table = self.read("\n".join(lines))
-        rows = trials(table)
-        order = [case for cases in cases_by_reference(rows).values() for case in cases]
-        assert list(lay_out_verdicts(rows).x) == order
-
     def test_costs(self) -> None:
         """A line a method; costs are over that of the cheapest accurate method of the case."""
         table = self.read(a_stability())
@@ -511,12 +429,3 @@ class ThresholdTest(unittest.TestCase):
             sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5])) is None
         )
         assert sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")) is None
-
-
-class MarksTest(FigureCase):
-    """Tables of the kinds that scripts write by hand."""
-
-    def test_plain(self) -> None:
-        """A sweep and a trajectory without meanings of their columns are drawn."""
-        assert len(draw_sweep(self.read(a_sweep())).axes) == 6
-        assert len(draw_residuals(self.read(a_trajectory(TRAJECTORY))).axes) == 4

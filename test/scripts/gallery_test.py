@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import os
 import re
 import runpy
 import subprocess
@@ -12,15 +11,12 @@ from pathlib import Path
 
 from PIL import Image
 
+from conftest import EXE, ROOT
 from manual.pages import links_of, manual_pages
 from plot_case import TableCase
 from spintop_figures.methods.peers import DOCUMENTED as PEERS
 from spintop_figures.registry import COMPARISONS, FIGURES
 
-TESTS = Path(__file__).resolve().parent.parent
-ROOT = TESTS.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "gallery"))
 GALLERY, Run = SCRIPT["GALLERY"], SCRIPT["Run"]
 DRIFT = next(exhibit.runs for exhibit in GALLERY if exhibit.name == "drift")

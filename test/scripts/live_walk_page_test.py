@@ -3,16 +3,9 @@
 Everything is done with what is on the screen: menus, keys and buttons.
 """
 
-import sys
-import unittest
 from collections.abc import Callable
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import DESKTOP, LiveCase, wait_for  # noqa: E402
+from browser_case import DESKTOP, LiveCase, wait_for
 
 WIDE, NARROW = 40, 10
 """Largest tilts of a top that falls, and of one that sleeps, in degrees."""
@@ -92,7 +85,3 @@ class WalkTest(LiveCase):
         """From the open page to loops."""
         self.find_where_it_sleeps()
         self.see_a_cusp_become_a_loop()
-
-
-if __name__ == "__main__":
-    unittest.main()

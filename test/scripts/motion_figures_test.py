@@ -1,13 +1,11 @@
 """Tests of the figures of the motion: what they show is what the program computes."""
 
-import os
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
+from conftest import EXE, ROOT
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
 from spintop_figures.motion.drift import method_of, running_maximum
 from spintop_figures.motion.fits import draw_fit, tell_values
@@ -20,29 +18,20 @@ from spintop_figures.motion.reduced import (
 )
 from spintop_figures.motion.sphere import (
     WHOLE,
-    body_at_start,
-    directions,
-    draw_cones,
     draw_trace,
-    find_cap,
-    in_body,
     in_space,
     on_sphere,
     project,
-    tell_turn,
     view_of,
 )
-from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes
+from spintop_figures.motion.trajectory import draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
-from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
+from spintop_figures.registry import FIGURES, choose_figures, draw
 from spintop_figures.style.look import GROUND
 from spintop_figures.tables.own_units import in_own_units
 from spintop_figures.tables.table import Table, read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+INPUTS = ROOT / "input"
 
 
 class MotionCase(TableCase):
@@ -184,13 +173,6 @@ class DrawnTest(MotionCase):
         words = [text.get_text() for text in axes.texts]
         assert sorted(words) == ["0°, never reached", "120.00°"]
 
-    def test_barrier(self) -> None:
-        """The barrier at a pole that a motion cannot reach leaves the panel at the top."""
-        axes = draw_potential(self.compute("slow_top")).axes[0]
-        (curve,) = (line for line in axes.lines if line.get_label() == "effective potential")
-        heights = curve.get_ydata()
-        assert heights[np.isfinite(heights)][:9].max() > axes.get_ylim()[1]
-
     def test_windows(self) -> None:
         """A path that keeps to a cap is seen from above it, all of it, and large."""
         for name, theta in (("kapitza", 0.0), ("composed_top", 0.0), ("spinning_wheel", 22.3)):
@@ -204,20 +186,6 @@ class DrawnTest(MotionCase):
             assert 0.85 < seen < 1, (name, seen)
         assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
 
-    def test_cap(self) -> None:
-        """The least cap about a circle off the pole is the circle's own."""
-        around = np.linspace(0, 2 * np.pi, 90)
-        x, y, z = on_sphere(np.full_like(around, 0.2), around)
-        turned = x, y * np.cos(1) - z * np.sin(1), y * np.sin(1) + z * np.cos(1)
-        middle, radius = find_cap(turned)
-        np.testing.assert_allclose(middle, (0, -np.sin(1), np.cos(1)), atol=2e-3)
-        self.assertAlmostEqual(radius, 0.2, 2)
-
-    def test_turns(self) -> None:
-        """Azimuths are in degrees, many of them in turns."""
-        told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
-        assert told == ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"]
-
     def test_poles(self) -> None:
         """Where the axis passes a pole, azimuth and spin jump: no line joins them."""
         panels = draw_angles(self.compute("kapitza")).axes
@@ -227,14 +195,6 @@ class DrawnTest(MotionCase):
             assert np.nanmax(np.abs(np.diff(degrees))) < 45
         turning = draw_angles(self.compute("slow_top")).axes[0].lines[0].get_ydata()
         assert np.isfinite(turning).all()
-
-    def test_sign_changes(self) -> None:
-        """Zeros at all inclinations of a chain are no zeros at some of them."""
-        axes = Figure().subplots()
-        t = np.arange(400.0)
-        chain = np.radians(5 * np.abs(np.sin(t / 60)))
-        mark_sign_changes(axes, t, np.where(t % 8 < 4, 1.0, -1.0), chain)
-        assert len(axes.lines) == 0
 
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
@@ -263,17 +223,6 @@ class DrawnTest(MotionCase):
         np.testing.assert_allclose(
             np.arctan2(x, -y), np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"])), atol=1e-9
         )
-
-    def test_rolling(self) -> None:
-        """The cones touch at the start, and roll: their curves have one speed there."""
-        table = self.compute("separatrix")
-        np.testing.assert_allclose(body_at_start(table)[:, 0], in_space(table)[:, 0], atol=1e-12)
-        lengths = [
-            np.linalg.norm(np.diff(directions(omega)[:, :20], axis=1), axis=0).sum()
-            for omega in (in_body(table), in_space(table))
-        ]
-        self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
-        assert len(draw_cones(table).axes) == 4
 
 
 class TogetherTest(MotionCase):
@@ -314,11 +263,6 @@ class TogetherTest(MotionCase):
         assert (code, "no error of the energy above zero" in complaint) == (2, True)
         code, complaint = self.call("--together", "traces", self.folder / "none.csv")
         assert (code, "no such file" in complaint) == (2, True)
-
-    def test_names(self) -> None:
-        """No comparison has the name of a figure."""
-        names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
-        assert len(names) == len(set(names))
 
 
 class UnitsTest(MotionCase):

@@ -2,25 +2,20 @@
 
 import dataclasses
 import itertools
-import math
 import os
 import subprocess
 import warnings
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from matplotlib.colors import to_rgb
 
+from conftest import ROOT
 from plot_case import TableCase, a_map, a_stability, a_table, some_events
-from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letters_of, trials
+from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, trials
 from spintop_figures.sweeps.curves import draw_curves
-from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid
-from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of
-from spintop_figures.sweeps.statistics import is_even
+from spintop_figures.sweeps.maps import KAPITZA, draw_maps, find_kapitza_limit, make_grid
+from spintop_figures.sweeps.quantities import quantities_of
 from spintop_figures.tables.table import Table, TableError, read_table
-
-TESTS = Path(__file__).resolve().parent.parent
 
 
 def lightness(colour: object) -> float:
@@ -69,11 +64,6 @@ class StabilityTest(TableCase):
         marks = {verdict.mark for verdict in VERDICTS.values()}
         assert len(marks) == len(VERDICTS)
 
-    def test_classes(self) -> None:
-        """The colours of maps lighten from end to end."""
-        shades = [lightness(COLOURS(i / 9)) for i in range(10)]
-        assert shades == sorted(shades)
-
     def test_entries(self) -> None:
         """A method has an entry; its other formulations have entries of their own."""
         rows = trials(read_table(self.put("a.csv", a_stability())))
@@ -84,20 +74,6 @@ class StabilityTest(TableCase):
         alone = read_table(self.put("b.csv", "\n".join(a_stability().splitlines()[:-3]) + "\n"))
         expected = ["RK4, space frame", "RK4, Lagrange", "new"]
         assert list(trials(alone)["entry"]) == expected
-
-    def test_digits(self) -> None:
-        """Whole digits, none of a wrong attitude, sixteen at most."""
-        expected = {3.1: 0, 0.02: 1, 1e-3: 3, 9e-8: 7, 1e-20: 16, 0.0: 16}
-        for error, digits in expected.items():
-            assert digits_of(error) == digits
-
-    def test_letters(self) -> None:
-        """Reasons to give up that begin alike have letters of their own."""
-        status = ["pole", "pole", "parted", "step_limit"]
-        rows = pd.DataFrame({"verdict": "failed", "status": status})
-        letters = letters_of(rows)
-        assert (letters["pole"], letters["step_limit"]) == ("P", "S")
-        assert letters["parted"] == "A"
 
 
 class MapTest(TableCase):
@@ -123,16 +99,6 @@ class MapTest(TableCase):
         assert words == ["status", "motion_class", "notes"]
         with self.assertRaisesRegex(TableError, "'wave' in theta_min is no number"):
             read_table(self.put("b.csv", a_map().replace("wave,0.1", "wave,wave", 1)))
-
-    def test_scales(self) -> None:
-        """Errors are compared by ratios; growth that is rounding is none."""
-        known = {quantity.columns[0]: quantity for quantity in QUANTITIES}
-        values = np.array([0.0, 1e-9, 2e-8])
-        assert known["orientation_error"].has_log_scale(values)
-        assert not known["theta_min"].has_log_scale(values)
-        growth = np.array([2.0, 1e-2, -1e-15, 1e-9, math.nan])
-        none = known["growth_rate"].is_none(growth).tolist()
-        assert none == [False, False, True, True, False]
 
 
 class PanelsTest(TableCase):
@@ -163,13 +129,6 @@ class PanelsTest(TableCase):
         alone = self.sweep({"growth_rate": lambda i: 2.0})
         assert len(quantities_of(alone)) == 1
 
-    def test_equal_panels(self) -> None:
-        """Panels have one size; the lowest of each column, and no other, names the parameter."""
-        names = ("growth_rate", "lyapunov_exponent", "evaluations")
-        axes = draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
-        assert [bool(panel.get_xlabel()) for panel in axes] == [False, True, True]
-        assert {len(panel.get_subplotspec().colspan) for panel in axes} == {1}
-
     def test_chaos(self) -> None:
         """Of many cases those that are far apart are dots, not joined by lines."""
         table = self.sweep({"growth_rate": lambda i: 1.0 + (i if i < 40 else 60 * (i % 2))})
@@ -179,17 +138,11 @@ class PanelsTest(TableCase):
         joined = np.isfinite(line.get_ydata()[:40])
         assert joined.all()
 
-    def test_even(self) -> None:
-        """Numbers of random cases in bins are noise; those of a trend are not."""
-        random = np.random.default_rng(1)
-        assert is_even(random.poisson(20, 500))
-        assert not is_even(np.arange(40.0))
-
     def test_kapitza(self) -> None:
         """The limit is where the multipliers of the program begin to be 1, for fast vibrations."""
         settings = ["sweep.count=2,40", "sweep.from=200,0.012", "sweep.to=400,0.05"]
         words = [word for setting in settings for word in ("--set", setting)]
-        name = TESTS.parent / "input" / "kapitza_map.nml"
+        name = ROOT / "input" / "kapitza_map.nml"
         command = [os.environ["SPINTOP_EXE"], "--quiet", "-o", self.folder, *words, name]
         subprocess.run(command, check=True, capture_output=True)
         table = read_table(self.folder / "kapitza_map.csv")

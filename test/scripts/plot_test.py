@@ -1,10 +1,8 @@
 """Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from plot_case import (
     HEAD,
@@ -19,13 +17,9 @@ from plot_case import (
     some_events,
 )
 from spintop_figures.style.provenance import describe_run
-from spintop_figures.style.saving import lay_out
 from spintop_figures.sweeps.table1 import (
-    COLUMNS,
-    RIGHT_EDGES,
     as_column,
     as_text,
-    draw_table1,
     notes_on,
 )
 from spintop_figures.tables.table import TableError, read_table
@@ -118,38 +112,6 @@ class PageTest(TableCase):
             "\N{MINUS SIGN}2.0000\N{MULTIPLICATION SIGN}10⁰",
         ]
         assert as_column(np.array([1e-9, -2.0])) == powers
-
-    def test_decimal_points(self) -> None:
-        """The decimal points of a column stand below each other."""
-        table = read_table(self.put("a.csv", a_sweep()))
-        rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
-        figure = draw_table1(replace(table, rows=rows))
-        lay_out(figure)
-        renderer = FigureCanvasAgg(figure).get_renderer()
-        right = RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]
-        cells = ("1234.5", "0.00012345", "9.5000", "77.000")
-        points = []
-        for text in figure.axes[0].texts:
-            if text.get_text() in cells and right - 0.9 < text.get_position()[0] <= right:
-                behind = text.get_text().partition(".")[2]
-                width = figure.text(0, 0, f".{behind}").get_window_extent(renderer).width
-                points.append(text.get_window_extent(renderer).x1 - width)
-        assert len(points) == 4
-        assert np.ptp(points) < 2  # pixels
-
-    def test_title(self) -> None:
-        """The title names the source of the inertia."""
-        table = read_table(self.put("a.csv", a_sweep()))
-        wheel = {"top.shape": ["spinning_wheel"]}
-        authors = {"top.shape": ["inertia"], "top.mass": ["2.45"], "top.length": ["1"]}
-        authors |= {"top.inertia": ["0.00614", "0.00614", "0.0122"], "top.inertia_about": ["pivot"]}
-        titles = [
-            draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
-            for settings in (wheel, authors, authors | {"top.inertia": ["3"]})
-        ]
-        assert "of the wheel about the pivot" in titles[0]
-        assert "of the paper's author (without m l²)" in titles[1]
-        assert "of the input" in titles[2]
 
     def test_failures_are_marked(self) -> None:
         """A case that failed has a note with its status and the reason."""

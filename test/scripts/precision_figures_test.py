@@ -1,28 +1,20 @@
 """Tests of the figures of work-precision studies, and of the styles of methods."""
 
-import dataclasses
 import itertools
 import json
-import os
 import subprocess
 import unittest
 import unittest.mock
 import warnings
-from pathlib import Path
 
 import numpy as np
-import pytest
-from matplotlib.colors import to_rgb
 
+from conftest import EXE, ROOT
 from plot_case import STAGES, TableCase, a_precision
-from spintop_figures.methods import known
 from spintop_figures.methods.known import (
     MARKERS,
     OTHER,
-    families,
     family_of,
-    ink_of,
-    known_methods,
     look_of,
     order_of,
     style_of,
@@ -39,7 +31,6 @@ from spintop_figures.methods.precision import (
     equal_steps,
     measured_order,
     object_to_precision,
-    spread,
     time_to,
     with_order,
 )
@@ -56,9 +47,6 @@ from spintop_figures.methods.tolerance import (
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.table import read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 AXES = ("initial.spin_ratio", "initial.theta")
 
 
@@ -95,23 +83,6 @@ class StyleTest(unittest.TestCase):
         assert len({*MARKERS, look_of(OTHER).marker}) == len(MARKERS) + 1
         assert len(MARKERS) > len({entry["family"] for entry in methods.values()})
         assert family_of("heyoka") == OTHER
-
-    def test_no_program(self) -> None:
-        """No program is asked, which may be another one or slow."""
-        self.addCleanup(known_methods.cache_clear)
-        known_methods.cache_clear()
-        with unittest.mock.patch.object(subprocess, "run", side_effect=AssertionError):
-            assert order_of("rkmk_4") == 4
-
-    def test_new_method(self) -> None:
-        """A method that the program gets is drawn with its family and its order."""
-        entry = {"name": "new_6", "family": "Lie group", "order": 6, "kind": "fixed"}
-        self.addCleanup(known_methods.cache_clear)
-        known_methods.cache_clear()
-        registry = [*listed_methods().values(), entry | {"tables": None}]
-        with unittest.mock.patch.object(known, "read_registry", return_value=registry):
-            assert (family_of("new_6"), order_of("new_6")) == ("Lie group", 6)
-            assert style_of("new_6")["marker"] == style_of("rkmk_4")["marker"]
 
     def test_formulations(self) -> None:
         """A formulation fills the marker, and changes nothing else."""
@@ -197,45 +168,9 @@ class CurveTest(TableCase):
             assert figure.legends == []
         assert {"order", "1", "2", "4", "8"} <= texts
 
-    def test_every_set(self) -> None:
-        """Two or three methods of one study, whose curves are short: the best have names."""
-        table = read_table(self.put("a.csv", a_precision()))
-        table = dataclasses.replace(table, rows=table.rows[table.rows["steps"].between(1e3, 4e3)])
-        methods = dict.fromkeys(name for name, _ in STAGES)
-        pairs, threes = ([*itertools.combinations(methods, count)] for count in (2, 3))
-        draws = [(chosen, draw_precision_work) for chosen in pairs]
-        draws += [(chosen, draw_precision_time) for chosen in pairs + threes]
-        for chosen, draw in draws:
-            rows = table.rows[table.rows["method"].isin(chosen)]
-            with self.subTest(chosen, figure=draw.__name__):
-                axes = draw(dataclasses.replace(table, rows=rows)).axes[0]
-                cost = "time_s" if draw is draw_precision_time else "evaluations"
-                best = best_of_families(rows, cost)
-                texts = {text.get_text() for text in axes.texts}
-                assert {curve.label for curve in best} <= texts
-
-    def test_slopes(self) -> None:
-        """The lines of the fan fall by their orders."""
-        table = read_table(self.put("a.csv", a_precision()))
-        axes = draw_precision_work(table).axes[0]
-        fan = [line for line in axes.lines if len(line.get_xdata()) == 2]
-        slopes = [
-            -np.diff(np.log(line.get_ydata()))[0] / np.diff(np.log(line.get_xdata()))[0]
-            for line in fan
-        ]
-        np.testing.assert_allclose(slopes, (1, 2, 4, 8))
-
-    def test_spread(self) -> None:
-        """Names keep their order and their distance, near their points."""
-        heights = np.array([0.02, 0.03, 0.04, 0.5, 0.9])
-        moved = spread(heights)
-        assert np.diff(moved).min() >= 0.06 - 1e-9
-        assert moved[3:] == pytest.approx([0.5, 0.9])
-        assert (moved >= 0).all() and (moved <= 1).all()
-
     def test_measured_orders(self) -> None:
         """The methods of the program have their orders; rounding has none."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "convergence.nml"]
+        command = [EXE, "--quiet", "-o", self.folder, ROOT / "input" / "convergence.nml"]
         subprocess.run(command, check=True, capture_output=True)
         rows = equal_steps(read_table(self.folder / "convergence.csv"))
         curves = curves_of(rows, (STEP, "error_max"))
@@ -255,15 +190,6 @@ class CurveTest(TableCase):
         names = {text.get_text(): text.get_position()[1] for text in axes.texts}
         heights = sorted(names[with_order(curve)] for curve in curves)
         assert np.diff(heights).min() >= 0.06 - 1e-9
-
-    def test_ink(self) -> None:
-        """The names of families can be read on white, and keep their hue."""
-        for family in (*families(), OTHER):
-            ink, colour = np.array(ink_of(family)), np.array(to_rgb(look_of(family).colour))
-            linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
-            contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)
-            assert contrast >= 4.4, family
-            assert np.abs(np.cross(ink, colour)).max() < 1e-12
 
     def test_time_to(self) -> None:
         """Between two settings times are as the power that joins them says."""
@@ -308,14 +234,6 @@ class MapTest(TableCase):
             told = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
             assert sorted(told) == sorted(rows[column].unique())
         assert [tell(value) for value in (9.96, 12.3, np.nan)] == ["10.0", "12", ""]
-
-    def test_unreached(self) -> None:
-        """A problem that no method solves well enough has no time."""
-        lines = a_map_of_problems().split("\n")
-        text = "\n".join(line for line in lines if "top.0" not in line or ",rk2," in line)
-        rows = table_of_problems(read_table(self.put("a.csv", text))).rows
-        assert list(rows["status"]) == ["not reached", *["ok"] * 11]
-        assert rows["method"][0] == "none"
 
 
 class ChoiceOfMethodTest(TableCase):
@@ -366,7 +284,7 @@ class BenchmarksTest(TableCase):
 
     def test_figure(self) -> None:
         """A line a publication, with the errors of its quantities and the time of the run."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "benchmarks.nml"]
+        command = [EXE, "--quiet", "-o", self.folder, ROOT / "input" / "benchmarks.nml"]
         subprocess.run(command, check=True, capture_output=True)
         table = read_table(self.folder / "benchmarks.csv")
         kind = next(kind for kind in FIGURES if kind.name == "benchmarks")

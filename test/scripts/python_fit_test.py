@@ -27,26 +27,6 @@ def measure(*columns: str) -> dict[str, np.ndarray]:
 class FitTest(unittest.TestCase):
     """Two numbers of a symmetric top."""
 
-    def test_three_angles_determine_them(self) -> None:
-        """Estimates within five standard errors of the truth, which fall with the noise."""
-        result = spintop.fit(measure("phi", "theta", "psi"), list(TRUTH), GIVEN, sigma=NOISE)
-        assert result.ok
-        table = result.rows
-        assert list(table["parameter"]) == list(TRUTH)
-        for truth, estimate, error in zip(
-            TRUTH.values(), table["estimate"], table["standard_error"], strict=True
-        ):
-            assert abs(estimate - truth) < 5 * error
-            assert error < 1e-3
-
-    def test_two_angles_do_not(self) -> None:
-        """phi and theta depend on the product of both numbers only."""
-        result = spintop.fit(measure("phi", "theta"), list(TRUTH), GIVEN, sigma=NOISE)
-        assert not result.ok
-        first, second = result.rows["estimate"]
-        # I3 (psi' + phi' cos theta), with no precession at the start.
-        self.assertAlmostEqual(first * second, 0.25 * 14, delta=1e-2)
-
     def test_covariance_is_that_of_the_derivatives(self) -> None:
         """The inverse of J'J, with the Jacobian J of the motion's own derivatives, to 1e-8."""
         columns = ["phi", "theta", "psi"]
@@ -132,8 +112,3 @@ class FitTest(unittest.TestCase):
         (figure,) = result.plot().values()
         assert figure.axes[4].get_title("left") == "ψ (turn)"
         np.testing.assert_allclose(figure.axes[0].lines[-1].get_xdata(), data["t"], rtol=1e-14)
-
-    def test_measurements_without_times(self) -> None:
-        """They are refused with a reason."""
-        with self.assertRaisesRegex(spintop.InputError, "no times"):
-            spintop.fit({"theta": [0.1, 0.2]}, list(TRUTH), GIVEN)

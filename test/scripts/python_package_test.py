@@ -17,12 +17,10 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
+from conftest import EXE, ROOT
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
 SKEW = spintop.Body(
@@ -89,12 +87,6 @@ class MotionTest(unittest.TestCase):
                     table = by_program(top.input(span=span, output=output, integration=settings))
                     t = [float(cell) for cell in table["t"]]
                     self.compare(top.integrate(t, columns, **settings), table)
-
-    def test_integrate_by_default(self) -> None:
-        """The numbers are those of the exact solution."""
-        t = np.linspace(0, 10, 50)
-        difference = TOP.integrate(t).theta - TOP.exact(t).theta
-        assert np.abs(difference).max() < 1e-7
 
     def test_quantities(self) -> None:
         """Those of a sweep; and they are those of the motion."""
@@ -245,17 +237,6 @@ class RunTest(unittest.TestCase):
         assert not found.ok
         assert "step_limit" in found.summary
         assert found["t"].size > 0
-
-    def test_figures(self) -> None:
-        """Those of scripts/plot, by name."""
-        import matplotlib as mpl
-
-        mpl.use("agg")
-        result = spintop.run(TOP.input(span={"t_end": 3.0, "samples": 50}))
-        found = result.plot()
-        assert "angles" in found
-        assert list(result.plot("angles")) == ["angles"]
-        assert all(hasattr(figure, "savefig") for figure in found.values())
 
     def test_registry(self) -> None:
         """That of the program; a topic that there is not is an error."""

@@ -3,16 +3,14 @@
 import json
 import unittest
 import warnings
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 
 import python_library  # noqa: F401
 import spintop
+from conftest import ROOT
 from manual.pages import blocks_of
-
-ROOT = Path(__file__).resolve().parent.parent.parent
 
 BLOCKS = blocks_of(ROOT / "doc/python_tutorial.md")
 NOTEBOOK = ROOT / "doc/examples/slow_top.ipynb"

@@ -4,15 +4,9 @@ import csv
 import json
 import math
 import subprocess
-import sys
-import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import (  # noqa: E402
+from browser_case import (
     DESKTOP,
     HOSTILE,
     PROGRAM,
@@ -20,9 +14,10 @@ from browser_case import (  # noqa: E402
     BrowserCase,
     wait_for,
 )
-from reporting.packages import bundle  # noqa: E402
-from reporting.page import make_page, write_page  # noqa: E402
-from reporting.study import read_study  # noqa: E402
+from conftest import ROOT
+from reporting.packages import bundle
+from reporting.page import make_page, write_page
+from reporting.study import read_study
 
 BYTES = 8_000_000
 
@@ -104,34 +99,6 @@ class PageTest(BrowserCase):
         for width, text in sizes:
             self.assertGreater(width, 100)
             self.assertTrue(text)
-
-    def test_contents_show_all_figures(self) -> None:
-        """The first is on the first screen; every figure has a thumbnail that leads to it."""
-        tops, links = self.run_script(
-            "const small = [...document.querySelectorAll('.thumbnails img')];"
-            "return [small.map((i) => i.naturalWidth && i.getBoundingClientRect().bottom),"
-            "small.map((i) => i.closest('a').getAttribute('href').slice(1))]"
-        )
-        self.assertTrue(all(tops))
-        self.assertLess(tops[0], DESKTOP[1])
-        figures = "[...document.querySelectorAll('.figures figure')].map((f) => f.id)"
-        self.assertEqual(links, self.run_script(f"return {figures}"))
-
-    def test_a_figure_is_enlarged(self) -> None:
-        """A tap on a figure fills the screen with it, wider than that; another one closes it."""
-        self.set_screen(390, 844, touch=True)
-        self.open(self.page)
-        for place in range(2):
-            label = self.browser.find_elements("css selector", ".figures .enlarge")[place]
-            self.run_script("arguments[0].scrollIntoView({ behavior: 'instant' })", label)
-            box = "const r = arguments[0].getBoundingClientRect(); return [r.width, r.height]"
-            narrow = self.run_script(box, label)
-            label.click()
-            self.assertEqual(self.run_script(box, label), [390, 844])
-            inside = "return arguments[0].lastElementChild.getBoundingClientRect().width"
-            self.assertGreater(self.run_script(inside, label), 700)
-            label.click()
-            self.assertEqual(self.run_script(box, label), narrow)
 
     def test_accessibility(self) -> None:
         """axe finds nothing: names, contrasts, landmarks; light and dark, wide and narrow.
@@ -356,17 +323,6 @@ class TopTest(BrowserCase):
         middle = self.numbers(section)[0] / rows_of(self.folder / "slow_top.csv")[-1][0]
         self.assertAlmostEqual(middle, 0.5, places=2)
 
-    def test_wheel_scrolls_the_page_at_first(self) -> None:
-        """One does not get caught in a drawing on the way down."""
-        from selenium.webdriver import ActionChains
-        from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-
-        stage = self.part(self.top(), "stage")
-        scrolled = self.run_script("return scrollY")
-        origin = ScrollOrigin.from_element(stage)
-        ActionChains(self.browser).scroll_from_origin(origin, 0, 200).perform()
-        wait_for(lambda: self.run_script("return scrollY") > scrolled, "the page to scroll")
-
     def test_touch(self) -> None:
         """After a tap one finger turns, two take nearer; a tap plays."""
         self.set_screen(390, 844, touch=True)
@@ -415,24 +371,6 @@ class TopTest(BrowserCase):
         heavy = self.top("heavy_top_benchmark.csv")
         self.assertFalse(self.part(heavy, "force").is_enabled())
 
-    def test_numbers_of_the_moment(self) -> None:
-        """Rates, angular velocity and energies are those of the row."""
-        section = self.top()
-        self.scrub(section, 700)
-        [row] = rows_of(
-            self.folder / "slow_top.csv", ("theta_rate", "psi_rate", "kinetic", "energy")
-        )[700:701]
-        for name, value in zip(("theta_rate", "psi_rate", "kinetic", "energy"), row, strict=True):
-            self.assertAlmostEqual(self.number(section, name), value, places=3)
-        omega = [self.number(section, f"omega{k}") for k in (1, 2, 3)]
-        self.assertAlmostEqual(omega[2], 1.0, places=4)
-        momentum = 0.875 * (omega[0] ** 2 + omega[1] ** 2) / 2 + 0.25 * omega[2] ** 2 / 2
-        self.assertAlmostEqual(momentum, row[2], delta=1e-3 * row[2])
-
-    def number(self, section: object, name: str) -> float:
-        """A number that is shown."""
-        return float(self.part(section, name).text.replace("\N{MINUS SIGN}", "-"))
-
     def test_two_motions(self) -> None:
         """A method is compared with the exact solution of its scene, as a ghost; or with none."""
         section = self.top("slow_top_scenario2_rk4.csv")
@@ -461,7 +399,7 @@ class TopTest(BrowserCase):
         folder = self.folder.parent / "errors"
         name = "slow_top_scenario2_rk4"
         command = [PROGRAM, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
-        source = TESTS.parent / "input" / f"{name}.nml"
+        source = ROOT / "input" / f"{name}.nml"
         subprocess.run([*command, source], check=True, capture_output=True)
         return folder / f"{name}.csv"
 
@@ -514,33 +452,6 @@ class TopTest(BrowserCase):
         self.assertEqual(self.run_script(cut), [])
         self.tell("Emulation.setEmulatedMedia", media="")
 
-    def test_calm(self) -> None:
-        """Nothing moves by itself, also with the preference for reduced motion."""
-        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
-        self.open(self.page)
-        section = self.top()
-        self.assertEqual(self.numbers(section)[0], 0)
-        style = "return getComputedStyle(document.documentElement).scrollBehavior"
-        self.assertEqual(self.run_script(style), "auto")
-
-    def test_account(self) -> None:
-        """Pictures have descriptions in words."""
-        section = self.top()
-        self.assertIn("between 11.25° and 174.77°", self.part(section, "account").text)
-        boxes = (
-            "return [...arguments[0].querySelectorAll('.shown input')].map((i) => i.clientWidth)"
-        )
-        self.assertEqual(len(set(self.run_script(boxes, section))), 1)
-
-    def test_few_drawings_at_a_time(self) -> None:
-        """Only what is near the screen takes memory of the graphics card."""
-        for table in ("heavy_top_benchmark.csv", "spinning_wheel_figure11.csv", "slow_top.csv"):
-            self.top(table)
-        count = "return document.querySelectorAll('.stage canvas').length"
-        self.assertLess(
-            self.run_script(count), self.run_script(count.replace(".stage canvas", ".top"))
-        )
-
 
 class FlatTest(BrowserCase):
     """A browser without WebGL."""
@@ -569,7 +480,7 @@ class ModulesTest(BrowserCase):
     def test_modules(self) -> None:
         """Attitudes, the motion between rows, the clock."""
         page = self.folder / "modules.html"
-        script = bundle(TESTS / "page" / "all.js")
+        script = bundle(ROOT / "test/page" / "all.js")
         page.write_text(
             "<!DOCTYPE html><meta charset=utf-8><link rel=icon href='data:,'>"
             f"<script>{script}</script>",
@@ -581,7 +492,3 @@ class ModulesTest(BrowserCase):
         for result in results:
             with self.subTest(result["name"]):
                 self.assertEqual(result["failure"], "")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -17,8 +17,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+from conftest import EXE, ROOT
+
 COPIED = (
     *(
         "scripts",
@@ -128,7 +128,7 @@ USUAL = {
     "INPUT.nml": "a.nml",
     "PARTS": "3",
     "COMMAND": "true",
-    "PROGRAM": PROGRAM,
+    "EXE": EXE,
     "OUTPUT": "results",
 }
 """What stands for the words of a usage that are not those under test."""
@@ -235,7 +235,7 @@ class Checkout:
                      "octave-cli", "sudo", "nf-config", "flang"):  # fmt: skip
             write_shim(self.shims / name, "exit 1" if name in FAILS else "exit 0")
         program = self.shims / "spintop"
-        write_shim(program, f'exec {quote(PROGRAM)} "$@"')
+        write_shim(program, f'exec {quote(EXE)} "$@"')
         python = PYTHON.format(program=quote(program), python=quote(sys.executable))
         idle = python.replace("*) exec", "*/scripts/plot*) ;;\n*) exec")
         write_shim(self.root / ".venv/bin/python", idle)
@@ -276,7 +276,7 @@ def read_log(path: Path) -> list[Call]:
 
 def options_of_program() -> list[str]:
     """The options of the program that take a value."""
-    text = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([EXE, "--help"], capture_output=True, text=True, check=True).stdout
     return [word for line in re.findall(r"^  (-.*? [A-Z]\S+)  ", text, re.MULTILINE)
             for word in re.findall(r"--?\w+", line)]  # fmt: skip
 
@@ -306,7 +306,7 @@ def arguments_of(script: Path, value: str) -> list[list[str]]:
     found = []
     for words in usages_of(script, text):
         for place, word in enumerate(words):
-            if word != "PROGRAM" and (word.isupper() or word in USUAL):
+            if word != "EXE" and (word.isupper() or word in USUAL):
                 known = [USUAL.get(other, other) for other in words]
                 known[place] = file if "." in word else value
                 found.append(known)

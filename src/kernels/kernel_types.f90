@@ -1,4 +1,4 @@
-!> Sizes and types of the arguments of the kernels in C, as kernels.h has them, and
+!> Sizes and types of the arguments of the kernels in C, as kernels.h has them (`test/program/kernel_types_test.py` compares), and
 !> constants of power series: tables that depend on the number of a term, made by the compiler.
 !>
 !> A kernel is declared where it is called: in the module of the formulation or the method that it belongs to.

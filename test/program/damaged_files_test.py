@@ -18,9 +18,9 @@ from plot_case import (
     a_trajectory,
     some_events,
 )
-from reporting.pictures import pictures_of
 from reporting.study import read_study
 from spintop_figures.moving.body import read_body
+from spintop_figures.tables.characters import printable
 from spintop_figures.tables.table import TableError, read_table
 
 RED = "\x1b[31m"
@@ -61,9 +61,7 @@ class DamagedCase(TableCase):
         )
 
 
-class TableTest(DamagedCase):
-    """An error in a table has a message with its line."""
-
+class DamagedFilesTest(DamagedCase):
     def test_cells(self) -> None:
         """Cells that are no numbers, also where all of a column are none."""
         lines = a_trajectory(["t", "theta"], count=2).splitlines()
@@ -111,6 +109,11 @@ class TableTest(DamagedCase):
             read_table(self.put("a.csv", good.replace("theta,psi", "theta,theta")))
         with self.assertRaisesRegex(TableError, r"line \d+: column 2 has no name"):
             read_table(self.put("a.csv", good.replace("theta,psi", ",psi")))
+
+    def test_numbers_of_any_length(self) -> None:
+        """An integer that fits no machine word is a number."""
+        text = a_trajectory(["t", "theta"], count=2, theta=10**30)
+        self.assertEqual(read_table(self.put("a.csv", text)).rows["theta"][1], 1e30)
 
     def test_bytes(self) -> None:
         """A zero byte is reported with its line; other bytes are shown as printable text."""
@@ -161,10 +164,6 @@ class TableTest(DamagedCase):
                     read_table(path)
                 except TableError as error:
                     self.check_words(str(error))
-
-
-class ScriptTest(DamagedCase):
-    """scripts/plot and scripts/report end with a message and an exit code."""
 
     def test_plot(self) -> None:
         """The contents of a table do not reach the terminal unchanged."""
@@ -227,14 +226,6 @@ class ScriptTest(DamagedCase):
         problems.append("it cannot be drawn")
         return []
 
-    def test_damaged_pictures(self) -> None:
-        """Pictures beside a table that are none are drawn anew."""
-        table = read_table(self.put("a.csv", a_trajectory(["t", "R1", "R2", "R3", "R4"])))
-        self.put_bytes("a_residuals.png", b"\x89PNG\r\n\x1a\n and no more")
-        self.put_bytes("a_residuals.svg", b"")
-        pictures = pictures_of(table)
-        self.assertGreater(len(pictures[0].address), 10_000)
-
     def test_damaged_bodies(self) -> None:
         """A body that cannot be drawn is none."""
         line = "# body: mass {} kg; inertia {} kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
@@ -248,9 +239,9 @@ class ScriptTest(DamagedCase):
             text = line.format(mass, inertia) + a_trajectory()
             self.assertIsNone(read_body(read_table(self.put("a.csv", text))))
 
-
-class ProgramTest(DamagedCase):
-    """The program shows no byte of a file as it is."""
+    def test_printable(self) -> None:
+        """Control characters are shown by their numbers."""
+        self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
 
     def check_run(self, code: int, *arguments: str | Path) -> str:
         """The messages of the program, which ends with this code."""
@@ -271,7 +262,7 @@ class ProgramTest(DamagedCase):
         self.put("p3.csv", f"{RED}\n")
         self.check_run(2, "merge", "all.csv", "p3.csv")
 
-    def test_names(self) -> None:
+    def test_names_of_program(self) -> None:
         """Nor one of a name, of a word of the command line or of an input."""
         self.check_run(2, f"{RED}.nml")
         self.check_run(2, f"--{RED}")
@@ -292,9 +283,3 @@ class ProgramTest(DamagedCase):
         ):
             self.put("cases.csv", text)
             self.assertIn("cases.csv:", self.check_run(2, "a.nml"))
-
-    def test_names_are_shown(self) -> None:
-        """A good run says what it made without obeying its name."""
-        self.put("cases.csv", "top.mass\n1\n")
-        self.put(f"{RED}.nml", MOTION)
-        self.check_run(0, f"{RED}.nml")

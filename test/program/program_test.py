@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from conftest import CLOSED, GOOD, ROOT, files_of, largest, output, read
-from supplied_inputs import INPUTS
+from conftest import CLOSED, GOOD, KIND, ROOT, files_of, largest, output, read
+from supplied_inputs import INPUTS, check_tables, with_less
 
 # Example 1, to as many digits as double precision holds.
 LARGEST_PHI_RATE = 67.96567368900274
@@ -40,6 +40,14 @@ def same_on_threads(spin, text, *threads, code=0):
     runs = [spin(text, f"--threads={n}", f"--output={n}", code=code) for n in threads]
     assert len({run.path.read_bytes() for run in runs}) == 1
     return runs[0]
+
+
+@pytest.mark.skipif(KIND == "release", reason="all_inputs_test runs all inputs, by scripts/run")
+def test_every_input_runs(spin):
+    """All inputs at once; the largest exit code counts, and each table is whole."""
+    inputs = [with_less(path, spin.folder) for path in INPUTS]
+    run = spin.call(*inputs, "-o", "deep/er/folder", code=3)
+    check_tables(inputs, spin.folder / "deep/er/folder", run.out)
 
 
 @pytest.mark.parametrize("scene", INPUTS, ids=lambda path: path.stem)
@@ -149,24 +157,6 @@ def test_a_sweep_marks_its_failed_cases(spin):
     assert list(rows.theta_end.isna()) == [False, True, False]
     assert "pole" in rows.notes[1]
     assert spin.produced() == {"output", "output/scene.csv", "output/scene.log"}
-
-
-@pytest.mark.parametrize(
-    ("topic", "words"),
-    [
-        ("methods", ["rk4", "ode45", "arkode_dirk", "crank_nicolson_2", "exact"]),
-        ("formulations", ["euler", "lagrange", "energy_rate", "lagrange_energy"]),
-        ("columns", ["orientation_error", "force_n", "nutations_per_turn_fast_top"]),
-        ("shapes", ["spinning_wheel", "ring", "cone", "inertia"]),
-        ("events", ["turning_points", "azimuth_turns", "COLUMN = VALUE"]),
-        ("parameters", ["top.inertia", "initial.theta_deg", "sweep.values", "span.nutations"]),
-    ],
-)
-def test_lists(spin, topic, words):
-    """Every topic lists what the input accepts."""
-    run = spin.call("list", topic)
-    assert run.stderr == ""
-    assert all(word in run.out for word in words)
 
 
 def test_help_and_version(spin):

@@ -1,31 +1,18 @@
 """The figure of the account of energy: what it shows is what the program computes."""
 
-import subprocess
-
 import numpy as np
 
-from conftest import EXE, ROOT
 from plot_case import TableCase, a_trajectory
 from spintop_figures.motion.trajectory import draw_account
 from spintop_figures.registry import FIGURES, choose_figures
-from spintop_figures.tables.table import Table, read_table
-
-INPUTS = ROOT / "input"
 
 
 class AccountTest(TableCase):
     """A top from 200 rad/s to rest."""
 
-    def compute(self, *settings: str) -> Table:
-        """The table of the input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "-o", self.folder, *words, INPUTS / "friction_to_rest.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / "friction_to_rest.csv")
-
     def test_motion(self) -> None:
         """It sleeps, wakes, sinks below the pivot and comes to rest, with a balanced account."""
-        table = self.compute()
+        table = self.compute("friction_to_rest")
         rows = table.rows
         assert "account" in [kind.name for kind in choose_figures(table)[0]]
         assert rows["energy_error"].abs().max() < 1e-9
@@ -39,7 +26,9 @@ class AccountTest(TableCase):
 
     def test_lines(self) -> None:
         """The panels show the columns; energy and what was taken add up to that of the start."""
-        table = self.compute("span.samples=601", "output.columns=all", "effects.drag_force=0")
+        table = self.compute(
+            "friction_to_rest", "span.samples=601", "output.columns=all", "effects.drag_force=0"
+        )
         figure = draw_account(table)
         theta, spin, energy, error = figure.axes
         words = [text.get_text() for text in energy.get_legend().get_texts()]
@@ -61,4 +50,4 @@ class AccountTest(TableCase):
     def test_other_tables(self) -> None:
         """A table without works has no such figure."""
         kind = next(kind for kind in FIGURES if kind.name == "account")
-        assert "has no column" in kind.refusal(read_table(self.put("a.csv", a_trajectory())))
+        assert "has no column" in kind.refusal(self.read(a_trajectory()))

@@ -66,9 +66,7 @@ class CompareCase(unittest.TestCase):
         )
 
 
-class EquationsTest(CompareCase):
-    """The peers solve the motion of spintop."""
-
+class CompareTest(CompareCase):
     def check(self, problem: Problem, count: int, steps: int) -> None:
         """All equations that suit the problem end where spintop does."""
         suited = [form for form in EQUATIONS.values() if form.suits(problem)]
@@ -109,14 +107,17 @@ class EquationsTest(CompareCase):
         self.assertFalse(problem.is_symmetric)
         self.check(problem, 1, 16)
 
+    def test_symmetry_is_not_used(self) -> None:
+        """A symmetric top as any other body has one form of equations, with the same end."""
+        problem = self.pose(self.put())
+        general = dataclasses.replace(problem, general=True)
+        self.assertFalse(general.is_symmetric)
+        self.check(general, 1, 16)
+
     def test_sweep(self) -> None:
         """A sweep is no problem."""
         with self.assertRaisesRegex(RunError, "sweep"):
             self.pose(ROOT / "input/map_spin_tilt.nml")
-
-
-class CrewTest(CompareCase):
-    """Programs do their work, or are found out."""
 
     def start(self, name: str) -> crew.Worker:
         """A program, where it is there."""
@@ -210,62 +211,6 @@ class CrewTest(CompareCase):
         trial = self.fail_with('input()\nprint(\'{"failure": "a pole"}\', flush=True)')
         self.assertEqual((trial.status, trial.remark, trial.answer), ("failed", "a pole", {}))
 
-
-class TableTest(unittest.TestCase):
-    """Errors, orders, summaries."""
-
-    def test_errors(self) -> None:
-        """An attitude that is off, at any norm, and a run that was lost."""
-        motion = MOTIONS[0]
-        problem = dataclasses.replace(motion, truth=[[1.0, 0.0, 0.0, 0.0]] * motion.samples)
-        still = [2.0, 0.0, 0.0, 0.0, *motion.omega]
-        last = [2 * math.cos(0.05), 0.0, 0.0, 2 * math.sin(0.05), *motion.omega]
-        states = [still] * (motion.samples - 1) + [last]
-        found = problem.judge(states)
-        self.assertAlmostEqual(found["orientation_error"], 0.1, delta=1e-14)
-        self.assertLess(found["energy"], 1e-15)
-        self.assertGreater(found["momentum"], 0.01)
-        for lost in (states[1:], [*states[1:], [math.nan] * 7]):
-            self.assertEqual(problem.judge(lost), {"orientation_error": math.inf})
-
-    def test_engines(self) -> None:
-        """The order of made errors, and the page of the manual has all engines."""
-        rows = pd.DataFrame(
-            {"problem": name, "program": engine.name, "method": "m", "status": "ok", "rate": rate,
-             "orientation_error": 100 / rate**2, "energy": 0.0, "momentum": 0.0,
-             "time_s": rate * 5e-6}
-            for engine in ENGINES for name in table.NAMES for rate in (100.0, 1000.0, 10000.0)
-        )  # fmt: skip
-        text = table.tell_engines(rows)
-        self.assertIn("| MuJoCo | m | 2.0 | 0.0e+00 | 0.0e+00 | 1 | 1.0e-03 |", text)
-        page = (ROOT / "doc/engines.md").read_text(encoding="utf-8")
-        first = page[page.index("| engine | method |") :].split("\n\n")[0].splitlines()[2:]
-        told = dict.fromkeys(line.strip("| ").split(" | ")[0] for line in first)
-        names = [engine.name for engine in ENGINES]
-        self.assertEqual([name for name in told if name in names], names)
-
-    def test_bodies(self) -> None:
-        """At an error a program has the rate of its fastest setting that is good enough."""
-        names = ["problem", "program", "method", "setting", "median", "most", "largest", "time_s"]
-        rows = pd.DataFrame(
-            [
-                ["bodies to 7 s", "spintop", "lanes", 1e-11, 1e-12, 9e-9, 1e-7, 0.1],
-                ["bodies to 7 s", "spintop", "lanes", 1e-12, 1e-13, 9e-11, 1e-8, 0.2],
-                ["bodies to 7 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 8e-11, 1e-8, 0.25],
-                ["bodies to 4 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 1e-9, 1e-8, 0.25],
-            ],
-            columns=names,
-        )
-        lines = table.tell_bodies(rows).split("\n\n")[1].splitlines()[2:]
-        none = table.NONE
-        expected = [["100,000", "40,000", "2.50 |"], ["50,000", "40,000", "1.25 |"]]
-        expected += [[none, none, f"{none} |"]]
-        self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
-
-
-class ScriptTest(CompareCase):
-    """Runs the script."""
-
     def test_comparison(self) -> None:
         """The table has all rows, can be read and drawn, and has a summary."""
         result = self.compare("--quick", "--budget", 200, "--programs", "SUNDIALS", self.put())
@@ -316,3 +261,66 @@ class ScriptTest(CompareCase):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(message, result.stderr)
                 self.assertFalse((self.folder / "peers.csv").exists())
+
+
+class TableTest(unittest.TestCase):
+    """Errors, orders, summaries."""
+
+    def test_errors(self) -> None:
+        """An attitude that is off, at any norm, and a run that was lost."""
+        motion = MOTIONS[0]
+        problem = dataclasses.replace(motion, truth=[[1.0, 0.0, 0.0, 0.0]] * motion.samples)
+        still = [2.0, 0.0, 0.0, 0.0, *motion.omega]
+        last = [2 * math.cos(0.05), 0.0, 0.0, 2 * math.sin(0.05), *motion.omega]
+        states = [still] * (motion.samples - 1) + [last]
+        found = problem.judge(states)
+        self.assertAlmostEqual(found["orientation_error"], 0.1, delta=1e-14)
+        self.assertLess(found["energy"], 1e-15)
+        self.assertGreater(found["momentum"], 0.01)
+        for lost in (states[1:], [*states[1:], [math.nan] * 7]):
+            self.assertEqual(problem.judge(lost), {"orientation_error": math.inf})
+
+    def test_inertia(self) -> None:
+        """About the centre of mass and about the fixed point of a top."""
+        self.assertEqual(MOTIONS[5].inertia, (15.234375, 0.46875, 15.234375))
+        self.assertEqual(MOTIONS[5].central_moments, [0.234375, 0.46875, 0.234375])
+
+    def test_engines(self) -> None:
+        """The order of made errors, and the page of the manual has all engines."""
+        rows = pd.DataFrame(
+            {"problem": name, "program": engine.name, "method": "m", "status": "ok", "rate": rate,
+             "orientation_error": 100 / rate**2, "energy": 0.0, "momentum": 0.0,
+             "time_s": rate * 5e-6}
+            for engine in ENGINES for name in table.NAMES for rate in (100.0, 1000.0, 10000.0)
+        )  # fmt: skip
+        text = table.tell_engines(rows)
+        self.assertIn("| MuJoCo | m | 2.0 | 0.0e+00 | 0.0e+00 | 1 | 1.0e-03 |", text)
+        page = (ROOT / "doc/engines.md").read_text(encoding="utf-8")
+        first = page[page.index("| engine | method |") :].split("\n\n")[0].splitlines()[2:]
+        told = dict.fromkeys(line.strip("| ").split(" | ")[0] for line in first)
+        names = [engine.name for engine in ENGINES]
+        self.assertEqual([name for name in told if name in names], names)
+
+    def test_bodies(self) -> None:
+        """At an error a program has the rate of its fastest setting that is good enough."""
+        names = ["problem", "program", "method", "setting", "median", "most", "largest", "time_s"]
+        rows = pd.DataFrame(
+            [
+                ["bodies to 7 s", "spintop", "lanes", 1e-11, 1e-12, 9e-9, 1e-7, 0.1],
+                ["bodies to 7 s", "spintop", "lanes", 1e-12, 1e-13, 9e-11, 1e-8, 0.2],
+                ["bodies to 7 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 8e-11, 1e-8, 0.25],
+                ["bodies to 4 s", "heyoka", "heyoka_8", 1e-11, 1e-12, 1e-9, 1e-8, 0.25],
+            ],
+            columns=names,
+        )
+        lines = table.tell_bodies(rows).split("\n\n")[1].splitlines()[2:]
+        none = table.NONE
+        expected = [["100,000", "40,000", "2.50 |"], ["50,000", "40,000", "1.25 |"]]
+        expected += [[none, none, f"{none} |"]]
+        self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
+
+    def test_times_in_words(self) -> None:
+        """Three digits and a unit."""
+        texts = {2.5e-7: "0.250 us", 9.996e-4: "1.00 ms", 0.0123: "12.3 ms", 123.4: "123 s"}
+        for seconds, text in texts.items():
+            self.assertEqual(table.as_time(seconds), text)

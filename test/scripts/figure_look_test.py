@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from conftest import EXE, ROOT
+from conftest import EXE
 from figure_checks import problems_of
 from plot_case import (
     TRAJECTORY,
@@ -41,8 +41,6 @@ from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
 from spintop_figures.style.numbers import with_comma, write, write_fixed
 from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.table import Table, TableError
-
-INPUTS = ROOT / "input"
 
 RUNS = {
     "gyrocompass": ("span.samples=200",),
@@ -94,17 +92,13 @@ def made_up() -> dict[str, str]:
     }
 
 
-class LookTest(TableCase):
-    """What a reader of any figure would complain of."""
-
+class FigureLookTest(TableCase):
     def tables(self) -> Iterator[Table]:
         """Made-up tables, and those of inputs."""
         for name, text in made_up().items():
             yield read_table(self.put(f"{name}.csv", text))
         for name, settings in RUNS.items():
-            words = [word for setting in settings for word in ("--set", setting)]
-            command = [EXE, "--quiet", "--restart", "-o", self.folder, *words]
-            subprocess.run([*command, INPUTS / f"{name}.nml"], check=False, capture_output=True)
+            self.compute(name, *settings)
             for path in sorted(self.folder.glob(f"{name}*.csv")):
                 if "histogram" not in path.name:
                     yield read_table(path)
@@ -130,7 +124,7 @@ class LookTest(TableCase):
     def test_faults_are_found(self) -> None:
         """The checks find each fault that they are for."""
 
-        table = read_table(self.put("a.csv", a_trajectory()))
+        table = self.read(a_trajectory())
 
         def fault(change: object) -> str:
             figure = draw(table, y="phi")
@@ -151,13 +145,9 @@ class LookTest(TableCase):
 
         assert "beside" in fault(shift)
 
-
-class OptionsTest(TableCase):
-    """What a user asks of a figure."""
-
     def motion(self, **other: object) -> Table:
         """A made-up motion."""
-        return read_table(self.put("a.csv", a_trajectory(**other)))
+        return self.read(a_trajectory(**other))
 
     def test_widths(self) -> None:
         """A figure is as wide as it should be, and its letters suit that."""
@@ -172,7 +162,7 @@ class OptionsTest(TableCase):
         assert sizes["slide"] > 13
         letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(letters, 12)
-        page = read_table(self.put("b.csv", a_sweep()))
+        page = self.read(a_sweep())
         with self.assertRaisesRegex(TableError, r"needs a width of \d+ cm: no table1 figure"):
             draw(page, "table1", width="column")
 
@@ -227,11 +217,9 @@ class OptionsTest(TableCase):
 
     def test_dark_maps(self) -> None:
         """A legend of a map has the colours of the map, which are those on white."""
-        scene = [EXE, "--quiet", "-o", self.folder, INPUTS / "kapitza_map.nml"]
-        few = [word for i in (1, 2) for word in ("--set", f"sweep.count({i})=4")]
-        subprocess.run([*scene, *few], check=True, capture_output=True)
-        narrow = a_map(across=40)  # its classes have no room for their names
-        for path in (self.folder / "kapitza_map.csv", self.put("narrow.csv", narrow)):
+        few = self.compute("kapitza_map", "sweep.count=4,4")
+        narrow = self.put("narrow.csv", a_map(across=40))  # its classes have no room for names
+        for path in (few.path, narrow):
             looks = []
             for dark in (False, True):
                 panels = draw(read_table(path), "maps", dark=dark).axes
@@ -254,7 +242,7 @@ class OptionsTest(TableCase):
 
     def test_columns(self) -> None:
         """Columns of choice of two tables, each with a line and a name, in ranges, on log axes."""
-        tables = [self.motion(), read_table(self.put("b.csv", a_trajectory(theta=0.7)))]
+        tables = [self.motion(), self.read(a_trajectory(theta=0.7))]
         figure = draw(tables, y=["theta", "phi"], range={"y": (0.1, None)})
         assert problems_of(figure) == []
         upper, lower = figure.axes

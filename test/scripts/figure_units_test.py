@@ -1,7 +1,6 @@
 """Tests of the units in figures: those of headings and labels, and of tables in other units."""
 
 import itertools
-import subprocess
 import unittest
 import unittest.mock
 import warnings
@@ -13,7 +12,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from conftest import EXE, ROOT
 from plot_case import TableCase, a_sweep, some_events
 from spintop_figures import draw, read_table
 from spintop_figures.files import Files, draw_to
@@ -23,7 +21,6 @@ from spintop_figures.tables.names import axis_of, with_unit
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
-INPUTS = ROOT / "input"
 AXES = {
     "initial.omega3": "rad/s",
     "initial.theta": "rad",
@@ -140,10 +137,9 @@ class OtherUnitsTest(TableCase):
             replace(sweep, units={name: units_of_columns().get(name) for name in sweep.rows})
         )
         for name in ("separatrix", "slow_top_euler_ode45", "friction_to_rest", "fit"):
-            words = ["--set", "span.samples=60"] if name != "fit" else []
-            words += ["--set", "output.columns=all"] if name == "separatrix" else []
-            command = [EXE, "--quiet", "-o", self.folder, *words]
-            subprocess.run([*command, INPUTS / f"{name}.nml"], check=True, capture_output=True)
+            settings = ["span.samples=60"] if name != "fit" else []
+            settings += ["output.columns=all"] if name == "separatrix" else []
+            self.compute(name, *settings)
             end = ".residuals.csv" if name == "fit" else ".csv"
             found.append(read_table(self.folder / f"{name}{end}"))
         return found

@@ -1,8 +1,8 @@
 """Tests of what figures say: their data, lines, labels and titles, not their pixels."""
 
+import itertools
 import math
 import os
-import subprocess
 import unittest
 from dataclasses import replace
 from unittest import mock
@@ -15,12 +15,12 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 import spintop_figures
-from conftest import EXE, ROOT
 from plot_case import TableCase, a_stability, a_sweep, a_table, a_trajectory
-from spintop_figures.methods.trials import draw_costs
+from spintop_figures.methods.trials import cases_by_reference, draw_costs, trials
+from spintop_figures.methods.trials import lay_out as lay_out_verdicts
 from spintop_figures.motion.events import describe_event, draw_events
 from spintop_figures.motion.residuals import draw_error, draw_residuals
-from spintop_figures.motion.sphere import draw_path, draw_trace
+from spintop_figures.motion.sphere import draw_path, draw_trace, draw_traces
 from spintop_figures.motion.trajectory import (
     draw_angles,
     draw_forces,
@@ -30,28 +30,11 @@ from spintop_figures.motion.trajectory import (
 )
 from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.style.axes import draw_sizes
-from spintop_figures.style.saving import save, save_as, save_small
+from spintop_figures.style.saving import lay_out, save, save_as, save_small
 from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
-from spintop_figures.sweeps.maps import SIGNED, draw_maps
+from spintop_figures.sweeps.maps import SIGNED, draw_maps, spots
 from spintop_figures.sweeps.scatter import draw_scatter
-from spintop_figures.tables.table import Table, TableError, read_table
-
-INPUTS = ROOT / "input"
-
-
-class FigureCase(TableCase):
-    """Reads made-up tables, and those that the program makes of inputs."""
-
-    def read(self, text: str) -> Table:
-        """A made-up table."""
-        return read_table(self.put("a.csv", text))
-
-    def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "--restart", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / f"{name}.csv")
+from spintop_figures.tables.table import TableError
 
 
 def texts_of(axes: mpl.axes.Axes) -> list[str]:
@@ -60,9 +43,7 @@ def texts_of(axes: mpl.axes.Axes) -> list[str]:
     return [*(text.get_text() for text in axes.texts), *filter(None, titles)]
 
 
-class PackageTest(FigureCase):
-    """The figures as a package that others import."""
-
+class FiguresTest(TableCase):
     def test_public(self) -> None:
         """A table is read, drawn and saved by the public names; wrong names are refused by name."""
         table = spintop_figures.read_table(self.put("a.csv", a_trajectory()))
@@ -83,6 +64,15 @@ class PackageTest(FigureCase):
         spintop_figures.save_as(figure, self.folder / "b")
         assert before == dict(mpl.rcParams)
         assert not figure.axes[0].spines["top"].get_visible()
+
+    def test_few_colours(self) -> None:
+        """A picture of few colours has those of small marks, too."""
+        figure = spintop_figures.draw(self.read(a_trajectory()), "trace")
+        save_small(figure, small := self.folder / "c.png")
+        (png,) = save_as(figure, self.folder / "b", ("png",))
+        with Image.open(png) as one, Image.open(small) as other:
+            pixels = [np.asarray(picture.convert("RGB")).astype(int) for picture in (one, other)]
+        assert np.abs(pixels[0] - pixels[1]).max() < 20
 
     def test_at_once(self) -> None:
         """Another process draws the same figure while it is being written: both succeed."""
@@ -123,9 +113,34 @@ class PackageTest(FigureCase):
         assert len(caption) < 109
         assert caption.endswith("s") and "\N{HORIZONTAL ELLIPSIS}; ended" in caption
 
+    def test_nothing_is_hidden(self) -> None:
+        """A panel in space has no ground that covers the labels of the one beside it."""
+        table = self.compute("regular_precession", "output.columns=all")
+        for name in ("cones", "path"):
+            for axes in spintop_figures.draw(table, name).axes:
+                assert (axes.name == "3d") != axes.patch.get_visible()
 
-class MapTest(FigureCase):
-    """Fields over two parameters."""
+    def test_nothing_is_cut_off(self) -> None:
+        """All texts lie in the picture: of long titles, in space, beside panels."""
+        cones = self.compute("regular_precession")
+        titled = [
+            replace(cones, header=cones.header | {"title": f"{name} released with precession"})
+            for name in ("Loops:", "Waves: these were")
+        ]
+        figures = [spintop_figures.draw(cones, "cones"), draw_traces(titled + titled[:1])]
+        for figure in figures:
+            lay_out(figure)
+            renderer = figure.canvas.get_renderer()
+            labels = [figure._suptitle, *itertools.chain(*(axes.texts for axes in figure.axes))]
+            for axes in figure.axes:
+                labels.append(axes.title)
+                labels += [getattr(axes, f"{which}axis").label for which in axes._axis_names]
+            for axes in figure.axes:
+                axes.draw(renderer)  # labels of axes in space are placed as they are drawn
+            for label in filter(lambda label: label.get_text() and label.get_visible(), labels):
+                box = label.get_window_extent(renderer)
+                inside = box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
+                assert inside, label.get_text()
 
     def test_zero(self) -> None:
         """The line of zero is not drawn along a jump; signed data have a neutral zero."""
@@ -167,9 +182,15 @@ class MapTest(FigureCase):
             ]
             assert list(near["motion_class"]) == [text.get_text()]
 
-
-class ResidualTest(FigureCase):
-    """Residuals and true errors."""
+    def test_spots(self) -> None:
+        """A region has its name inside, also if it is bent; small regions have none."""
+        codes = np.zeros((30, 40))
+        codes[10:, :25] = 1
+        codes[0, 0] = 2
+        found = {spot.code: spot for spot in spots(codes)}
+        assert set(found) == {0, 1}
+        for code, spot in found.items():
+            assert codes[int(spot.y * 30), int(spot.x * 40)] == code
 
     def test_exact_solution(self) -> None:
         """It has no figure of residuals; other runs have it as the last one."""
@@ -225,10 +246,6 @@ class ResidualTest(FigureCase):
         np.testing.assert_allclose(force, 0, atol=1e-10)
         assert panels[0].get_ylim() == panels[1].get_ylim()
 
-
-class ExtremesTest(FigureCase):
-    """Numbers on a figure belong to the motion, or are marked as those of the rows."""
-
     def test_sparse(self) -> None:
         """Turning points between few rows are those of the same motion with many."""
         many = self.compute("slow_top", "span.samples=4001")
@@ -272,10 +289,6 @@ class ExtremesTest(FigureCase):
             told = [path.get_suptitle(), *texts_of(trace.axes[1])]
             assert sum(words in text for text in told if words) == 2 * is_sparse
 
-
-class SphereTest(FigureCase):
-    """Both halves of a sphere are distinguished."""
-
     def test_halves(self) -> None:
         """The far half has a paler tint of the colour of the near one; a legend says so."""
         figure = draw_trace(self.compute("tip_wave"))
@@ -307,9 +320,15 @@ class SphereTest(FigureCase):
             assert shown[z < 0].sum() < 10
         assert sum(to_rgb(below.get_color())) > sum(to_rgb(above.get_color()))
 
-
-class SweepTest(FigureCase):
-    """The figure of Table 1."""
+    def test_azimuth(self) -> None:
+        """The line of the full turn does not strike the legend."""
+        figure = draw_sweep(self.compute("spinning_wheel_sweep"))
+        lay_out(figure)
+        axes = figure.axes[4]
+        legend = axes.get_legend().get_window_extent(figure.canvas.get_renderer())
+        for line in axes.lines:
+            heights = axes.transData.transform(line.get_xydata())[:, 1]
+            assert heights.max() < legend.y0
 
     def test_without_formulas(self) -> None:
         """Bodies that the paper's formulas do not hold for have no such figure, and no error."""
@@ -348,10 +367,6 @@ class SweepTest(FigureCase):
                 shown = lines[f"{equation} {words}"].get_ydata()
                 np.testing.assert_array_equal(np.isfinite(shown), sign * deviation > 0)
 
-
-class EventsTest(FigureCase):
-    """The instants of events."""
-
     def test_names(self) -> None:
         """Events have names that can be read."""
         names = {
@@ -379,11 +394,7 @@ class EventsTest(FigureCase):
         assert "(400)" in label
         self.assertRegex(label, r"per 0\.0\d+ s: up to [78]")
 
-
-class CloudTest(FigureCase):
-    """Cases as points."""
-
-    def test_density(self) -> None:
+    def test_density_of_cloud(self) -> None:
         """Thousands of cases are counted in cells; each case is in one."""
         table = self.compute("random_tops")
         figure = draw_scatter(table)
@@ -402,9 +413,15 @@ class CloudTest(FigureCase):
         assert "energy error" not in labels
         assert "largest energy error at rounding" in figure.get_suptitle().replace("\n", " ")
 
-
-class StudyTest(FigureCase):
-    """Stability studies."""
+    def test_order_of_cases(self) -> None:
+        """Verdicts have the cases in the order of references."""
+        lines = a_stability().split("\n")
+        first = next(i for i, line in enumerate(lines) if line.startswith("fall,"))
+        lines.insert(first + 1, lines[first].replace("fall", "flip").replace("exact", "other"))
+        table = self.read("\n".join(lines))
+        rows = trials(table)
+        order = [case for cases in cases_by_reference(rows).values() for case in cases]
+        assert list(lay_out_verdicts(rows).x) == order
 
     def test_costs(self) -> None:
         """A line a method; costs are over that of the cheapest accurate method of the case."""

@@ -80,9 +80,7 @@ class TableTest(unittest.TestCase):
         assert len({run.table for run in runs}) == len(runs)
 
 
-class CostTest(TableCase):
-    """The methods whose drift is compared cost what the picture says."""
-
+class GalleryTest(TableCase):
     def test_equal_cost(self) -> None:
         """In a short part of the runs, to four percent."""
         short = ["--set", f"span.nutations={NUTATIONS}", "--set", "span.samples=2"]
@@ -100,10 +98,6 @@ class CostTest(TableCase):
             with self.subTest(run.table):
                 cost = finest if "integration.method=taylor" in run.settings else usual
                 self.assertAlmostEqual(int(count[1]) / NUTATIONS / cost, 1, delta=0.04)
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
 
     def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
         """Run its main procedure with the program under test."""

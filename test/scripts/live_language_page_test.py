@@ -99,6 +99,11 @@ class DictionaryTest(unittest.TestCase):
                     if not CODE.search(literal):
                         self.assertNotRegex(literal, PROSE, f"{path.name}: {line}")
 
+    def test_prose_is_found(self) -> None:
+        """A sentence is taken for one."""
+        for text in ("The link is copied.", "spin too slow", "Steady precession"):
+            self.assertRegex(text, PROSE)
+
 
 class LanguageTest(LiveCase):
     """The page in its languages."""
@@ -131,6 +136,12 @@ class LanguageTest(LiveCase):
         self.wait_for_text("kept", "θ₀")
         self.assertEqual(self.strange_words("de", texts + self.texts()), set())
         self.assertEqual(self.violations(), [])
+
+    def test_strange_words_are_found(self) -> None:
+        """English on a German page is noticed."""
+        self.open(self.page, "#lang=de")
+        texts = self.texts("liveTop.parts.class.textContent = 'Steady precession';")
+        self.assertEqual(self.strange_words("de", texts), {"Steady", "precession"})
 
     def test_decimal_comma(self) -> None:
         """German and French numbers have a comma, those of the input a point; both are typed."""

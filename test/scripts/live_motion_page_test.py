@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from browser_case import BROWSER, PROGRAM, need_packages, open_browser
-from conftest import ROOT
+from browser_case import BROWSER, need_packages, open_browser
+from conftest import EXE, ROOT
 from random_tops import CLASSES, draw_top
 from reporting.packages import bundle, esbuild_package
 
@@ -234,7 +234,7 @@ def by_program(folder: Path, bodies: list[tuple[Body, float]], columns: str) -> 
     (folder / "sweep.nml").write_text(
         SWEEP.format(columns=columns, effects=effects), encoding="utf-8"
     )
-    command = [PROGRAM, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
+    command = [EXE, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     if done.returncode not in (0, NOT_ALL_FINITE):
         raise AssertionError(done.stderr)
@@ -394,7 +394,7 @@ class MotionTest(unittest.TestCase):
         words = [word for setting in settings for word in ("--set", setting)]
         path = self.folder / "one.nml"
         path.write_text(ONE, encoding="utf-8")
-        command = [PROGRAM, "--quiet", "-o", self.folder, *words, path]
+        command = [EXE, "--quiet", "-o", self.folder, *words, path]
         subprocess.run(command, check=True, capture_output=True)
         rows = read_rows(self.folder / "one.csv")
         (motion,) = self.page.motions([(body, [float(row["t"]) for row in rows])])

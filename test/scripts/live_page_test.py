@@ -6,12 +6,16 @@ import subprocess
 
 from browser_case import (
     DESKTOP,
-    PROGRAM,
     SOFTWARE_WEBGL,
     LiveCase,
     wait_for,
 )
+from conftest import EXE
 from spintop_figures.tables.table import read_table
+
+BYTES = 1_000_000
+THRESHOLD = 2 * math.sqrt(9.81 * 0.8660254037844387 * 0.875) / 0.25
+"""Of the sleeping top of Example 1, rad/s."""
 
 CLASSES = {
     "cusp": "Cusps",
@@ -34,6 +38,10 @@ CLASSES = {
 class LiveTest(LiveCase):
     """The page as one uses it."""
 
+    def test_small(self) -> None:
+        """The page is small, and needs nothing else."""
+        self.assertLess(self.page.stat().st_size, BYTES)
+
     def test_presets(self) -> None:
         """Every preset shows the class of motion that it names."""
         presets = self.run_script("return [...liveTop.parts.preset.options].map(o => o.value)")
@@ -55,6 +63,31 @@ class LiveTest(LiveCase):
         self.run_script("liveTop.clock.seek(2)")
         wait_for(lambda: pane.screenshot_as_png != before, "another chart")
         wait_for(lambda: self.text("t") == "2.000 s", "the time")
+
+    def test_threshold_of_sleep(self) -> None:
+        """The spin at which the top sleeps is written, marked, and can be set."""
+        self.choose("falling")
+        self.assertIn("upright it falls", self.text("sleep"))
+        self.assertIn("21.81 rad/s", self.text("sleep"))
+        self.assertIn("almost upright it falls", self.text("meaning"))
+        tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
+        self.assertTrue(tick.is_displayed())
+        widest = "return liveTop.track.thetaMax * 180 / Math.PI"
+        self.assertGreater(self.run_script(widest), 40)
+        self.part(self.section, "threshold").click()
+        wait_for(
+            lambda: abs(self.run_script("return liveTop.state.omega3") - THRESHOLD) < 1e-9,
+            "the threshold",
+        )
+        shown = float(self.control("omega3", "text").get_property("value"))
+        self.assertEqual(shown, self.run_script("return liveTop.state.omega3"))
+        box = self.control("omega3", "text")
+        self.type_into(box, "26\n")
+        wait_for(lambda: "upright it sleeps" in self.text("sleep"), "sleep")
+        self.assertIn("almost upright it sleeps", self.text("meaning"))
+        self.assertLess(self.run_script(widest), 3)
+        self.choose("example1")
+        wait_for(lambda: "upright it" not in self.text("meaning"), "a tilted top")
 
     def test_link(self) -> None:
         """The address holds the state, and another address is another state."""
@@ -123,6 +156,22 @@ class LiveTest(LiveCase):
                 self.assertAlmostEqual(found, value, delta=1e-14 * value)
                 self.assertEqual(float(box.get_property("value")), found)
 
+    def test_thousands(self) -> None:
+        """They are grouped as in the language of the page, which has its own decimal mark."""
+        cases = {
+            "en": {"1,500 rpm": 1500, "1.500 rpm": 1.5, "1,5 rpm": 1.5, "1,500.5 rpm": 1500.5},
+            "de": {"1.500 rpm": 1500, "1,500 rpm": 1.5, "0.866 rpm": 0.866, "1.500,5 rpm": 1500.5},
+            "fr": {"1.500 rpm": 1500, "1\u202f500 rpm": 1500, "\u22121,5e\u22121 rpm": -0.15},
+        }
+        for language, texts in cases.items():
+            self.open(self.page, f"#lang={language}")
+            for text, value in texts.items():
+                with self.subTest(text, language=language):
+                    self.type_into(self.control("omega3", "text"), text + "\n")
+                    found = self.run_script("return liveTop.state.omega3")
+                    self.assertAlmostEqual(found, value * math.pi / 30, delta=1e-12)
+        self.open(self.page, "#lang=en")
+
     def test_numbers_shown(self) -> None:
         """Every box shows the very number with which the page computes, in every preset."""
         script = """
@@ -143,6 +192,19 @@ class LiveTest(LiveCase):
         self.choose("separatrix")
         self.wait_for_class("Separatrix")
         self.assertIn("Nutation periodinfinite", self.text("facts"))
+
+    def test_rest(self) -> None:
+        """With dry friction a top sleeps, wakes, falls, and lies still."""
+        self.choose("rest")
+        self.wait_for_class("Comes to rest")
+        stop = self.run_script("return liveTop.track.motion.stop")
+        self.assertLess(stop, 16)
+        script = "return liveTop.track.at(arguments[0])"
+        tilts = [self.run_script(script, t)["angle"][1] for t in (0.5, 5.0, stop, stop + 1)]
+        self.assertLess(tilts[0], 0.1)
+        self.assertGreater(tilts[1], 1.5)
+        self.assertEqual(tilts[2], tilts[3])
+        self.assertEqual(self.run_script(script, stop + 1)["kinetic"], 0)
 
     def test_friction_or_vibration(self) -> None:
         """The page does not compute both, says so, and shows what it uses."""
@@ -212,7 +274,7 @@ class LiveTest(LiveCase):
         path = self.folder / f"{name}.nml"
         path.write_text(text, encoding="utf-8")
         tight = ("--set", "integration.relative_tolerance=1e-12")
-        command = [PROGRAM, "--quiet", "-o", self.folder, *tight, path]
+        command = [EXE, "--quiet", "-o", self.folder, *tight, path]
         subprocess.run(command, check=True, capture_output=True)
         rows = read_table(self.folder / f"{name}.csv").rows
         last = self.run_script("return liveTop.track.at(liveTop.track.span)")
@@ -246,6 +308,17 @@ class LiveTest(LiveCase):
         words = self.text("live")
         self.assertIn("Tilt 50.00° to 77.49°", words)
 
+    def test_full_screen(self) -> None:
+        """The live top fills the screen, and leaves it."""
+        button = self.part(self.section, "screen")
+        button.click()
+        wait_for(
+            lambda: self.run_script("return document.fullscreenElement === liveTop.section"), "it"
+        )
+        wait_for(lambda: button.text == "Leave full screen", "its name")
+        button.click()
+        wait_for(lambda: self.run_script("return !document.fullscreenElement"), "the page")
+
     def test_accessibility(self) -> None:
         """axe finds nothing; light and dark, wide and narrow, at rest and moving."""
         for width, height, scheme in ((*DESKTOP, "light"), (390, 844, "dark")):
@@ -259,6 +332,16 @@ class LiveTest(LiveCase):
                 self.assertEqual(self.violations(), [])
                 widths = "return [document.documentElement.scrollWidth, innerWidth]"
                 self.assertEqual(*self.run_script(widths))
+
+    def test_calm(self) -> None:
+        """Nothing moves by itself where less motion is asked for."""
+        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
+        self.browser.get("about:blank")
+        self.browser.get(self.page.as_uri())
+        wait_for(lambda: self.run_script("return globalThis.liveTop?.track?.count > 0"), "the top")
+        self.assertEqual(
+            self.run_script("return [liveTop.clock.playing, liveTop.clock.time]"), [False, 0]
+        )
 
     def test_recomputation(self) -> None:
         """A change is computed once a frame, however many events there are."""
@@ -288,6 +371,15 @@ class ShadedTest(LiveCase):
     """The page with WebGL."""
 
     flags = SOFTWARE_WEBGL
+
+    def test_keys_of_the_view(self) -> None:
+        """The view is turned and zoomed without a mouse."""
+        from selenium.webdriver.common.keys import Keys
+
+        stage = self.part(self.section, "stage")
+        for keys in ("+", Keys.SHIFT + Keys.ARROW_LEFT, "0"):
+            with self.subTest(keys=keys), self.changing(self.section):
+                stage.send_keys(keys)
 
     def drag(self, place: str, right: int, down: int) -> None:
         """Drag a point of the stage, which is an expression of its place."""
@@ -358,6 +450,21 @@ class ShadedTest(LiveCase):
         )
         self.assertEqual(colour, [1920, 255, 255, 255, 255])
 
+    def test_numbers_before_shaders(self) -> None:
+        """The first frame has panel and charts; WebGL, which may take a second, comes after it."""
+        script = """
+            addEventListener("frame", () => {
+                globalThis.first ??= document.querySelectorAll(".stage canvas").length;
+            }, true);
+        """
+        command = "Page.{}ScriptToEvaluateOnNewDocument"
+        added = self.tell(command.format("add"), source=script)
+        self.addCleanup(self.tell, command.format("remove"), **added)
+        self.open(self.page)
+        shown = "return document.querySelectorAll('.stage canvas').length"
+        wait_for(lambda: self.run_script(shown) == 1, "the stage")
+        self.assertEqual(self.run_script("return first"), 0)
+
     def test_what_is_shown(self) -> None:
         """Path, body, arrows and cones come and go."""
         self.choose("loop")
@@ -418,3 +525,16 @@ class ShadedTest(LiveCase):
         wait_for(lambda: self.run_script(places)[0][0] == self.run_script(places)[1][0], "a stack")
         (_, upper), (_, lower) = self.run_script(places)
         self.assertLess(upper + 100, lower)
+
+    def test_picture(self) -> None:
+        """A picture is a PNG of the size of a screen."""
+        script = """
+            const [done] = arguments;
+            HTMLAnchorElement.prototype.click = function () { done([this.download, this.href]); };
+            liveTop.parts.picture.click();
+        """
+        name, address = self.browser.execute_async_script(script)
+        data = base64.b64decode(address.partition(",")[2])
+        self.assertEqual((name, data[:8]), ("spintop.png", b"\x89PNG\r\n\x1a\n"))
+        size = [int.from_bytes(data[i : i + 4], "big") for i in (16, 20)]
+        self.assertEqual(size, [1920, 1080])

@@ -198,9 +198,7 @@ class ManualCase(unittest.TestCase):
         return self.shell("spintop --check scene.nml")
 
 
-class PagesTest(unittest.TestCase):
-    """The pages themselves."""
-
+class ManualTest(unittest.TestCase):
     def test_links_lead_somewhere(self) -> None:
         """To files of the project, and to headings that there are."""
         for page in PAGES:
@@ -280,6 +278,25 @@ class PagesTest(unittest.TestCase):
                 is_shell = block.tags[0] in SHELL
                 found[block.page.name] += len(commands_of(block)) if is_shell else 1
         self.assertEqual(found, SKIPPED)
+
+    def test_numbers_and_words(self) -> None:
+        """A number may differ from its seventh digit on, a word may not."""
+        self.assertTrue(agree("period 2.3859004995 s", "period 2.3859004999 s"))
+        self.assertFalse(agree("period 2.3859004995 s", "period 2.3860004995 s"))
+        self.assertFalse(agree("period 2.38 s", "precession 2.38 s"))
+        self.assertFalse(agree("20 ok: completed", ""))
+        self.assertFalse(agree("20 ok: completed", "19 ok: completed"))
+        self.assertTrue(agree("  time      0.1 s", "  time      0.2 s on 2 threads"))
+        self.assertFalse(agree("  time      0.1 s", "  memory    0.2 MB"))
+        self.assertFalse(agree("slow_top_1.csv", "slow_top_2.csv"))
+
+    def test_groups(self) -> None:
+        """Groups of a part take the place of those of its base."""
+        base = "&top mass = 1, title = 'a/b' / &span t_end = 1 / ! &top /\n"
+        found = with_groups(base, "&top mass = 2 /").split("/")
+        self.assertEqual(
+            [group.strip() for group in found], ["&span t_end = 1", "&top mass = 2", ""]
+        )
 
 
 class CommandsTest(ManualCase):
@@ -418,26 +435,3 @@ class CommandsTest(ManualCase):
         command = ["bash", "-c", script, ROOT, f"-J{self.folder}", source, *link]
         subprocess.run(command, check=True)
         self.check_output(self.shell("./my_top"), parts["text", "output"])
-
-
-class AgreementTest(unittest.TestCase):
-    """Differences that the comparison of outputs accepts, and others."""
-
-    def test_numbers_and_words(self) -> None:
-        """A number may differ from its seventh digit on, a word may not."""
-        self.assertTrue(agree("period 2.3859004995 s", "period 2.3859004999 s"))
-        self.assertFalse(agree("period 2.3859004995 s", "period 2.3860004995 s"))
-        self.assertFalse(agree("period 2.38 s", "precession 2.38 s"))
-        self.assertFalse(agree("20 ok: completed", ""))
-        self.assertFalse(agree("20 ok: completed", "19 ok: completed"))
-        self.assertTrue(agree("  time      0.1 s", "  time      0.2 s on 2 threads"))
-        self.assertFalse(agree("  time      0.1 s", "  memory    0.2 MB"))
-        self.assertFalse(agree("slow_top_1.csv", "slow_top_2.csv"))
-
-    def test_groups(self) -> None:
-        """Groups of a part take the place of those of its base."""
-        base = "&top mass = 1, title = 'a/b' / &span t_end = 1 / ! &top /\n"
-        found = with_groups(base, "&top mass = 2 /").split("/")
-        self.assertEqual(
-            [group.strip() for group in found], ["&span t_end = 1", "&top mass = 2", ""]
-        )

@@ -1,11 +1,8 @@
 """Tests of the figures of the motion: what they show is what the program computes."""
 
-import subprocess
-
 import numpy as np
 import pandas as pd
 
-from conftest import EXE, ROOT
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
 from spintop_figures.motion.drift import method_of, running_maximum
 from spintop_figures.motion.fits import draw_fit, tell_values
@@ -18,40 +15,26 @@ from spintop_figures.motion.reduced import (
 )
 from spintop_figures.motion.sphere import (
     WHOLE,
+    body_at_start,
+    directions,
+    draw_cones,
     draw_trace,
+    in_body,
     in_space,
     on_sphere,
     project,
+    tell_turn,
     view_of,
 )
 from spintop_figures.motion.trajectory import draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
-from spintop_figures.registry import FIGURES, choose_figures, draw
+from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
 from spintop_figures.style.look import GROUND
 from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, read_table
-
-INPUTS = ROOT / "input"
+from spintop_figures.tables.table import read_table
 
 
-class MotionCase(TableCase):
-    """Runs the program on the inputs of the gallery."""
-
-    def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / f"{name}.csv")
-
-    def refusal(self, name: str, table: Table) -> str:
-        """Why a table has no figure of this name."""
-        return next(kind for kind in FIGURES if kind.name == name).refusal(table)
-
-
-class ReducedTest(MotionCase):
-    """The effective potential is found from the columns of a table."""
-
+class MotionFiguresTest(TableCase):
     def test_turning_points(self) -> None:
         """They are the least and the largest inclination, which these rows have among them."""
         for name in ("tip_loop", "tip_cusp", "tip_wave", "slow_top"):
@@ -106,10 +89,6 @@ class ReducedTest(MotionCase):
             "potential", self.compute("long_drift", "span.nutations=3")
         )
 
-
-class BifurcationTest(MotionCase):
-    """A motion is a point among all motions with its momentum about the axis."""
-
     def test_classes(self) -> None:
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
         for name, sign in (("tip_loop", 1), ("tip_cusp", 0), ("tip_wave", -1)):
@@ -145,10 +124,6 @@ class BifurcationTest(MotionCase):
         spinless = self.compute("tip_wave", "initial.omega3=0")
         assert "without a momentum about its axis" in self.refusal("bifurcation", spinless)
 
-
-class DrawnTest(MotionCase):
-    """Curves are drawn at the right places."""
-
     def test_portrait(self) -> None:
         """The motion and the separatrix lie on one curve; their ends are the turning points."""
         table = self.compute("separatrix")
@@ -173,6 +148,13 @@ class DrawnTest(MotionCase):
         words = [text.get_text() for text in axes.texts]
         assert sorted(words) == ["0°, never reached", "120.00°"]
 
+    def test_barrier(self) -> None:
+        """The barrier at a pole that a motion cannot reach leaves the panel at the top."""
+        axes = draw_potential(self.compute("slow_top")).axes[0]
+        (curve,) = (line for line in axes.lines if line.get_label() == "effective potential")
+        heights = curve.get_ydata()
+        assert heights[np.isfinite(heights)][:9].max() > axes.get_ylim()[1]
+
     def test_windows(self) -> None:
         """A path that keeps to a cap is seen from above it, all of it, and large."""
         for name, theta in (("kapitza", 0.0), ("composed_top", 0.0), ("spinning_wheel", 22.3)):
@@ -185,6 +167,11 @@ class DrawnTest(MotionCase):
             seen = np.hypot(*project(*tip, view)[:2]).max() / view.window
             assert 0.85 < seen < 1, (name, seen)
         assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
+
+    def test_turns(self) -> None:
+        """Azimuths are in degrees, many of them in turns."""
+        told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
+        assert told == ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"]
 
     def test_poles(self) -> None:
         """Where the axis passes a pole, azimuth and spin jump: no line joins them."""
@@ -224,9 +211,16 @@ class DrawnTest(MotionCase):
             np.arctan2(x, -y), np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"])), atol=1e-9
         )
 
-
-class TogetherTest(MotionCase):
-    """Figures of several tables."""
+    def test_rolling(self) -> None:
+        """The cones touch at the start, and roll: their curves have one speed there."""
+        table = self.compute("separatrix")
+        np.testing.assert_allclose(body_at_start(table)[:, 0], in_space(table)[:, 0], atol=1e-12)
+        lengths = [
+            np.linalg.norm(np.diff(directions(omega)[:, :20], axis=1), axis=0).sum()
+            for omega in (in_body(table), in_space(table))
+        ]
+        self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
+        assert len(draw_cones(table).axes) == 4
 
     def test_drift(self) -> None:
         """The running maximum rises, and ends at the largest error."""
@@ -264,9 +258,10 @@ class TogetherTest(MotionCase):
         code, complaint = self.call("--together", "traces", self.folder / "none.csv")
         assert (code, "no such file" in complaint) == (2, True)
 
-
-class UnitsTest(MotionCase):
-    """Tables in other units than those of the columns."""
+    def test_names(self) -> None:
+        """No comparison has the name of a figure."""
+        names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
+        assert len(names) == len(set(names))
 
     def test_own_units(self) -> None:
         """They have the figures of others, which are the same."""
@@ -290,10 +285,6 @@ class UnitsTest(MotionCase):
         assert in_own_units(tables[0]) is tables[0]
         assert in_own_units(shown) is shown
         assert motion_refusal(shown) == ""
-
-
-class FitTest(MotionCase):
-    """The measurements with the fitted motion, the residuals, and the values found."""
 
     def test_degrees(self) -> None:
         """Angles are in degrees; the band is twice the size; values have their intervals."""

@@ -13,9 +13,7 @@ NO_BREAK = ("\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}", "\N{FIGURE SPACE}
 KINDS = {"trajectory": a_trajectory(), "sweep": a_sweep()}
 
 
-class SettingsTest(TableCase):
-    """The environment and matplotlib's settings."""
-
+class PlotConditionsTest(TableCase):
     def draw(self, name: str = "a.csv", **environment: str) -> None:
         """A figure is drawn, and its files are named."""
         path = self.put(name, a_trajectory())
@@ -59,10 +57,6 @@ class SettingsTest(TableCase):
         """Names that the encoding of the output does not have."""
         for encoding in ("ascii", "ascii:strict", "latin-1:strict"):
             self.draw("Kreisel für Łódź.csv", PYTHONIOENCODING=encoding)
-
-
-class SavedTest(TableCase):
-    """Tables that an editor or a spreadsheet has saved."""
 
     def complaint(self, text: str | bytes) -> str:
         """What is said of a table."""
@@ -118,7 +112,7 @@ class SavedTest(TableCase):
                     f'"{line}";;' if line.startswith("#") else line for line in text.split("\n")
                 )
                 assert "its header names no program" in self.complaint(quoted)
-                assert read_table(self.put("b.csv", f"\n{text}")).rows.size
+                assert self.read(f"\n{text}").rows.size
 
     def test_spaces(self) -> None:
         """No-break spaces in the header, in a name and in a number; spaces around names."""

@@ -1,8 +1,10 @@
 """Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from plot_case import (
     HEAD,
@@ -17,20 +19,22 @@ from plot_case import (
     some_events,
 )
 from spintop_figures.style.provenance import describe_run
+from spintop_figures.style.saving import lay_out
 from spintop_figures.sweeps.table1 import (
+    COLUMNS,
+    RIGHT_EDGES,
     as_column,
     as_text,
+    draw_table1,
     notes_on,
 )
 from spintop_figures.tables.table import TableError, read_table
 
 
-class ReaderTest(TableCase):
-    """The reader takes good tables, and says in a line what is wrong with others."""
-
+class PlotTest(TableCase):
     def test_head(self) -> None:
         """Key lines, settings over several lines, quotes in quotes, units."""
-        table = read_table(self.put("a.csv", a_trajectory()))
+        table = self.read(a_trajectory())
         assert table.title == "A top, trajectory: $5"
         assert table.header["revision"] == "0123456789ab-dirty"
         assert table.setting("study.title") == "It's a top, = trajectory"
@@ -44,9 +48,9 @@ class ReaderTest(TableCase):
     def test_numbers_keep_their_bits(self) -> None:
         """Numbers of 17 digits, huge ones and what is none are read as they were written."""
         for value in (0.1 + 0.2, 1e100, 5e-324, -0.0, math.inf, math.pi):
-            table = read_table(self.put("a.csv", a_trajectory(count=1, R1=value)))
+            table = self.read(a_trajectory(count=1, R1=value))
             assert table.rows["R1"][0].hex() == value.hex()
-        table = read_table(self.put("a.csv", a_trajectory(count=1, R1=math.nan)))
+        table = self.read(a_trajectory(count=1, R1=math.nan))
         assert math.isnan(table.rows["R1"][0])
 
     def test_bad_tables(self) -> None:
@@ -74,10 +78,6 @@ class ReaderTest(TableCase):
         with self.assertRaisesRegex(TableError, "is a directory"):
             read_table(self.folder)
 
-
-class ChoiceTest(TableCase):
-    """The table decides which figures belong to it."""
-
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
         assert self.figures_of(a_trajectory()) == "angles forces trace path error residuals"
@@ -96,10 +96,6 @@ class ChoiceTest(TableCase):
         assert self.figures_of(a_sweep(cases=1, status="pole")) == "table1"
         assert self.figures_of(a_sweep().replace("1.5", "nan")) == "sweep table1"
 
-
-class PageTest(TableCase):
-    """The cells and notes of the Table 1 page."""
-
     def test_numbers(self) -> None:
         """Five digits in one notation; powers of ten at the ends; a dash for what is not there."""
         values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
@@ -113,15 +109,43 @@ class PageTest(TableCase):
         ]
         assert as_column(np.array([1e-9, -2.0])) == powers
 
+    def test_decimal_points(self) -> None:
+        """The decimal points of a column stand below each other."""
+        table = self.read(a_sweep())
+        rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
+        figure = draw_table1(replace(table, rows=rows))
+        lay_out(figure)
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        right = RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]
+        cells = ("1234.5", "0.00012345", "9.5000", "77.000")
+        points = []
+        for text in figure.axes[0].texts:
+            if text.get_text() in cells and right - 0.9 < text.get_position()[0] <= right:
+                behind = text.get_text().partition(".")[2]
+                width = figure.text(0, 0, f".{behind}").get_window_extent(renderer).width
+                points.append(text.get_window_extent(renderer).x1 - width)
+        assert len(points) == 4
+        assert np.ptp(points) < 2  # pixels
+
+    def test_title(self) -> None:
+        """The title names the source of the inertia."""
+        table = self.read(a_sweep())
+        wheel = {"top.shape": ["spinning_wheel"]}
+        authors = {"top.shape": ["inertia"], "top.mass": ["2.45"], "top.length": ["1"]}
+        authors |= {"top.inertia": ["0.00614", "0.00614", "0.0122"], "top.inertia_about": ["pivot"]}
+        titles = [
+            draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
+            for settings in (wheel, authors, authors | {"top.inertia": ["3"]})
+        ]
+        assert "of the wheel about the pivot" in titles[0]
+        assert "of the paper's author (without m l²)" in titles[1]
+        assert "of the input" in titles[2]
+
     def test_failures_are_marked(self) -> None:
         """A case that failed has a note with its status and the reason."""
         text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
-        table = read_table(self.put("a.csv", text))
+        table = self.read(text)
         assert notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
 
     def test_trajectory_beside_its_table(self) -> None:
         """All figures, in a locale with decimal commas, of a run that overflowed."""

@@ -27,9 +27,7 @@ def run_blocks() -> tuple[dict[str, object], list[dict[str, object]]]:
     return names, states
 
 
-class TutorialTest(unittest.TestCase):
-    """The page."""
-
+class PythonTutorialTest(unittest.TestCase):
     def test_inputs_are_those_of_the_programs(self) -> None:
         """An input has the bits of the Python that says the same."""
         mpl.use("agg")
@@ -55,10 +53,6 @@ class TutorialTest(unittest.TestCase):
             spintop.run(scene)["theta_max"], many["table"]["theta_max"], rtol=1e-13
         )
         assert tops["found"]["theta_max"].shape == (400,)
-
-
-class NotebookTest(unittest.TestCase):
-    """The notebook."""
 
     def test_cells(self) -> None:
         """They run in order, without warnings and stored outputs, and the claims are true."""

@@ -9,12 +9,11 @@ from pathlib import Path
 from browser_case import (
     DESKTOP,
     HOSTILE,
-    PROGRAM,
     SOFTWARE_WEBGL,
     BrowserCase,
     wait_for,
 )
-from conftest import ROOT
+from conftest import EXE, ROOT
 from reporting.packages import bundle
 from reporting.page import make_page, write_page
 from reporting.study import read_study
@@ -35,9 +34,7 @@ def rows_of(
     return [[float(row[name]) for name in names] for row in csv.DictReader(lines)]
 
 
-class PageTest(BrowserCase):
-    """The page as a whole."""
-
+class ReportPageTest(BrowserCase):
     def test_opens_whole(self) -> None:
         """It is small, and all of it is in the file."""
         self.assertLess(self.page.stat().st_size, BYTES)
@@ -99,6 +96,34 @@ class PageTest(BrowserCase):
         for width, text in sizes:
             self.assertGreater(width, 100)
             self.assertTrue(text)
+
+    def test_contents_show_all_figures(self) -> None:
+        """The first is on the first screen; every figure has a thumbnail that leads to it."""
+        tops, links = self.run_script(
+            "const small = [...document.querySelectorAll('.thumbnails img')];"
+            "return [small.map((i) => i.naturalWidth && i.getBoundingClientRect().bottom),"
+            "small.map((i) => i.closest('a').getAttribute('href').slice(1))]"
+        )
+        self.assertTrue(all(tops))
+        self.assertLess(tops[0], DESKTOP[1])
+        figures = "[...document.querySelectorAll('.figures figure')].map((f) => f.id)"
+        self.assertEqual(links, self.run_script(f"return {figures}"))
+
+    def test_a_figure_is_enlarged(self) -> None:
+        """A tap on a figure fills the screen with it, wider than that; another one closes it."""
+        self.set_screen(390, 844, touch=True)
+        self.open(self.page)
+        for place in range(2):
+            label = self.browser.find_elements("css selector", ".figures .enlarge")[place]
+            self.run_script("arguments[0].scrollIntoView({ behavior: 'instant' })", label)
+            box = "const r = arguments[0].getBoundingClientRect(); return [r.width, r.height]"
+            narrow = self.run_script(box, label)
+            label.click()
+            self.assertEqual(self.run_script(box, label), [390, 844])
+            inside = "return arguments[0].lastElementChild.getBoundingClientRect().width"
+            self.assertGreater(self.run_script(inside, label), 700)
+            label.click()
+            self.assertEqual(self.run_script(box, label), narrow)
 
     def test_accessibility(self) -> None:
         """axe finds nothing: names, contrasts, landmarks; light and dark, wide and narrow.
@@ -172,6 +197,39 @@ class PageTest(BrowserCase):
         self.top()
         widths = self.run_script("return [document.documentElement.scrollWidth, innerWidth]")
         self.assertEqual(*widths)
+
+    def test_the_rest_works(self) -> None:
+        """The page says so in place of the top; time, numbers and charts work as ever."""
+        section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
+        hint = section.find_element("css selector", ".stage .hint")
+        wait_for(lambda: "no WebGL" in hint.text, "the sentence")
+        chart = self.part(section, "chart")
+        before = chart.screenshot_as_png
+        self.part(section, "play").click()
+        wait_for(lambda: self.numbers(section)[0] > 0, "time to pass")
+        self.part(section, "play").click()
+        self.assertNotEqual(chart.screenshot_as_png, before)
+        self.run_script(
+            "arguments[0].value = 100; arguments[0].dispatchEvent(new Event('input'))",
+            self.part(section, "time"),
+        )
+        self.assertEqual(self.numbers(section), rows[100])
+
+    def test_modules(self) -> None:
+        """Attitudes, the motion between rows, the clock."""
+        page = self.folder / "modules.html"
+        script = bundle(ROOT / "test/page" / "all.js")
+        page.write_text(
+            "<!DOCTYPE html><meta charset=utf-8><link rel=icon href='data:,'>"
+            f"<script>{script}</script>",
+            encoding="utf-8",
+        )
+        self.open(page)
+        results = json.loads(self.run_script("return JSON.stringify(results)"))
+        self.assertGreater(len(results), 12)
+        for result in results:
+            with self.subTest(result["name"]):
+                self.assertEqual(result["failure"], "")
 
 
 class TopTest(BrowserCase):
@@ -323,6 +381,17 @@ class TopTest(BrowserCase):
         middle = self.numbers(section)[0] / rows_of(self.folder / "slow_top.csv")[-1][0]
         self.assertAlmostEqual(middle, 0.5, places=2)
 
+    def test_wheel_scrolls_the_page_at_first(self) -> None:
+        """One does not get caught in a drawing on the way down."""
+        from selenium.webdriver import ActionChains
+        from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+
+        stage = self.part(self.top(), "stage")
+        scrolled = self.run_script("return scrollY")
+        origin = ScrollOrigin.from_element(stage)
+        ActionChains(self.browser).scroll_from_origin(origin, 0, 200).perform()
+        wait_for(lambda: self.run_script("return scrollY") > scrolled, "the page to scroll")
+
     def test_touch(self) -> None:
         """After a tap one finger turns, two take nearer; a tap plays."""
         self.set_screen(390, 844, touch=True)
@@ -371,6 +440,24 @@ class TopTest(BrowserCase):
         heavy = self.top("heavy_top_benchmark.csv")
         self.assertFalse(self.part(heavy, "force").is_enabled())
 
+    def test_numbers_of_the_moment(self) -> None:
+        """Rates, angular velocity and energies are those of the row."""
+        section = self.top()
+        self.scrub(section, 700)
+        [row] = rows_of(
+            self.folder / "slow_top.csv", ("theta_rate", "psi_rate", "kinetic", "energy")
+        )[700:701]
+        for name, value in zip(("theta_rate", "psi_rate", "kinetic", "energy"), row, strict=True):
+            self.assertAlmostEqual(self.number(section, name), value, places=3)
+        omega = [self.number(section, f"omega{k}") for k in (1, 2, 3)]
+        self.assertAlmostEqual(omega[2], 1.0, places=4)
+        momentum = 0.875 * (omega[0] ** 2 + omega[1] ** 2) / 2 + 0.25 * omega[2] ** 2 / 2
+        self.assertAlmostEqual(momentum, row[2], delta=1e-3 * row[2])
+
+    def number(self, section: object, name: str) -> float:
+        """A number that is shown."""
+        return float(self.part(section, name).text.replace("\N{MINUS SIGN}", "-"))
+
     def test_two_motions(self) -> None:
         """A method is compared with the exact solution of its scene, as a ghost; or with none."""
         section = self.top("slow_top_scenario2_rk4.csv")
@@ -398,7 +485,7 @@ class TopTest(BrowserCase):
         """The same motion with the column of its error, which the program measures."""
         folder = self.folder.parent / "errors"
         name = "slow_top_scenario2_rk4"
-        command = [PROGRAM, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
+        command = [EXE, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
         source = ROOT / "input" / f"{name}.nml"
         subprocess.run([*command, source], check=True, capture_output=True)
         return folder / f"{name}.csv"
@@ -452,43 +539,29 @@ class TopTest(BrowserCase):
         self.assertEqual(self.run_script(cut), [])
         self.tell("Emulation.setEmulatedMedia", media="")
 
+    def test_calm(self) -> None:
+        """Nothing moves by itself, also with the preference for reduced motion."""
+        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
+        self.open(self.page)
+        section = self.top()
+        self.assertEqual(self.numbers(section)[0], 0)
+        style = "return getComputedStyle(document.documentElement).scrollBehavior"
+        self.assertEqual(self.run_script(style), "auto")
 
-class FlatTest(BrowserCase):
-    """A browser without WebGL."""
-
-    def test_the_rest_works(self) -> None:
-        """The page says so in place of the top; time, numbers and charts work as ever."""
-        section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
-        hint = section.find_element("css selector", ".stage .hint")
-        wait_for(lambda: "no WebGL" in hint.text, "the sentence")
-        chart = self.part(section, "chart")
-        before = chart.screenshot_as_png
-        self.part(section, "play").click()
-        wait_for(lambda: self.numbers(section)[0] > 0, "time to pass")
-        self.part(section, "play").click()
-        self.assertNotEqual(chart.screenshot_as_png, before)
-        self.run_script(
-            "arguments[0].value = 100; arguments[0].dispatchEvent(new Event('input'))",
-            self.part(section, "time"),
+    def test_account(self) -> None:
+        """Pictures have descriptions in words."""
+        section = self.top()
+        self.assertIn("between 11.25° and 174.77°", self.part(section, "account").text)
+        boxes = (
+            "return [...arguments[0].querySelectorAll('.shown input')].map((i) => i.clientWidth)"
         )
-        self.assertEqual(self.numbers(section), rows[100])
+        self.assertEqual(len(set(self.run_script(boxes, section))), 1)
 
-
-class ModulesTest(BrowserCase):
-    """The modules of the page by themselves."""
-
-    def test_modules(self) -> None:
-        """Attitudes, the motion between rows, the clock."""
-        page = self.folder / "modules.html"
-        script = bundle(ROOT / "test/page" / "all.js")
-        page.write_text(
-            "<!DOCTYPE html><meta charset=utf-8><link rel=icon href='data:,'>"
-            f"<script>{script}</script>",
-            encoding="utf-8",
+    def test_few_drawings_at_a_time(self) -> None:
+        """Only what is near the screen takes memory of the graphics card."""
+        for table in ("heavy_top_benchmark.csv", "spinning_wheel_figure11.csv", "slow_top.csv"):
+            self.top(table)
+        count = "return document.querySelectorAll('.stage canvas').length"
+        self.assertLess(
+            self.run_script(count), self.run_script(count.replace(".stage canvas", ".top"))
         )
-        self.open(page)
-        results = json.loads(self.run_script("return JSON.stringify(results)"))
-        self.assertGreater(len(results), 12)
-        for result in results:
-            with self.subTest(result["name"]):
-                self.assertEqual(result["failure"], "")

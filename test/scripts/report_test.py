@@ -23,10 +23,10 @@ from PIL import Image
 from conftest import ROOT
 from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory
 from reporting import __main__ as command
-from reporting import packages
+from reporting import packages, words
 from reporting import page as page_module
 from reporting import study as study_module
-from reporting.packages import PackageError
+from reporting.packages import PAGE, PackageError
 from reporting.page import make_page
 from reporting.pictures import Picture, data_uri, pictures_of
 from reporting.study import find_tables, read_study
@@ -34,11 +34,15 @@ from spintop_figures.moving.body import (
     NO_SUCH_BODY,
     SHAPES,
     Body,
+    central_inertia,
     draw_body,
     read_body,
 )
-from spintop_figures.moving.data import pack
-from spintop_figures.moving.motion import find_omega, motion_facts, refusal
+from spintop_figures.moving.data import pack, which_rows
+from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal
+from spintop_figures.style.numbers import write
+from spintop_figures.style.provenance import describe_end
+from spintop_figures.tables.names import name_of, raised
 from spintop_figures.tables.table import Table, read_table
 
 BODY = (
@@ -80,9 +84,7 @@ class ReportCase(TableCase):
         return make_page(self.folder.name, *read_study(self.folder))[0]
 
 
-class BodyTest(ReportCase):
-    """The body in a header, and the solid that is drawn for it."""
-
+class ReportTest(ReportCase):
     def test_read(self) -> None:
         """Mass, inertia and centre of mass; a header without them gives no body."""
         body = read_body(self.table(BODY + a_trajectory()))
@@ -111,6 +113,19 @@ class BodyTest(ReportCase):
             own = np.reshape(solid["axes"], (3, 3))
             self.assertAlmostEqual(abs(own[2, axis]), 1, places=12)
             self.assertAlmostEqual(np.linalg.det(own), 1, places=12)
+
+    def test_cuboid(self) -> None:
+        """A cuboid comes back from its moments, also with the pivot off its axes."""
+        mass, edges = 3.0, np.array([0.2, 0.5, 0.9])
+        squares = edges**2
+        inertia = mass * (squares.sum() - squares) / 12
+        [solid], label = self.drawing(Body(mass, inertia, np.zeros(3)))
+        self.assertEqual(solid["kind"], "cuboid")
+        self.assertIn("homogeneous cuboid", label)
+        np.testing.assert_allclose(sorted(solid["edges"]), edges, rtol=1e-12)
+        aside = Body(mass, inertia + 1, np.array([0.1, 0.2, 0.3]))
+        self.assertNotEqual(central_inertia(aside)[0, 1], 0)
+        self.assertEqual(self.drawing(aside)[0][0]["kind"], "cuboid")
 
     def test_shapes(self) -> None:
         """A shape that the input names is drawn as it is."""
@@ -158,6 +173,26 @@ class BodyTest(ReportCase):
             self.assertAlmostEqual(np.linalg.det(np.reshape(solid["axes"], (3, 3))), 1)
         self.assertEqual((solids[3]["height"], solids[3]["place"]), (0.2, [0, 0, 0.3]))
 
+    def test_products(self) -> None:
+        """A body that is given in other than principal axes is drawn in its own."""
+        inertia, angle = np.diag([0.2, 0.3, 0.4]), 0.4
+        turn = np.array(
+            [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+        )
+        tensor = turn @ inertia @ turn.T
+        numbers = ", ".join(str(x) for x in np.diag(tensor))
+        header = (
+            f"# body: mass 2 kg; inertia {numbers} kg m^2 about the pivot; "
+            "centre of mass 0, 0, 0 m; "
+            f"elements 23, 31, 12 of the inertia tensor {tensor[1, 2]}, 0, 0 kg m^2\n"
+        )
+        body = read_body(self.table(header + a_trajectory()))
+        np.testing.assert_allclose(central_inertia(body), tensor)
+        [solid], label = self.drawing(body)
+        self.assertIn("homogeneous cuboid", label)
+        own = np.reshape(solid["axes"], (3, 3))
+        np.testing.assert_allclose(abs(own @ turn), np.eye(3), atol=1e-12)
+
     def test_every_shape_of_the_program(self) -> None:
         """The program has no shape that the page cannot draw."""
         source = (ROOT / "src/top/shapes.f90").read_text(encoding="utf-8")
@@ -174,9 +209,16 @@ class BodyTest(ReportCase):
         words = " ".join(re.sub(r"&\s*&", "", source).split())
         self.assertIn(f"'{NO_SUCH_BODY[0].lower()}{NO_SUCH_BODY[1:-1]}'", words)
 
-
-class MotionTest(ReportCase):
-    """The contents of the page of a trajectory."""
+    def test_triangle(self) -> None:
+        """Positive central moments that break the triangle inequality are those of no body."""
+        centre = np.array([0.0, 0.0, 1.0])
+        broken = Body(1.0, np.array([1.1, 1.1, 0.3]), centre)
+        self.assertGreater(np.linalg.eigvalsh(central_inertia(broken))[0], 0)
+        self.assertIn("No mass distribution", self.drawing(broken)[1])
+        flat = Body(1.0, np.array([1.15, 1.15, 0.3]), centre)
+        self.assertIn("homogeneous disc with the same mass", self.drawing(flat)[1])
+        point = Body(1.0, np.array([1.0, 1.0, 0.0]), centre)
+        self.assertEqual(self.drawing(point), ([], "The body is a point mass on a massless rod."))
 
     def facts(self, table: Table, stride: int = 1) -> dict:
         """What the page knows of the motion of a table."""
@@ -221,6 +263,31 @@ class MotionTest(ReportCase):
             facts["notes"],
         )
 
+    def test_columns_of_the_script(self) -> None:
+        """The script reads the same columns."""
+        script = (PAGE / "motion.js").read_text(encoding="utf-8")
+        for name in {name for group in GROUPS for name in group}:
+            self.assertRegex(script, rf"\b{name}\b")
+
+    def test_scenes(self) -> None:
+        """Motions of one scene are those of one body from one start, whatever computed them."""
+        names = [*ANGLES, "omega1", "omega2", "omega3"]
+        text = BODY + a_trajectory(names)
+        scenes = [self.facts(self.table(text))["scene"]]
+        for old, new in (
+            ("'rk4'", "'exact'"),
+            ("8.25, 8.25", "8.250000000000001, 8.25"),
+            ("8.25, 8.25", "8.26, 8.26"),
+            ("#     &integration", "#     &top\n#     gravity = 1.62\n#     /\n#     &integration"),
+        ):
+            scenes.append(self.facts(self.table(text.replace(old, new)))["scene"])
+        other = BODY + a_trajectory(names, theta=0.5000001)
+        scenes.append(self.facts(self.table(other))["scene"])
+        self.assertEqual(len(set(scenes[:3])), 1)
+        self.assertEqual(len({scenes[0], *scenes[3:]}), 4)
+        slow = self.facts(self.table(BODY + a_trajectory(ANGLES)))["scene"]
+        self.assertEqual(len(slow), len(scenes[0]))
+
     def test_omega_from_rates(self) -> None:
         """A steady precession: omega is the rate of precession and spin, seen from the body."""
         names = [*ANGLES, "phi_rate", "theta_rate", "psi_rate"]
@@ -254,10 +321,6 @@ class MotionTest(ReportCase):
         lost = a_trajectory(ANGLES, theta=math.nan)
         self.assertIn("needs the columns phi", refusal(self.table(lost)))
 
-
-class PictureTest(ReportCase):
-    """The pictures of a table."""
-
     def test_taken_or_drawn(self) -> None:
         """Those beside a table are taken, unless they are older."""
         table = self.table(a_trajectory([*ANGLES, "com_z"]))
@@ -285,33 +348,25 @@ class PictureTest(ReportCase):
         self.assertEqual([p.name for p in pictures_of(lost, problems)], ["table_trace"])
         self.assertEqual(problems, ["has no number in column com_z: no angles figure"])
 
-
-class Reader(html.parser.HTMLParser):
-    """Collects the elements of a page, and what its scripts hold."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.scripts: list[str] = []
-        self.text = ""
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """An element begins."""
-        self.elements.append((tag, dict(attrs)))
-        if tag == "script":
-            self.scripts.append("")
-
-    def handle_data(self, data: str) -> None:
-        """Text within the latest element."""
-        if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
-            self.scripts[-1] = data
-        else:
-            self.text += data
-
-
-class WordsTest(ReportCase):
-    """Numbers, units, counts and keys in words."""
+    def test_numbers(self) -> None:
+        """Powers of ten, errors, counts and units as in print."""
+        self.assertEqual(write(-1.1824e-16), "\N{MINUS SIGN}1.182\N{MULTIPLICATION SIGN}10⁻¹⁶")
+        self.assertEqual(words.with_error(0.87499822, 4.3585e-5), "0.874998 ± 0.000044")
+        self.assertEqual(words.with_error(2.0, 0.0), "2")
+        self.assertEqual(
+            words.with_error(1.5e12, 3.21e3),
+            "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200",
+        )
+        self.assertEqual(words.of_kind("fit", 2), "two tables of fits")
+        self.assertEqual(words.of_kind("work_precision", 1), "one work-precision study")
+        self.assertEqual(words.of_kind("own", 12), "12 tables: own")
+        self.assertEqual([raised(unit) for unit in ("kg m^2", "us")], ["kg m²", "µs"])
+        self.assertEqual(describe_end("at_rest at t = 116.59158323"), "at rest at t = 116.592 s")
+        self.assertEqual(name_of("initial.psi_rate"), "initial spin rate")
+        self.assertEqual(name_of("top.inertia(1)"), "moment of inertia I₁")
+        strides = [which_rows(stride, 1985).split(" of ")[0] for stride in (2, 3, 5, 11, 21, 112)]
+        ends = [f"every {number}" for number in ("2nd", "3rd", "5th", "11th", "21st", "112th")]
+        self.assertEqual(strides, ends)
 
     def test_key_numbers(self) -> None:
         """A fit has its values, statistics those of all cases; tables of one title differ."""
@@ -335,10 +390,6 @@ class WordsTest(ReportCase):
         titles = [section.title for section in sections]
         self.assertEqual(len(set(titles)), 4)
         self.assertTrue(titles[1].endswith(": residuals"), titles)
-
-
-class PageTest(ReportCase):
-    """The page as a text."""
 
     def test_policy(self) -> None:
         """It allows the style and the script that are there, pictures, and nothing else."""
@@ -458,10 +509,6 @@ class PageTest(ReportCase):
         self.assertNotIn("<script", self.page())
         self.bundle.assert_not_called()
 
-
-class CommandTest(ReportCase):
-    """The command line."""
-
     def report(self, *arguments: str | Path) -> tuple[int, str]:
         """Run it here; give exit code and standard error."""
         output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
@@ -554,6 +601,30 @@ class CommandTest(ReportCase):
         self.assertIn(f"({told[1]}, all digits)", page)
 
 
+class Reader(html.parser.HTMLParser):
+    """Collects the elements of a page, and what its scripts hold."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.scripts: list[str] = []
+        self.text = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """An element begins."""
+        self.elements.append((tag, dict(attrs)))
+        if tag == "script":
+            self.scripts.append("")
+
+    def handle_data(self, data: str) -> None:
+        """Text within the latest element."""
+        if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
+            self.scripts[-1] = data
+        else:
+            self.text += data
+
+
 class Registry(http.server.SimpleHTTPRequestHandler):
     """A registry of npm on this machine."""
 
@@ -622,3 +693,29 @@ class PackageTest(ReportCase):
             packages.need("@scope/three")
         self.assertTrue((folder / "three.js").is_file())
         self.assertEqual([path.name for path in folder.parent.iterdir()], ["three"])
+
+    def test_settings(self) -> None:
+        """The environment counts more than the project, the project more than the user."""
+        user = self.put(
+            "user.npmrc", "; a comment\nregistry = http://user/npm/\ncafile=/a/ca.crt\n"
+        )
+        environment = {"npm_config_userconfig": str(user)}
+        with unittest.mock.patch.dict(os.environ, environment):
+            found = packages.tarball_of("three", "1")
+            self.assertEqual(found, f"{self.registry}/three/-/three-1.tgz")
+            os.environ.pop("npm_config_registry")
+            self.assertEqual(packages.tarball_of("@a/b", "1"), "http://user/npm/@a/b/-/b-1.tgz")
+            self.assertEqual(packages.settings()["cafile"], "/a/ca.crt")
+            self.put(".npmrc", "registry=http://project\n")
+            self.assertEqual(packages.tarball_of("a", "1"), "http://project/a/-/a-1.tgz")
+
+    def test_not_to_be_had(self) -> None:
+        """The reason is given."""
+        (self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz").unlink()
+        with self.assertRaisesRegex(PackageError, "gave no .*three-1.2.3.tgz: File not found"):
+            packages.need("@scope/three")
+        with (
+            unittest.mock.patch("platform.machine", return_value="pdp11"),
+            self.assertRaisesRegex(PackageError, "there is no @esbuild/linux-pdp11"),
+        ):
+            packages.esbuild_package()

@@ -1,5 +1,7 @@
 """Tests of scripts/plot: points of the cases of sweeps that are no grid."""
 
+import itertools
+import tracemalloc
 import warnings
 
 import numpy as np
@@ -8,10 +10,12 @@ import pytest
 from matplotlib.axes import Axes
 
 from plot_case import TableCase, a_cloud, a_map
+from spintop_figures.style.look import ROLES, lightness
 from spintop_figures.sweeps import scatter as cloud_module
+from spintop_figures.sweeps.maps import object_to_grid
 from spintop_figures.sweeps.quantities import has_log_axis, succeeded
 from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling
-from spintop_figures.tables.table import Table, read_table
+from spintop_figures.tables.table import Table
 
 
 def panels_of(table: Table) -> np.ndarray:
@@ -33,17 +37,7 @@ def sorted_points(x: pd.Series, y: pd.Series) -> np.ndarray:
     return points[np.lexsort(points.T)]
 
 
-class ScatterCase(TableCase):
-    """Reads made-up tables."""
-
-    def read(self, text: str) -> Table:
-        """Write a table and read it."""
-        return read_table(self.put("a.csv", text))
-
-
-class ChoiceTest(ScatterCase):
-    """The table decides whether it has the figure."""
-
+class ScatterTest(TableCase):
     def test_choice(self) -> None:
         """It belongs to several parameters that are no grid of two."""
         for parameters in (2, 3, 5):
@@ -68,9 +62,14 @@ class ChoiceTest(ScatterCase):
         assert code == 2
         assert "which has maps: no scatter figure" in said
 
-
-class PointTest(ScatterCase):
-    """The figure shows the contents of the table."""
+    def test_no_grid_is_cheap_to_tell(self) -> None:
+        """The cells that all values of both parameters would have are never made."""
+        cases = 3000
+        table = self.read(a_cloud(2, cases))
+        tracemalloc.start()
+        self.addCleanup(tracemalloc.stop)
+        assert object_to_grid(table) == "is a sweep over no grid"
+        assert tracemalloc.get_traced_memory()[1] < cases**2
 
     def test_points(self) -> None:
         """Each case that succeeded, in each panel, at its values."""
@@ -154,9 +153,12 @@ class PointTest(ScatterCase):
         table = self.read(even.replace("combine = 'random'", listed))
         assert [has_log_axis(table, place) for place in range(3)] == [True, False, False]
 
-
-class ManyTest(ScatterCase):
-    """With many cases some are drawn."""
+    def test_most(self) -> None:
+        """Four parameters of five, and the title says so."""
+        table = self.read(a_cloud(5))
+        assert panels_of(table).shape[1] == 4
+        title = draw_scatter(table).get_suptitle().replace("\n", " ")
+        assert "4 of 5 parameters" in title
 
     def test_thinned(self) -> None:
         """The same points each time, with all rare ones; the title gives their number."""
@@ -177,9 +179,18 @@ class ManyTest(ScatterCase):
         title = draw_scatter(table).get_suptitle().replace("\n", " ")
         assert f"{total:,} of {cases:,} random cases" in title
 
+    def test_few(self) -> None:
+        """All are drawn, and the title has nothing to say."""
+        table = self.read(a_cloud())
+        expected = "Cases over spin ratio, initial inclination, damping 3"
+        assert draw_scatter(table).get_suptitle() == expected
 
-class LookTest(ScatterCase):
-    """Print without colours; the script."""
+    def test_grey(self) -> None:
+        """The first classes differ in lightness, all of them in their markers."""
+        greys = [lightness(ROLES[f"class{number}"][0]) for number in (1, 2, 3)]
+        for one, other in itertools.combinations(greys, 2):
+            assert abs(one - other) > 0.15
+        assert len({*cloud_module.MARKERS}) == len(cloud_module.MARKERS)
 
     @pytest.mark.slow
     def test_script(self) -> None:

@@ -7,6 +7,9 @@ from matplotlib.figure import Figure
 
 from plot_case import TableCase
 from spintop_figures.registry import draw
+from spintop_figures.style.page import head
+from spintop_figures.sweeps.statistics import mark_negative
+from spintop_figures.tables.names import name_of, unit_shown
 from spintop_figures.tables.table import Table, read_table
 
 HEAD = """\
@@ -34,9 +37,7 @@ QUARTER, MEAN = 0.25 * math.pi, 0.3 * math.pi
 """Where theta_max begins, and its mean; it ends at half a turn."""
 
 
-class StatisticsTest(TableCase):
-    """Statistics of a column in radians over bins of the inclination."""
-
+class StatisticsFiguresTest(TableCase):
     def statistics(self) -> Table:
         """A table with the histogram beside it, in which two intervals are a hair apart."""
         rows = [[0, *3 * ["nan"], 40, 0, 40, MEAN, 0.1, QUARTER, math.pi, 0.8, MEAN, 3.0]]
@@ -75,6 +76,15 @@ class StatisticsTest(TableCase):
         lines = sorted(float(line.get_xdata()[0]) for line in axes.lines)
         np.testing.assert_allclose(lines, np.degrees(sorted([0.8, MEAN, MEAN, 3.0])))
 
+    def test_names_above(self) -> None:
+        """The names of lines stand above the panel, from left to right, none on another."""
+        (axes,) = self.figure("distributions").axes
+        names = [text.get_text() for text in axes.texts]
+        assert sorted(names) == ["5 %", "50 %", "95 %", "mean"]
+        places = [text.xy for text in axes.texts]
+        assert all(y > 1 for _, y in places)
+        assert min(np.diff([x for x, _ in places])) > 0.01
+
     def test_means(self) -> None:
         """Means over the bins are in degrees, and named by what they are."""
         figure = self.figure("means")
@@ -84,3 +94,36 @@ class StatisticsTest(TableCase):
         (line,) = panel.lines
         np.testing.assert_allclose(line.get_ydata(), np.degrees(MEAN))
         assert "(degrees)" in figure.axes[-1].get_xlabel()
+
+    def test_long_headings(self) -> None:
+        """A heading ends before the next panel begins."""
+        words = "end of the span, or time of the event that ended the motion (s)"
+        figure = Figure(figsize=(7.2, 4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        head(left, words)
+        figure.draw_without_rendering()
+        lines = left.get_title(loc="left").split("\n")
+        assert " ".join(lines) == words
+        place = dict(fontsize=9.5, transform=left.transAxes)
+        ends = [left.text(0, 1, line, **place).get_window_extent().x1 for line in lines]
+        assert max(ends) < right.get_window_extent().x0
+
+    def test_signs_without_colours(self) -> None:
+        """Each bin below zero has a minus, white where the bin is dark; others have none."""
+        axes = Figure().subplots()
+        values = np.array([1.0, -0.1, 0.0, -0.9, np.nan, -0.2])
+        mark_negative(axes, np.arange(6.0), np.ones(6), values)
+        marks = {line.get_color(): line.get_xdata().tolist() for line in axes.lines}
+        assert marks == {"black": [1.0, 5.0], "white": [3.0]}
+
+    def test_units(self) -> None:
+        """Angles are in degrees; their errors stay as they are compared, and so do rates."""
+        assert unit_shown("theta_max", "rad") == ("degrees", math.degrees(1))
+        assert unit_shown("orientation_error", "rad") == ("rad", 1)
+        assert unit_shown("precession_rate", "rad/s") == ("rad/s", 1)
+
+    def test_words(self) -> None:
+        """A parameter is named in words, without a formula; an element of an array by its sign."""
+        assert name_of("initial.theta_deg") == "initial inclination"
+        assert name_of("initial.omega3") == "initial spin"
+        assert name_of("top.inertia(2)") == "moment of inertia I\u2082"

@@ -20,17 +20,8 @@ from typing import ClassVar, NamedTuple
 from conftest import EXE, ROOT
 
 COPIED = (
-    *(
-        "scripts",
-        ".ci",
-        "python",
-        "include",
-        "input",
-        "doc",
-        "packaging",
-        "fpm.toml",
-    ),
-    *("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
+    *("scripts", ".ci", "python", "include", "input", "doc", "packaging", "fpm.toml", "README.md"),
+    *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
 )
 
 DASHED = "-dashed"
@@ -49,56 +40,13 @@ INPUT = """&study kind = 'trajectory' /
 CANARY = "precious.csv"
 
 HARMLESS = set(
-    [
-        "awk",
-        "basename",
-        "bash",
-        "cat",
-        "chmod",
-        "cmp",
-        "comm",
-        "cp",
-        "cut",
-        "date",
-        "dirname",
-        "echo",
-        "env",
-        "false",
-        "find",
-        "flock",
-        "grep",
-        "gzip",
-        "head",
-        "id",
-        "install",
-        "ln",
-        "ls",
-        "mkdir",
-        "mktemp",
-        "mv",
-        "nproc",
-        "printf",
-        "python3",
-        "readlink",
-        "realpath",
-        "rm",
-        "rmdir",
-        "sed",
-        "seq",
-        "sh",
-        "sha256sum",
-        "sort",
-        "stat",
-        "tail",
-        "tee",
-        "touch",
-        "tr",
-        "true",
-        "tsort",
-        "uname",
-        "wc",
-        "xargs",
-    ]
+    re.findall(
+        r"\S+",
+        "awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock "
+        "grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink "
+        "realpath rm rmdir sed seq sh sha256sum sort stat tail tee touch tr true tsort uname "
+        "wc xargs ",
+    )
 )
 """Programs that are carried out; all others succeed without doing anything."""
 FAILS = {"mountpoint"}
@@ -199,17 +147,10 @@ class Checkout:
                 shutil.copytree(source, target, symlinks=True, ignore=skip)
             else:
                 shutil.copy(source, target)
-        for name in (
-            "src/kernels",
-            "src/proof",
-            "app",
-            "test/funit",
-            "test/support",
-            "test/long",
-            "test/program",
-        ):
+        for name in ("src/kernels", "src/proof", "app"):
             (self.root / name).mkdir(parents=True, exist_ok=True)
-        (self.root / "test/scripts").mkdir()
+        for name in ("funit", "support", "long", "program", "scripts"):
+            (self.root / "test" / name).mkdir(parents=True, exist_ok=True)
         self.make_shims()
         venv = self.root / ".venv"
         for group in ("base", "netcdf", "test"):

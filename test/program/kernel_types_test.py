@@ -1,0 +1,151 @@
+"""Fortran and C agree on the kernels: on types and sizes of arguments, and on constants."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from conftest import ROOT
+
+KERNELS = ROOT / "src/kernels"
+
+# A function of C as a module of Fortran declares it.
+DECLARED = re.compile(
+    r"^ +(?:pure )?(?:real\(c_double\) |integer\(c_int\) )?(subroutine|function) \w+\([^)]*\)"
+    r"(?: |&\n)*bind\(C, name='(spintop_\w+)'\)\n.*?^ +end \1 \w+\n",
+    re.M | re.S,
+)
+COMPONENT = r"(\w+)(?:\[\d+\])?;$"
+TYPE = re.compile(r"^typedef struct (\w+)_t \{\n(.*?)^\} \w+;\n", re.M | re.S)
+
+# Constants of C, and the modules that have them under another name or in another place.
+CONSTANTS = {
+    "instants": ("top/motions.f90", "instants"),
+    "components": ("formulations/series/lane_series.f90", "components"),
+    "quotient + 1": ("formulations/series/lane_series.f90", "quotient"),
+    "numerator + 1": ("formulations/series/lane_series.f90", "numerator"),
+    "frame + 1": ("formulations/series/lane_series.f90", "row_frame"),
+    "torque + 1": ("formulations/series/lane_series.f90", "row_torque"),
+    "push + 1": ("formulations/series/lane_series.f90", "row_push"),
+    "drags + 1": ("formulations/series/lane_series.f90", "row_drags"),
+    "of_drag": ("formulations/series/lane_series.f90", "rows_of_drag"),
+    "drag_v": ("formulations/series/lane_series.f90", "row_moment"),
+    "numbers": ("kernels/kernel_types.f90", "numbers"),
+    "highest_order": ("kernels/kernel_types.f90", "highest_order"),
+    "lanes": ("kernels/kernel_types.f90", "lanes"),
+    "rows": ("kernels/kernel_types.f90", "rows"),
+    "more_rows": ("kernels/kernel_types.f90", "more_rows"),
+    "sizeof(struct one_constants) / sizeof(double)": ("kernels/kernel_types.f90", "one_constants"),
+    "sizeof(struct lanes_constants) / sizeof(double[lanes])": (
+        "kernels/kernel_types.f90",
+        "lane_constants",
+    ),
+    "most_drags": ("kernels/kernel_types.f90", "most_drags"),
+}
+
+
+def constant(module, name):
+    """The value of a constant of a module."""
+    text = (ROOT / "src" / module).read_text(encoding="utf-8")
+    value = re.search(rf"^ [^!]*\b{name} = (\d+)(?:,|$)", text, re.M)
+    assert value, f"{module} has no {name}"
+    return int(value[1])
+
+
+pytestmark = pytest.mark.skipif(
+    not (shutil.which("gfortran") and shutil.which("gcc")), reason="no gfortran or no gcc"
+)
+NAMES = {
+    f"spintop_{name}"
+    for name in re.findall(
+        r"^(?:PROCEDURE|FUNCTION)\((\w+),", (KERNELS / "kernel_list.h").read_text("utf-8"), re.M
+    )
+}
+DECLARATIONS = {
+    found[2]: found[0]
+    for path in ROOT.glob("src/**/*.f90")
+    for found in DECLARED.finditer(path.read_text(encoding="utf-8"))
+    if found[2] in NAMES
+}
+
+
+def check(folder, command, name, text):
+    """What a compiler says of a source that has no error."""
+    (folder / name).write_text(text, encoding="utf-8")
+    words = [*command.split(), "-fsyntax-only", name]
+    done = subprocess.run(
+        words, cwd=folder, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def prototypes(folder):
+    """The types and the declared kernels in C, as gfortran writes them."""
+    modules = (ROOT / "src/foundation/kinds.f90", KERNELS / "kernel_types.f90")
+    source = "\n".join(path.read_text(encoding="utf-8") for path in modules)
+    for name, text in DECLARATIONS.items():
+        source += f"""
+            module {name}_declared
+                use, intrinsic :: iso_c_binding, only: c_double, c_int
+                use spintop_kernel_types
+                implicit none
+                interface\n{text}
+                end interface
+            end module {name}_declared
+            """
+    return check(folder, "gfortran -fc-prototypes", "declared.f90", source)
+
+
+def compare(folder, *statements):
+    """Nothing that gcc reads after the declarations of C contradicts them."""
+    files = ("kernels.h", "kernels_of_level.h")
+    text = "".join(f'#include "{KERNELS / name}"\n' for name in files)
+    text = "#define KERNELS table\nextern const struct kernels table;\n" + text
+    text = f"#include <stddef.h>\nstruct kernels;\n{text}" + "\n".join(statements) + "\n"
+    check(folder, "gcc -Wall -Werror", "compare.c", text)
+
+
+def test_types(folder):
+    """Each type has the components of the structure, of the same sizes at the same places."""
+    types = dict(TYPE.findall(prototypes(folder)))
+    assert len(types) > 5
+    statements = []
+    for name, components in types.items():
+        statements.append(f"struct fortran_{name} {{\n{components}}};")
+        parts = re.findall(COMPONENT, components, re.M)
+        places = [f"offsetof({{0}}, {part})" for part in parts]
+        sizes = [f"sizeof (({{0}} *)0)->{part}" for part in parts]
+        for value in ("sizeof({0})", *places, *sizes):
+            one, other = map(value.format, (f"struct {name}", f"struct fortran_{name}"))
+            statements.append(f'_Static_assert({one} == {other}, "{one}");')
+    compare(folder, *statements)
+
+
+def test_procedures(folder):
+    """Each kernel is declared in Fortran, with the arguments that it has in C."""
+    assert len(NAMES) > 15
+    assert DECLARATIONS.keys() == NAMES
+    lines = re.findall(r"^(?:void|double) spintop_.*;$", prototypes(folder), re.M)
+    assert len(set(lines)) == len(NAMES)
+    compare(folder, *(re.sub(r"\b(\w+)_t \*", r"struct \1 *", line) for line in lines))
+
+
+def test_constants(folder):
+    """Both languages have the same."""
+    pairs = ((name, constant(*place)) for name, place in CONSTANTS.items())
+    compare(folder, *(f'_Static_assert({name} == {value}, "{name}");' for name, value in pairs))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
+        "void spintop_add_terms(int order, const double *c, double h, float *change);",
+    ],
+)
+def test_differences_are_found(folder, wrong):
+    """The comparison fails where it should."""
+    with pytest.raises(AssertionError):
+        compare(folder, wrong)

@@ -14,6 +14,7 @@ import warnings
 import xml.etree.ElementTree
 from pathlib import Path
 
+from conftest import EXE, ROOT
 from figure_checks import problems_of
 from spintop_figures import draw
 from spintop_figures.registry import FIGURES
@@ -236,6 +237,23 @@ class TableCase(unittest.TestCase):
         path = self.folder / name
         path.write_text(text, encoding="utf-8")
         return path
+
+    def read(self, text: str) -> Table:
+        """A made-up table."""
+        return read_table(self.put("a.csv", text))
+
+    def compute(self, name: str, *settings: str) -> Table:
+        """The table of an input with settings."""
+        words = [word for setting in settings for word in ("--set", setting)]
+        command = [EXE, "--quiet", "--restart", "-o", self.folder, *words]
+        command.append(ROOT / f"input/{name}.nml")
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        assert done.returncode in (0, 3), done.stderr
+        return read_table(self.folder / f"{name}.csv")
+
+    def refusal(self, name: str, table: Table) -> str:
+        """Why a table has no figure of this name."""
+        return next(kind for kind in FIGURES if kind.name == name).refusal(table)
 
     def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
         """Run scripts/plot."""

@@ -9,13 +9,9 @@ import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python")]
+from conftest import EXE
+from spintop_figures.tables.table import read_table
 
-from spintop_figures.tables.table import read_table  # noqa: E402
-
-EXE = os.environ["SPINTOP_EXE"]
 TOPS, PERIOD, STEPS_A_NUTATION = 32, 1.5, 11
 USUAL = 30_000
 NUTATIONS = int(os.environ.get("SPINTOP_NUTATIONS", USUAL))
@@ -150,7 +146,3 @@ class DriftTest(unittest.TestCase):
             rows = run(self.folder, "lanes", "&study kind = 'sweep' /\n" + text)
             sizes.append(root_mean_square(rows["energy_error_max"]))
         self.check("lanes", {"energy_max": (sizes[0], sizes[1])}, growth)
-
-
-if __name__ == "__main__":
-    unittest.main()

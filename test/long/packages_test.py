@@ -3,9 +3,9 @@
 import re
 import subprocess
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 PACKAGING = ROOT / "packaging"
 SAME = "spintop --quiet -o /tmp/o input/slow_top.nml && grep -q '^# status: ok' /tmp/o/slow_top.csv"
 """The program of the package answers the first example."""
@@ -58,7 +58,3 @@ class PackagesTest(unittest.TestCase):
         number = re.search(r"SPINTOP_INTERFACE (\d+)", header)[1]
         control = (PACKAGING / "debian/control").read_text(encoding="utf-8")
         self.assertIn(f"Package: libspintop{number}\n", control)
-
-
-if __name__ == "__main__":
-    unittest.main()

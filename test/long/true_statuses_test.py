@@ -6,19 +6,14 @@ import math
 import os
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from collections.abc import Callable
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TESTS))
+from conftest import EXE
+from random_inputs import PAPER, plausible_input
 
-from random_inputs import PAPER, plausible_input  # noqa: E402
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 INPUTS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1"))
 KEPT = os.environ.get("SPINTOP_KEEP", "")
@@ -95,7 +90,7 @@ def run_exactly(folder: Path, text: str, settings: dict[str, str]) -> list[dict[
     """Quaternion and angular velocity of an exact motion, row by row; none where it is refused."""
     (folder / "changed.nml").write_text(text, encoding="utf-8")
     options = [option for key, value in settings.items() for option in ("--set", f"{key}={value}")]
-    command = [PROGRAM, "--quiet", "-o", ".", *options, "changed.nml"]
+    command = [EXE, "--quiet", "-o", ".", *options, "changed.nml"]
     subprocess.run(command, cwd=folder, capture_output=True, check=False)
     path = folder / "changed.csv"
     if not path.exists():
@@ -212,7 +207,7 @@ class CampaignTest(unittest.TestCase):
             with tempfile.TemporaryDirectory() as name:
                 folder = Path(name)
                 for number in range(seed, seed + BATCH):
-                    text = plausible_input(PROGRAM, number)
+                    text = plausible_input(EXE, number)
                     (folder / f"{number}.nml").write_text(text, encoding="utf-8")
                 good, problems = self.run_batch(folder, range(seed, seed + BATCH))
                 faults += problems
@@ -261,14 +256,10 @@ class CampaignTest(unittest.TestCase):
     def call(self, folder: Path, *arguments: str) -> subprocess.CompletedProcess:
         """Run the program."""
         return subprocess.run(
-            [PROGRAM, *arguments],
+            [EXE, *arguments],
             cwd=folder,
             capture_output=True,
             check=False,
             text=True,
             timeout=PATIENCE,
         )
-
-
-if __name__ == "__main__":
-    unittest.main()

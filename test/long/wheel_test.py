@@ -15,10 +15,8 @@ from typing import ClassVar
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "python"))
-
-from spintop.levels import features, levels_of  # noqa: E402
+from conftest import ROOT
+from spintop.levels import features, levels_of
 
 LARGEST = 15_000_000
 """Most bytes of the wheel."""
@@ -211,7 +209,3 @@ class WheelTest(unittest.TestCase):
                 self.skipTest(done.stderr.strip())
             print(done.stdout)
             self.assertTrue(done.stdout.endswith("1 passed, 0 failed\n"), done.stdout + done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 PLUGINS = ("test/conftest.py", "test/fortran_suites.py", "pytest.ini")
 SUITE = """\
 import unittest

@@ -1,15 +1,12 @@
 """Tests of the program as a user calls it: good input, the paper's numbers, bad input."""
 
 import math
-import os
 import re
-import resource
-import subprocess
 
 import numpy as np
 import pytest
 
-from conftest import CLOSED, GOOD, KIND, ROOT, largest, output, read
+from conftest import CLOSED, GOOD, KIND, ROOT, files_of, largest, output, read
 from supplied_inputs import INPUTS, check_tables, with_less
 
 # Example 1, to as many digits as double precision holds.
@@ -160,24 +157,6 @@ def test_a_sweep_marks_its_failed_cases(spin):
     assert list(rows.theta_end.isna()) == [False, True, False]
     assert "pole" in rows.notes[1]
     assert spin.produced() == {"output", "output/scene.csv", "output/scene.log"}
-
-
-@pytest.mark.parametrize(
-    ("topic", "words"),
-    [
-        ("methods", ["rk4", "ode45", "arkode_dirk", "crank_nicolson_2", "exact"]),
-        ("formulations", ["euler", "lagrange", "energy_rate", "lagrange_energy"]),
-        ("columns", ["orientation_error", "force_n", "nutations_per_turn_fast_top"]),
-        ("shapes", ["spinning_wheel", "ring", "cone", "inertia"]),
-        ("events", ["turning_points", "azimuth_turns", "COLUMN = VALUE"]),
-        ("parameters", ["top.inertia", "initial.theta_deg", "sweep.values", "span.nutations"]),
-    ],
-)
-def test_lists(spin, topic, words):
-    """Every topic lists what the input accepts."""
-    run = spin.call("list", topic)
-    assert run.stderr == ""
-    assert all(word in run.out for word in words)
 
 
 def test_help_and_version(spin):
@@ -925,25 +904,9 @@ def test_a_file_where_the_folder_should_be(spin, place):
 
 def test_a_full_disk(spin):
     """A table that does not fit is an error, and leaves neither table nor part."""
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-
-    run = spin.call(spin.write(GOOD), code=4, preexec_fn=limit)
+    run = spin.call(spin.write(GOOD), code=4, preexec_fn=files_of(1000))
     assert "scene.csv.part: File too large" in run.stderr
     assert spin.produced() == {"output"}
-
-
-@pytest.fixture
-def disk(spin):
-    """A folder that is a disk of two megabytes."""
-    path = spin.folder / "disk"
-    path.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=2m", "none", path]
-    if os.geteuid() != 0 or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("takes root")
-    yield path
-    subprocess.run(["umount", path], check=True)
 
 
 DENSE = GOOD.replace("'rk4'", "'ode45'").replace("    steps = 10\n", "")
@@ -958,5 +921,6 @@ DENSE = GOOD.replace("'rk4'", "'ode45'").replace("    steps = 10\n", "")
 )
 def test_a_disk_that_fills_up(spin, disk, text):
     """The same on the way, also while many samples of one step are written."""
+    path = disk("2m")
     assert "scene.csv" in spin(text, "--output=disk", code=4).stderr
-    assert list(disk.iterdir()) == []
+    assert list(path.iterdir()) == []

@@ -1,13 +1,9 @@
 """Statistics of sweeps: their numbers, the same bytes however a run goes, hostile input."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
 
 from conftest import MPI, needs_mpi, under, wait_until
 from spintop_figures.sweeps.statistics import distributions_of
@@ -41,7 +37,6 @@ SLOW = """\
 """
 ROWS = "rows = 'none'"
 COLUMNS = MAP[MAP.index("columns = 'theta_max'") : MAP.index(" /\n&statistics")]
-WITH_ROWS = "columns = 'theta_max', 'theta_end'"
 BARE = MAP.replace(COLUMNS, ROWS)
 OVER = "over = 'initial.phi_rate', 'theta_end'"
 BINS = f"{OVER}  bins(2) = 3  from(2) = 0.1  to(2) = 1.5"
@@ -244,31 +239,6 @@ def test_damaged_parts(spin):
 
 
 RESUMED = ("map.nml", "--resume", "--threads", "1")
-
-
-@pytest.mark.parametrize(
-    ("text", "table"),
-    [(SLOW, "output/map.statistics.csv"), (SLOW.replace(ROWS, WITH_ROWS), "output/map.csv")],
-    ids=("without rows", "with rows"),
-)
-def test_killed(spin, text, table):
-    """Killed at several points and resumed, it has the bytes of a run that nothing stopped."""
-    swept(spin, text, "--output=whole")
-    kept, kills = 0, 0
-    for _ in range(6):
-        with spin.start(*RESUMED) as run:
-            done = lambda: run.poll() is not None or spin.journalled(table) > kept  # noqa: B023, E731
-            wait_until(done, limit=120)
-            kills += run.poll() is None
-        if (spin.folder / "output/map.statistics.csv").exists():
-            break
-        before, kept = kept, max(spin.journalled(table), 0)
-        assert kept >= before
-    assert kills > 0
-    spin.call(*RESUMED, code=ANY)
-    assert results(spin, "output") == results(spin, "whole")
-    folders = [{p.name for p in (spin.folder / name).iterdir()} for name in ("output", "whole")]
-    assert folders[0] == folders[1]
 
 
 def test_damaged_snapshot(spin):

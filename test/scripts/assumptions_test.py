@@ -2,12 +2,12 @@
 
 import json
 import math
-import os
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from conftest import EXE, ROOT
 from plot_case import a_trajectory
 from reporting.live_link import live_link
 from spintop_figures.motion.reduced import find_reduced
@@ -18,10 +18,6 @@ from spintop_figures.moving.motion import find_omega, scene_of
 from spintop_figures.registry import COMPARISONS, FIGURES
 from spintop_figures.tables.table import Table, read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-ROOT = TESTS.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 BESIDE = {
     "friction_coefficient": ["friction_radius=1e-3"],
     "vibration_amplitude": ["vibration_rate=60"],

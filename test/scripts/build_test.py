@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
 SAID = [
     " + mkdir -p build/dependencies",

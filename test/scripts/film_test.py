@@ -16,20 +16,16 @@ import pytest
 from matplotlib.text import Text
 from PIL import Image
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
-
-from filming import __main__ as command  # noqa: E402
-from filming import encode  # noqa: E402
-from filming.picture import Camera, describe_speed  # noqa: E402
-from filming.solids import surface  # noqa: E402
-from filming.stage import View, project  # noqa: E402
-from filming.take import FINE, FilmError, Part, compute, span_of  # noqa: E402
+from conftest import EXE, ROOT
+from filming import __main__ as command
+from filming import encode
+from filming.picture import Camera, describe_speed
+from filming.solids import surface
+from filming.stage import View, project
+from filming.take import FINE, FilmError, Part, compute, span_of
 
 pytestmark = pytest.mark.slow
 
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 INPUT = ROOT / "input" / "tip_loop.nml"
 SIZE = (320, 180)
 QUICK = ("--seconds", "0.5", "--rate", "10", "--size", "320x180")
@@ -103,7 +99,7 @@ class FilmTest(unittest.TestCase):
 
     def test_table(self) -> None:
         """A table is filmed by the input in its header; what is no trajectory is refused."""
-        command = [PROGRAM, "--quiet", "-o", self.folder]
+        command = [EXE, "--quiet", "-o", self.folder]
         subprocess.run(
             [*command, "--set", "span.samples=5", INPUT], check=True, capture_output=True
         )
@@ -282,7 +278,3 @@ class PictureTest(unittest.TestCase):
                 self.assertAlmostEqual(heights.min(), low)
                 self.assertAlmostEqual(heights.max(), high)
                 self.assertAlmostEqual(polygons[:, :, 0].max(), girth)
-
-
-if __name__ == "__main__":
-    unittest.main()

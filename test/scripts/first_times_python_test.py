@@ -50,17 +50,3 @@ def test_tops(body: str, effects: dict) -> None:
                 np.testing.assert_allclose(
                     some[name], all_times[name][first:], rtol=0, atol=1e-9 * scale
                 )
-
-
-@pytest.mark.parametrize(("body", "effects"), KINDS)
-def test_fits(body: str, effects: dict) -> None:
-    """A fit to rows from 1 s on finds the spin."""
-    t = np.linspace(0.0, 3.0, 31)
-    motion = make(body, effects).integrate(t, ANGLES, relative_tolerance=1e-13)
-    data = {"t": t[10:], **{name: motion[name][10:] for name in ANGLES}}
-    given = {"top": {"mass": 1.3, **BODIES[body]}, "initial": {**START, "psi_rate": 6.1}}
-    if effects:
-        given["effects"] = effects
-    result = spintop.fit(data, "initial.psi_rate", given)
-    assert result.ok, result.summary
-    assert result.rows["estimate"][0] == pytest.approx(6.0, rel=1e-7)

@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import os
 import re
 import runpy
 import subprocess
@@ -12,15 +11,12 @@ from pathlib import Path
 
 from PIL import Image
 
+from conftest import EXE, ROOT
 from manual.pages import links_of, manual_pages
 from plot_case import TableCase
 from spintop_figures.methods.peers import DOCUMENTED as PEERS
 from spintop_figures.registry import COMPARISONS, FIGURES
 
-TESTS = Path(__file__).resolve().parent.parent
-ROOT = TESTS.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "gallery"))
 GALLERY, Run = SCRIPT["GALLERY"], SCRIPT["Run"]
 DRIFT = next(exhibit.runs for exhibit in GALLERY if exhibit.name == "drift")
@@ -84,9 +80,7 @@ class TableTest(unittest.TestCase):
         assert len({run.table for run in runs}) == len(runs)
 
 
-class CostTest(TableCase):
-    """The methods whose drift is compared cost what the picture says."""
-
+class GalleryTest(TableCase):
     def test_equal_cost(self) -> None:
         """In a short part of the runs, to four percent."""
         short = ["--set", f"span.nutations={NUTATIONS}", "--set", "span.samples=2"]
@@ -104,10 +98,6 @@ class CostTest(TableCase):
             with self.subTest(run.table):
                 cost = finest if "integration.method=taylor" in run.settings else usual
                 self.assertAlmostEqual(int(count[1]) / NUTATIONS / cost, 1, delta=0.04)
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
 
     def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
         """Run its main procedure with the program under test."""

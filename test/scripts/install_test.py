@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,10 +11,8 @@ from typing import ClassVar
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from manual.pages import blocks_of  # noqa: E402
+from conftest import ROOT
+from manual.pages import blocks_of
 
 HEADER = ROOT / "include/spintop.h"
 BLOCKS = [block for block in blocks_of(ROOT / "doc/c.md") if block.tags[:1] == ("c",)]
@@ -202,7 +199,3 @@ class InstallTest(unittest.TestCase):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 2)
             self.assertIn("usage: scripts/install PREFIX", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

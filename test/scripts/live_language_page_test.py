@@ -2,17 +2,11 @@
 
 import json
 import re
-import sys
 import unittest
 from html.parser import HTMLParser
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import LiveCase, wait_for  # noqa: E402
-from reporting.packages import DICTIONARY, PAGE  # noqa: E402
+from browser_case import LiveCase, wait_for
+from reporting.packages import DICTIONARY, PAGE
 
 LANGUAGES = ["en", "de", "fr"]
 WORDS = json.loads(DICTIONARY.read_text(encoding="utf-8"))
@@ -182,7 +176,3 @@ class LanguageTest(LiveCase):
         self.assertEqual(self.part(self.section, "preset").get_property("value"), "wave")
         self.assertIn("lang=de", self.run_script("return location.hash"))
         self.assertEqual(self.browser.title, WORDS["live_top"]["de"] + " \N{EN DASH} spintop")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -7,20 +7,16 @@ import os
 import random
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import BROWSER, PROGRAM, need_packages, open_browser  # noqa: E402
-from random_tops import CLASSES, draw_top  # noqa: E402
-from reporting.packages import bundle, esbuild_package  # noqa: E402
+from browser_case import BROWSER, need_packages, open_browser
+from conftest import EXE, ROOT
+from random_tops import CLASSES, draw_top
+from reporting.packages import bundle, esbuild_package
 
 BODIES = int(os.environ.get("SPINTOP_LIVE_BODIES", "60"))
 """Random bodies of all kinds."""
@@ -238,7 +234,7 @@ def by_program(folder: Path, bodies: list[tuple[Body, float]], columns: str) -> 
     (folder / "sweep.nml").write_text(
         SWEEP.format(columns=columns, effects=effects), encoding="utf-8"
     )
-    command = [PROGRAM, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
+    command = [EXE, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     if done.returncode not in (0, NOT_ALL_FINITE):
         raise AssertionError(done.stderr)
@@ -312,7 +308,7 @@ class MotionTest(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="motion ", ignore_cleanup_errors=True)
         cls.addClassCleanup(scratch.cleanup)
         cls.folder = Path(scratch.name)
-        cls.page = Page(cls.folder, bundle(TESTS / "page" / "motion_entry.js"))
+        cls.page = Page(cls.folder, bundle(ROOT / "test/page" / "motion_entry.js"))
         if cls.page.browser:
             cls.addClassCleanup(cls.page.browser.quit)
 
@@ -398,7 +394,7 @@ class MotionTest(unittest.TestCase):
         words = [word for setting in settings for word in ("--set", setting)]
         path = self.folder / "one.nml"
         path.write_text(ONE, encoding="utf-8")
-        command = [PROGRAM, "--quiet", "-o", self.folder, *words, path]
+        command = [EXE, "--quiet", "-o", self.folder, *words, path]
         subprocess.run(command, check=True, capture_output=True)
         rows = read_rows(self.folder / "one.csv")
         (motion,) = self.page.motions([(body, [float(row["t"]) for row in rows])])
@@ -424,7 +420,3 @@ class MotionTest(unittest.TestCase):
         for p in rates:
             self.assertAlmostEqual(0.9 * math.cos(1.1) * p**2 - 0.4 * 12 * p + 9.81, 0, places=11)
         self.assertLess(rates[0], rates[1])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,12 +1,7 @@
 """Tests of the figures of the motion: what they show is what the program computes."""
 
-import os
-import subprocess
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
 from spintop_figures.motion.drift import method_of, running_maximum
@@ -24,7 +19,6 @@ from spintop_figures.motion.sphere import (
     directions,
     draw_cones,
     draw_trace,
-    find_cap,
     in_body,
     in_space,
     on_sphere,
@@ -32,37 +26,15 @@ from spintop_figures.motion.sphere import (
     tell_turn,
     view_of,
 )
-from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes
+from spintop_figures.motion.trajectory import draw_account, draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
 from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
 from spintop_figures.style.look import GROUND
 from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, read_table
-
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+from spintop_figures.tables.table import read_table
 
 
-class MotionCase(TableCase):
-    """Runs the program on the inputs of the gallery."""
-
-    def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / f"{name}.csv")
-
-    def refusal(self, name: str, table: Table) -> str:
-        """Why a table has no figure of this name."""
-        return next(kind for kind in FIGURES if kind.name == name).refusal(table)
-
-
-class ReducedTest(MotionCase):
-    """The effective potential is found from the columns of a table."""
-
+class MotionFiguresTest(TableCase):
     def test_turning_points(self) -> None:
         """They are the least and the largest inclination, which these rows have among them."""
         for name in ("tip_loop", "tip_cusp", "tip_wave", "slow_top"):
@@ -117,10 +89,6 @@ class ReducedTest(MotionCase):
             "potential", self.compute("long_drift", "span.nutations=3")
         )
 
-
-class BifurcationTest(MotionCase):
-    """A motion is a point among all motions with its momentum about the axis."""
-
     def test_classes(self) -> None:
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
         for name, sign in (("tip_loop", 1), ("tip_cusp", 0), ("tip_wave", -1)):
@@ -155,10 +123,6 @@ class BifurcationTest(MotionCase):
         assert {text.get_text() for text in axes.texts} == {"loops", "waves", "no motion"}
         spinless = self.compute("tip_wave", "initial.omega3=0")
         assert "without a momentum about its axis" in self.refusal("bifurcation", spinless)
-
-
-class DrawnTest(MotionCase):
-    """Curves are drawn at the right places."""
 
     def test_portrait(self) -> None:
         """The motion and the separatrix lie on one curve; their ends are the turning points."""
@@ -204,15 +168,6 @@ class DrawnTest(MotionCase):
             assert 0.85 < seen < 1, (name, seen)
         assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
 
-    def test_cap(self) -> None:
-        """The least cap about a circle off the pole is the circle's own."""
-        around = np.linspace(0, 2 * np.pi, 90)
-        x, y, z = on_sphere(np.full_like(around, 0.2), around)
-        turned = x, y * np.cos(1) - z * np.sin(1), y * np.sin(1) + z * np.cos(1)
-        middle, radius = find_cap(turned)
-        np.testing.assert_allclose(middle, (0, -np.sin(1), np.cos(1)), atol=2e-3)
-        self.assertAlmostEqual(radius, 0.2, 2)
-
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
         told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
@@ -227,14 +182,6 @@ class DrawnTest(MotionCase):
             assert np.nanmax(np.abs(np.diff(degrees))) < 45
         turning = draw_angles(self.compute("slow_top")).axes[0].lines[0].get_ydata()
         assert np.isfinite(turning).all()
-
-    def test_sign_changes(self) -> None:
-        """Zeros at all inclinations of a chain are no zeros at some of them."""
-        axes = Figure().subplots()
-        t = np.arange(400.0)
-        chain = np.radians(5 * np.abs(np.sin(t / 60)))
-        mark_sign_changes(axes, t, np.where(t % 8 < 4, 1.0, -1.0), chain)
-        assert len(axes.lines) == 0
 
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
@@ -274,10 +221,6 @@ class DrawnTest(MotionCase):
         ]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
         assert len(draw_cones(table).axes) == 4
-
-
-class TogetherTest(MotionCase):
-    """Figures of several tables."""
 
     def test_drift(self) -> None:
         """The running maximum rises, and ends at the largest error."""
@@ -320,10 +263,6 @@ class TogetherTest(MotionCase):
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         assert len(names) == len(set(names))
 
-
-class UnitsTest(MotionCase):
-    """Tables in other units than those of the columns."""
-
     def test_own_units(self) -> None:
         """They have the figures of others, which are the same."""
         own = ("t", "phi", "theta", "psi", "com_z")
@@ -346,10 +285,6 @@ class UnitsTest(MotionCase):
         assert in_own_units(tables[0]) is tables[0]
         assert in_own_units(shown) is shown
         assert motion_refusal(shown) == ""
-
-
-class FitTest(MotionCase):
-    """The measurements with the fitted motion, the residuals, and the values found."""
 
     def test_degrees(self) -> None:
         """Angles are in degrees; the band is twice the size; values have their intervals."""
@@ -394,3 +329,48 @@ class FitTest(MotionCase):
         )  # fmt: skip
         words = [line for line, _ in tell_values(values)]
         assert words[1:3] == ["3.002\N{MULTIPLICATION SIGN}10⁻⁶ N m s", "95 %: 2.990 to 3.014"]
+
+    def test_motion(self) -> None:
+        """It sleeps, wakes, sinks below the pivot and comes to rest, with a balanced account."""
+        table = self.compute("friction_to_rest")
+        rows = table.rows
+        assert "account" in [kind.name for kind in choose_figures(table)[0]]
+        assert rows["energy_error"].abs().max() < 1e-9
+        early, late = rows[rows["t"] < 10], rows[rows["t"] > 120]
+        assert early["theta"].max() < np.radians(5)
+        assert rows["theta"].max() > np.radians(150)
+        assert late["kinetic"].abs().max() == 0
+        assert late["omega3"].abs().max() == 0
+        spent = rows["energy"].iloc[0] - rows["energy"].iloc[-1]
+        self.assertAlmostEqual(-rows["work"].iloc[-1] / spent, 1, 10)
+
+    def test_lines(self) -> None:
+        """The panels show the columns; energy and what was taken add up to that of the start."""
+        table = self.compute(
+            "friction_to_rest", "span.samples=601", "output.columns=all", "effects.drag_force=0"
+        )
+        figure = draw_account(table)
+        theta, spin, energy, error = figure.axes
+        words = [text.get_text() for text in energy.get_legend().get_texts()]
+        for name in ("taken by friction", "taken by drag"):
+            assert name in words
+        assert "taken by vibration" not in words
+        top = max(area.get_paths()[0].vertices[:, 1].max() for area in energy.collections)
+        self.assertAlmostEqual(top, table.rows["energy"].iloc[0], 9)
+        lowest = energy.collections[-1].get_paths()[0].vertices[:, 1].min()
+        assert lowest > table.rows["energy"].iloc[-1]
+        np.testing.assert_allclose(theta.lines[0].get_ydata(), np.degrees(table.rows["theta"]))
+        np.testing.assert_array_equal(spin.lines[-1].get_ydata(), table.rows["omega3"])
+        shown = {line.get_label(): line.get_ydata() for line in energy.lines}
+        np.testing.assert_array_equal(shown["energy"], table.rows["energy"])
+        np.testing.assert_array_equal(shown["potential energy"], table.rows["potential"])
+        largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
+        assert largest == table.rows["energy_error"].abs().max()
+
+    def test_other_tables(self) -> None:
+        """A table without works has no such figure."""
+        kind = next(kind for kind in FIGURES if kind.name == "account")
+        assert "has no column" in kind.refusal(self.read(a_trajectory()))
+
+
+# The figure of the account of energy: what it shows is what the program computes.

@@ -2,9 +2,9 @@
 
 import re
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 FOLDER = ROOT / "doc/paper"
 TEXT = (FOLDER / "paper.md").read_text(encoding="utf-8")
 MOST_WORDS, FEWEST_WORDS = 1000, 250
@@ -45,7 +45,3 @@ class PaperTest(unittest.TestCase):
         words = len(TEXT.split("---", 2)[2].split())
         self.assertLess(words, MOST_WORDS)
         self.assertGreater(words, FEWEST_WORDS)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,17 +3,16 @@
 import dataclasses
 import itertools
 import json
-import os
 import subprocess
 import unittest
 import unittest.mock
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+from conftest import EXE
 from plot_case import STAGES, TableCase, a_precision
 from spintop_figures.methods import known
 from spintop_figures.methods.known import (
@@ -54,11 +53,7 @@ from spintop_figures.methods.tolerance import (
     unit_of,
 )
 from spintop_figures.registry import FIGURES
-from spintop_figures.tables.table import read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 AXES = ("initial.spin_ratio", "initial.theta")
 
 
@@ -119,9 +114,7 @@ class StyleTest(unittest.TestCase):
         assert {key for key in one if one[key] != other[key]} == {"fillstyle"}
 
 
-class ChoiceTest(TableCase):
-    """Which figures belong to a study."""
-
+class PrecisionFiguresTest(TableCase):
     def test_choice(self) -> None:
         """Curves of few problems; a map of many over two parameters."""
         curves = "precision_time precision_work orders"
@@ -131,24 +124,20 @@ class ChoiceTest(TableCase):
 
     def test_refusals(self) -> None:
         """The reason is given."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
+        table = self.read(a_map_of_problems())
         assert object_to_precision(table) == "has 12 problems, more than fit (6)"
         failed = a_precision().replace(",ok,", ",pole,")
-        table = read_table(self.put("b.csv", failed))
+        table = self.read(failed)
         assert "no method that went well and takes steps" in object_to_precision(table)
         assert object_to_tolerance_map(table) == "is no study over two parameters"
         text = "\n".join(line for line in a_precision().split("\n") if ",steps " not in line)
         refusal = next(k for k in FIGURES if k.name == "orders").refusal
-        table = read_table(self.put("c.csv", text))
+        table = self.read(text)
         assert "with several fixed step sizes" in refusal(table)
-
-
-class CurveTest(TableCase):
-    """The curves and what is found from them."""
 
     def curves(self) -> dict[str, Curve]:
         """The curves of a made-up study, by their labels."""
-        rows = read_table(self.put("a.csv", a_precision())).rows
+        rows = self.read(a_precision()).rows
         return {curve.label: curve for curve in curves_of(rows[::-1], ("time_s", "error_max"))}
 
     def test_curves(self) -> None:
@@ -163,7 +152,7 @@ class CurveTest(TableCase):
 
     def test_drawn(self) -> None:
         """Lines have the times and errors of the table, and the exact solution is there."""
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         axes = draw_precision_time(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
         rows = self.curves()["splitting 8"].rows
@@ -177,7 +166,7 @@ class CurveTest(TableCase):
     def test_best(self) -> None:
         """Of each family the method that is the cheapest at the target has its name and colour."""
         curves = [curve for curve in self.curves().values() if curve.method != "exact"]
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         best = best_of_families(table.rows, "time_s")
         assert len({family_of(curve.method) for curve in best}) == len(best)
         for curve in curves:
@@ -199,7 +188,7 @@ class CurveTest(TableCase):
 
     def test_every_set(self) -> None:
         """Two or three methods of one study, whose curves are short: the best have names."""
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         table = dataclasses.replace(table, rows=table.rows[table.rows["steps"].between(1e3, 4e3)])
         methods = dict.fromkeys(name for name, _ in STAGES)
         pairs, threes = ([*itertools.combinations(methods, count)] for count in (2, 3))
@@ -216,7 +205,7 @@ class CurveTest(TableCase):
 
     def test_slopes(self) -> None:
         """The lines of the fan fall by their orders."""
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         axes = draw_precision_work(table).axes[0]
         fan = [line for line in axes.lines if len(line.get_xdata()) == 2]
         slopes = [
@@ -235,9 +224,7 @@ class CurveTest(TableCase):
 
     def test_measured_orders(self) -> None:
         """The methods of the program have their orders; rounding has none."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "convergence.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        rows = equal_steps(read_table(self.folder / "convergence.csv"))
+        rows = equal_steps(self.compute("convergence"))
         curves = curves_of(rows, (STEP, "error_max"))
         fixed = {name for name, entry in listed_methods().items() if entry["kind"] == "fixed"}
         assert {curve.method for curve in curves} == fixed
@@ -248,7 +235,7 @@ class CurveTest(TableCase):
 
     def test_orders_are_named(self) -> None:
         """Each curve has its name with both orders at its side, not over another, and no legend."""
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         axes = draw_orders(table).axes[0]
         assert axes.get_legend() is None
         curves = curves_of(equal_steps(table), (STEP, "error_max"))
@@ -275,13 +262,9 @@ class CurveTest(TableCase):
         assert np.isnan(time_to(curve, 1e-30))
         self.assertAlmostEqual(time_to(curve, 10.0) / curve.rows["time_s"].iloc[0], 1)
 
-
-class MapTest(TableCase):
-    """The map over two parameters."""
-
     def test_cheapest(self) -> None:
         """Each problem has the shortest time of its methods; the exact solution is left out."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
+        table = self.read(a_map_of_problems())
         problems = table_of_problems(table)
         assert problems.axes() == list(AXES)
         assert len(problems.rows) == 12
@@ -297,7 +280,7 @@ class MapTest(TableCase):
 
     def test_cells(self) -> None:
         """Each cell has its number; methods are told once, the unit of times in the heading."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
+        table = self.read(a_map_of_problems())
         rows = table_of_problems(table).rows
         panels = draw_tolerance_map(table).axes[:2]
         unit, factor = unit_of(rows["time_s"].to_numpy())
@@ -313,13 +296,9 @@ class MapTest(TableCase):
         """A problem that no method solves well enough has no time."""
         lines = a_map_of_problems().split("\n")
         text = "\n".join(line for line in lines if "top.0" not in line or ",rk2," in line)
-        rows = table_of_problems(read_table(self.put("a.csv", text))).rows
+        rows = table_of_problems(self.read(text)).rows
         assert list(rows["status"]) == ["not reached", *["ok"] * 11]
         assert rows["method"][0] == "none"
-
-
-class ChoiceOfMethodTest(TableCase):
-    """The automatic choice of a method beside the cheapest one."""
 
     def study(self, chosen: str) -> str:
         """Six problems in which a method is the automatic choice."""
@@ -334,9 +313,9 @@ class ChoiceOfMethodTest(TableCase):
             for i, (line, mark) in enumerate(zip(lines, marks, strict=True))
         )
 
-    def test_choice(self) -> None:
+    def test_choice_of_choice_of_method(self) -> None:
         """Ratios are those of the least times of rows that are exact enough."""
-        table = read_table(self.put("a.csv", self.study("gauss_8,space_frame")))
+        table = self.read(self.study("gauss_8,space_frame"))
         choices = choices_of(table)
         rows = table.rows[(table.rows["problem"] == "top.0") & (table.rows["status"] == "ok")]
         good = rows[rows["orientation_error"] <= 1e-6]
@@ -346,43 +325,32 @@ class ChoiceOfMethodTest(TableCase):
         figure = draw_choice(table)
         assert "in 0 of 24 comparisons" in figure.get_suptitle().replace("\n", " ")
         self.assert_good_look(table, "choice")
-        best = read_table(self.put("b.csv", self.study("exact,closed_form")))
+        best = self.read(self.study("exact,closed_form"))
         title = draw_choice(best).get_suptitle().replace("\n", " ")
         assert (
             title == "The automatic choice takes at most 1.00 times as long as the cheapest method"
         )
 
-    def test_refusals(self) -> None:
+    def test_refusals_of_choice_of_method(self) -> None:
         """A study of few problems, or without the choice, has no such figure."""
-        none = read_table(self.put("a.csv", self.study("nobody")))
+        none = self.read(self.study("nobody"))
         assert object_to_choice(none) == "has no row of the automatic choice"
         few = self.study("exact,closed_form").replace("top.5", "top.4").replace("top.3", "top.4")
-        table = read_table(self.put("b.csv", few))
+        table = self.read(few)
         assert "fewer than 5 problems" in object_to_choice(table)
-
-
-class BenchmarksTest(TableCase):
-    """Published benchmarks."""
 
     def test_figure(self) -> None:
         """A line a publication, with the errors of its quantities and the time of the run."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "benchmarks.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        table = read_table(self.folder / "benchmarks.csv")
-        kind = next(kind for kind in FIGURES if kind.name == "benchmarks")
-        assert kind.refusal(table) == ""
+        table = self.compute("benchmarks")
+        assert self.refusal("benchmarks", table) == ""
         self.assert_good_look(table, "benchmarks", ("'cvode_gyro'", "'engine_forward_test'"))
-        axes = kind.draw(table).axes[0]
+        axes = next(kind for kind in FIGURES if kind.name == "benchmarks").draw(table).axes[0]
         rows = table.rows[table.rows["published_error"].notna()]
         groups = rows.groupby(["benchmark", "published_method"], sort=False)
         assert len(axes.get_yticks()) == len(groups)
         drawn = [line for line in axes.lines if line.get_marker() == "D"]
         for line, (_, part) in zip(drawn, groups, strict=True):
             np.testing.assert_array_equal(line.get_xdata(), part["published_error"])
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
 
     def test_studies(self) -> None:
         """All figures, without a warning of the layout."""

@@ -5,7 +5,6 @@ A top that dry friction brings to rest goes through all, and one whose steps do 
 
 import contextlib
 import io
-import os
 import re
 import sys
 import unittest.mock
@@ -22,9 +21,6 @@ from spintop_figures.style.provenance import warning_of
 from spintop_figures.sweeps.quantities import succeeded, tell_failed
 from spintop_figures.tables import words as ends
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, effects={"friction_torque": 9.0}, theta_deg=40, psi_rate=10)
 TIMES = np.linspace(0, 2, 41)

@@ -16,8 +16,8 @@ from pathlib import Path
 import jinja2
 import pytest
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 PACKAGING = ROOT / "packaging"
 META = PACKAGING / "conda" / "recipe" / "meta.yaml"
 RECIPES = (META, PACKAGING / "spack" / "package.py")
@@ -133,7 +133,3 @@ class RecipesTest(unittest.TestCase):
         self.assertEqual(fill("https://a.org", "me")[0], 2)
         code, said = fill("https://a.org", "me", self.folder / "none", *files[:2], target)
         self.assertEqual((code, "No such file" in said), (4, True))
-
-
-if __name__ == "__main__":
-    unittest.main()

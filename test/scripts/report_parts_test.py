@@ -1,15 +1,9 @@
 """Tests of the parts of a report: cells as texts."""
 
 import math
-import sys
 import unittest
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from reporting.cells import proved_texts, texts_of  # noqa: E402
+from reporting.cells import proved_texts, texts_of
 
 
 class CellsTest(unittest.TestCase):
@@ -56,7 +50,3 @@ class CellsTest(unittest.TestCase):
         self.assertEqual(unproved, ["12.500000000000000", "3.000000000000000"])
         self.assertEqual(proved_texts([0.5], [0.0]), [marked("0.5000000000000000", "0")])
         self.assertEqual(proved_texts([math.nan, "word"], [math.inf, 0.1]), ["\N{EN DASH}", "word"])
-
-
-if __name__ == "__main__":
-    unittest.main()

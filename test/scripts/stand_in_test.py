@@ -6,7 +6,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
+
 HEAD = "module suite\nuse funit\nimplicit none\ncontains\n"
 TAIL = "end module suite\n"
 
@@ -81,7 +82,3 @@ class StandInTest(unittest.TestCase):
         self.assertEqual(result.stdout.splitlines()[-1], "suite: 2 passed, 5 failed")
         self.assertIn("order (suite.pf:30): not 1 < 1 in element 2 | a message", result.stdout)
         self.assertNotIn("too late", result.stdout)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -17,7 +17,7 @@ module spintop_job
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
-    use spintop_study_column, only: chosen_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_sweep_axes, only: case_scene_t, axes_t
     use spintop_table_column, only: column_t
     use spintop_text, only: string_t, to_text
@@ -64,8 +64,8 @@ module spintop_job
         !> Values of parameters, side by side, that a caller of the library gives in place of axes of the input; not
         !> allocated where it gives none.
         type(given_axis_t), allocatable :: given(:)
-        !> The selected columns, of the list of all columns of the study.
-        type(chosen_column_t), allocatable :: columns(:)
+        !> The selected columns, with their names and units in the table.
+        type(study_column_t), allocatable :: columns(:)
         !> Derivatives of columns, which follow those columns in the table.
         type(sensitivities_t) :: sensitivities
         !> Events to search for.

@@ -6,7 +6,7 @@ module spintop_study
     use spintop_job, only: job_t
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t
     implicit none
     private
@@ -48,7 +48,7 @@ module spintop_study
     type, abstract :: study_t
         type(study_info_t) :: info
         !> All columns of its table, in their order.
-        type(listed_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
     contains
         procedure(check_i), deferred :: check
         procedure(explain_i), deferred :: explain

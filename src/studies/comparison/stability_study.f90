@@ -26,7 +26,7 @@ module spintop_stability_study
     use spintop_scene_words, only: reference_auto
     use spintop_status, only: is_ok, status_meaning, status_names
     use spintop_stepper, only: method_info_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: summary_t
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
@@ -60,32 +60,32 @@ module spintop_stability_study
     end type stability_study_t
 
     !> All columns, in the order of the table.
-    type(listed_column_t), parameter :: stability_columns(*) = [ &
-        listed_column_t('case', '', 'case of the catalogue', 'trial', words=.true.), &
-        listed_column_t('method', '', 'method', 'trial', words=.true.), &
-        listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
-        listed_column_t('verdict', '', 'verdict on the computed motion', 'verdict', words=.true.), &
-        listed_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
-        listed_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
-        listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
-        listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
-        listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
-        listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
-        listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
-        listed_column_t('steps', '', 'steps', 'cost'), &
-        listed_column_t('rejected', '', 'rejected steps', 'cost'), &
-        listed_column_t('evaluations', '', 'RHS evaluations', 'cost'), &
-        listed_column_t('time_s', 's', 'computing time', 'cost'), &
-        listed_column_t('status', '', 'status of the run', 'verdict', words=.true.), &
-        listed_column_t('t', 's', 'time reached', 'verdict'), &
-        listed_column_t('upright_growth', '1/s', &
+    type(column), parameter :: stability_columns(*) = [ &
+        column('case', '', 'case of the catalogue', 'trial', traits=categorical), &
+        column('method', '', 'method', 'trial', traits=categorical), &
+        column('formulation', '', 'formulation of the equations of motion', 'trial', traits=categorical), &
+        column('verdict', '', 'verdict on the computed motion', 'verdict', traits=categorical), &
+        column('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
+        column('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
+        column('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
+        column('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
+        column('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
+        column('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
+        column('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
+        column('steps', '', 'steps', 'cost'), &
+        column('rejected', '', 'rejected steps', 'cost'), &
+        column('evaluations', '', 'RHS evaluations', 'cost'), &
+        column('time_s', 's', 'computing time', 'cost'), &
+        column('status', '', 'status of the run', 'verdict', traits=categorical), &
+        column('t', 's', 'time reached', 'verdict'), &
+        column('upright_growth', '1/s', &
                         'largest growth rate of the symmetric top sleeping upright with this spin', &
                            'growth'), &
-        listed_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
-        listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
-        listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
+        column('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
+        column('reference', '', 'reference of the comparison', 'reference', traits=categorical), &
+        column('reference_error', 'rad', 'difference between two computations of the reference', &
                         'reference'), &
-        listed_column_t('reason', '', 'reason of the verdict', 'verdict', words=.true.)]
+        column('reason', '', 'reason of the verdict', 'verdict', traits=categorical)]
 
     !> Combinations that are run in addition to each method with the formulation that suits the body.
     character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &

@@ -23,7 +23,7 @@ module spintop_fit_model
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step
     use spintop_status, only: is_good_end, is_ok
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_study_column, only: study_column_t
     implicit none
     private
     public :: fit_model_t
@@ -39,7 +39,7 @@ module spintop_fit_model
         real(dp), allocatable, private :: held_at(:)
         real(dp), private :: hold = 0
         !> The columns of the motion: those that are measured, and what the mounting of a sensor mixes with them.
-        type(trajectory_column_t), allocatable, private :: columns(:)
+        type(study_column_t), allocatable, private :: columns(:)
         !> Places of the components of vectors that the mounting turns.
         integer, allocatable, private :: turned(:, :)
         !> The scene of the last evaluation, and what it means.

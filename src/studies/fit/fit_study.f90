@@ -23,9 +23,9 @@ module spintop_fit_study
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_t
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: append, counted, escaped, string_t, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: fit_study_t
@@ -322,7 +322,7 @@ contains
 
     !> The standard deviations of the residuals, in the units of their columns.
     function deviations_of(columns, sigma, estimate, minimum, loss) result(text)
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: sigma(:) !! by which the residuals were divided
         type(estimate_t), intent(in) :: estimate
         type(minimum_t), intent(in) :: minimum

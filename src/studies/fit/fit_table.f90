@@ -7,7 +7,7 @@ module spintop_fit_table
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: categorical, column => study_column_t
     use spintop_study_head, only: study_head
     use spintop_table_column, only: column_t
     use spintop_table_file, only: stem_of, table_file_t
@@ -18,15 +18,15 @@ module spintop_fit_table
     public :: write_estimates, write_residuals, residual_path, fit_columns
 
     !> The columns of the table of parameters, before those of the covariance.
-    type(listed_column_t), parameter :: fit_columns(*) = [ &
-        listed_column_t('parameter', '', 'sought parameter of the input', 'fit', words=.true.), &
-        listed_column_t('unit', '', 'its unit, which is that of the next five columns', 'fit', words=.true.), &
-        listed_column_t('estimate', '', 'value with the least sum of squares', 'fit'), &
-        listed_column_t('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
-        listed_column_t('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
-        listed_column_t('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
-        listed_column_t('start', '', 'value of the input, where the search began', 'fit'), &
-        listed_column_t('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
+    type(column), parameter :: fit_columns(*) = [ &
+        column('parameter', '', 'sought parameter of the input', 'fit', traits=categorical), &
+        column('unit', '', 'its unit, which is that of the next five columns', 'fit', traits=categorical), &
+        column('estimate', '', 'value with the least sum of squares', 'fit'), &
+        column('standard_error', '', 'standard error of the estimate, by the linear model', 'fit'), &
+        column('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
+        column('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
+        column('start', '', 'value of the input, where the search began', 'fit'), &
+        column('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
                         'fit')]
 
 contains
@@ -95,11 +95,10 @@ contains
         allocate (columns(1 + 3 * size(measured%columns)))
         columns(1) = column_t(measured%time%name, measured%time%unit, 'time')
         do i = 1, size(measured%columns)
-            associate (column => measured%columns(i))
-                columns(3 * i - 1) = column_t(column%name, column%unit, 'measured: ' // trim(column%what))
-                columns(3 * i) = column_t(trim(column%name) // '_fit', column%unit, trim(column%name) // &
-                                          ' of the fitted motion')
-                columns(3 * i + 1) = column_t(trim(column%name) // '_residual', column%unit, 'measured less fitted')
+            associate (own => measured%columns(i))
+                columns(3 * i - 1) = column_t(own%name, own%unit, 'measured: ' // trim(own%what))
+                columns(3 * i) = column_t(trim(own%name) // '_fit', own%unit, trim(own%name) // ' of the fitted motion')
+                columns(3 * i + 1) = column_t(trim(own%name) // '_residual', own%unit, 'measured less fitted')
             end associate
         end do
         trailer(1)%text = 'status: ' // ending

@@ -24,15 +24,14 @@ module spintop_sweep_quantities
         at_momentum_period, at_momentum_turn, at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, &
         note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
         note_no_azimuth, note_no_exact_motion, note_no_momentum_period, note_no_precession_period, note_not_free, &
-        note_not_stuck, kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
+        note_no_threshold, note_nothing_to_bound, kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
         sweep_result_t
     use spintop_vectors, only: cross
     implicit none
     private
     public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
         precession_period, lowest_height
-    public :: explain_no_period, explain_no_exact_motion, explain_not_stuck
-    public :: find_free_constants
+    public :: explain_missing, find_free_constants
 
 contains
 
@@ -269,37 +268,35 @@ contains
 
     end subroutine set_end
 
-    !> Notes why a case has no precession period.
-    subroutine explain_no_period(case, note)
+    !> Notes why a case lacks a quantity: the note of its column, unless something else tells the same.
+    subroutine explain_missing(missing, case, note)
+        integer, intent(in) :: missing !! index of the note
         type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
-        if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
-            call note%add(note_no_precession_period, 'it needs ' // needs_of_period(case))
-        end if
-    end subroutine explain_no_period
-
-    !> Notes why a case has no exact motion.
-    subroutine explain_no_exact_motion(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        if (note%has(note_no_exact_motion)) return
-        if (case%body%has_closed_form()) then
-            call note%add(note_no_exact_motion, trim(status_meanings(status_non_finite)))
-        else if (.not. case%body%is_symmetric()) then
-            call note%add(note_no_exact_motion, 'the body is not symmetric')
-        else if (allocated(case%body%effects)) then
-            call note%add(note_no_exact_motion, 'the effects on the body do more than shift phi and psi')
-        else
-            call note%add(note_no_exact_motion, 'the body is damped')
-        end if
-    end subroutine explain_no_exact_motion
-
-    !> Notes that a body was not stopped.
-    subroutine explain_not_stuck(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        call note%add(note_not_stuck)
-    end subroutine explain_not_stuck
+        if (note%has(missing)) return
+        select case (missing)
+        case (note_no_precession_period)
+            if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
+                call note%add(missing, 'it needs ' // needs_of_period(case))
+            end if
+        case (note_no_exact_motion)
+            if (case%body%has_closed_form()) then
+                call note%add(missing, trim(status_meanings(status_non_finite)))
+            else if (.not. case%body%is_symmetric()) then
+                call note%add(missing, 'the body is not symmetric')
+            else if (allocated(case%body%effects)) then
+                call note%add(missing, 'the effects on the body do more than shift phi and psi')
+            else
+                call note%add(missing, 'the body is damped')
+            end if
+        case (note_no_threshold)
+            call note%add(missing, trim(merge('gravity exerts no torque ', 'the body is not symmetric', case%body%is_symmetric())))
+        case (note_nothing_to_bound)
+            if (note%flags == 0) call note%add(missing)
+        case default
+            call note%add(missing)
+        end select
+    end subroutine explain_missing
 
     !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
     subroutine find_free_constants(slot, wanted)

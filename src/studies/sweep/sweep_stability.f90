@@ -1,7 +1,6 @@
 !> The quantities of a sweep table that tell of the stability of a motion. Those that perturbations tell are left to an engine
 !> of their own, `perturbations_t`.
 module spintop_sweep_stability
-    use spintop_case, only: case_t
     use spintop_kinds, only: dp
     use spintop_floquet, only: find_multipliers
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
@@ -11,11 +10,11 @@ module spintop_sweep_stability
     use spintop_status, only: is_ok, status_meanings, status_unsuitable
     use spintop_sweep_engine, only: lacks_perturbations, slot_t
     use spintop_sweep_result, only: at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, &
-        note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, note_no_threshold, note_t, &
+        note_no_growth, note_no_lyapunov, note_no_multiplier, note_no_singular, &
         only_without_effects, kinds_of_work, of_growth, of_lyapunov, of_multiplier, of_singular
     implicit none
     private
-    public :: compute_stability, set_threshold, explain_no_threshold
+    public :: compute_stability, set_threshold
 
     real(dp), parameter :: no_angles(3) = 0
 
@@ -66,18 +65,6 @@ contains
             values%of(at_sleeping_ratio) = abs(omega3) / values%of(at_critical_omega3)
         end associate
     end subroutine set_threshold
-
-    !> Notes why a case has no threshold of a sleeping top, or no spin over it.
-    subroutine explain_no_threshold(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        if (note%has(note_no_threshold)) return
-        if (case%body%is_symmetric()) then
-            call note%add(note_no_threshold, 'gravity exerts no torque')
-        else
-            call note%add(note_no_threshold, 'the body is not symmetric')
-        end if
-    end subroutine explain_no_threshold
 
     !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
     !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.

@@ -23,12 +23,10 @@ module spintop_sweep_study
     use spintop_statistics_result, only: bytes_of_result
     use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
-    use spintop_study_column, only: chosen_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_study_head, only: compare_with_writer
     use spintop_summary, only: rounded, summary_t
-    use spintop_sweep_columns, only: columns_at, work_for, sweep_column_t
-    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
-    use spintop_sweep_table, only: describe_table
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
     use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
     use spintop_sweep_worker, only: size_of_block
@@ -261,7 +259,7 @@ contains
         logical :: work(kinds_of_work)
         text = ''
         if (.not. job%case%body%has_closed_nutation()) return
-        work = work_for(columns_at(job%columns))
+        work = work_for(job%columns)
         ! Beside the formulas of a fast top.
         if (asks_for_span(work) .or. work(of_details)) return
         text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
@@ -330,43 +328,35 @@ contains
         integer(int64), intent(in) :: first, cases
         type(sample_t), intent(in) :: all !! the sample with all columns
         type(summary_t), intent(inout) :: summary
-        type(sweep_column_t) :: columns(size(job%columns))
         type(string_t), allocatable :: names(:)
-        type(chosen_column_t) :: chosen(size(job%columns))
+        type(study_column_t), allocatable :: chosen(:)
         integer :: i, k
         real(dp) :: time(size(job%columns)), ratio
 
         chosen = job%columns
-        columns = columns_at(chosen)
         do i = 1, size(chosen)
             do k = 1, i - 1
-                if (all_equal(columns(k)%needs, columns(i)%needs)) exit
+                if (chosen(k)%needs == chosen(i)%needs) exit
             end do
             if (k < i) then
                 time(i) = time(k)
             else
-                time(i) = time_with(pack(chosen, [(all_equal(columns(k)%needs, columns(i)%needs), k=1, size(chosen))]))
+                time(i) = time_with(pack(chosen, chosen%needs == chosen(i)%needs))
             end if
         end do
         if (maxval(time) < expensive * minval(time)) return
         associate (is_cheap => time < sqrt(minval(time) * maxval(time)))
             ratio = all%work / all%cases / time_with(pack(chosen, is_cheap))
-            names = [(string_t(trim(columns(i)%name)), i=1, size(chosen))]
+            names = [(string_t(trim(chosen(i)%name)), i=1, size(chosen))]
             if (ratio > expensive) call summary%add('columns', 'with ' // join(pack(names, .not. is_cheap), ', ') // &
                                                     ' a case takes ' // rounded(ratio, 2) // ' times as long as without')
         end associate
 
     contains
 
-        !> Whether logical values are the same.
-        pure logical function all_equal(a, b)
-            logical, intent(in) :: a(:), b(:)
-            all_equal = .not. any(a .neqv. b)
-        end function all_equal
-
         !> Time of the processor for a case with these columns, s.
         real(dp) function time_with(some)
-            type(chosen_column_t), intent(in) :: some(:)
+            type(study_column_t), intent(in) :: some(:)
             type(resumable_table_t) :: table
             type(sample_t) :: sample
             job%columns = some

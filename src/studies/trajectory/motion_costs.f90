@@ -10,7 +10,6 @@ module spintop_motion_costs
     use spintop_motion, only: motion_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_summary, only: decimal, rounded, summary_t
-    use spintop_trajectory_columns, only: trajectory_column_t
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -27,16 +26,15 @@ contains
 
     !> Adds a line on the time that the proof takes, if anything is to be proved. A motion that amplifies errors takes longer in
     !> its later parts, which need more bits.
-    subroutine describe_proof_cost(job, columns, summary)
+    subroutine describe_proof_cost(job, summary)
         type(job_t), intent(in) :: job !! the job of the motion
-        type(trajectory_column_t), intent(in) :: columns(:) !! its columns
         type(summary_t), intent(inout) :: summary !! lines are added
         type(row_proof_t) :: proof
         real(dp) :: printed(proof_count), began, time, part
         logical :: wanted(proof_count)
         integer :: i
 
-        wanted = wanted_proofs(columns%quantity(), job%input%scene%certified)
+        wanted = wanted_proofs(job%columns%quantity(), job%input%scene%certified)
         if (.not. any(wanted)) return
         printed = 0
         printed(proof_of_q0) = 1

@@ -20,8 +20,8 @@ module spintop_motion_rows
     use spintop_sensitivity, only: varied_motions_t
     use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
+    use spintop_study_column, only: needs_work, study_column_t
     use spintop_text, only: escaped
-    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: writer_t, compute_motion, find_sensitivities
@@ -29,7 +29,7 @@ module spintop_motion_rows
     !> Writes a row for each motion, or keeps it.
     type, extends(observer_t) :: writer_t
         type(row_maker_t) :: columns
-        type(trajectory_column_t), allocatable :: chosen(:)
+        type(study_column_t), allocatable :: chosen(:)
         type(motion_table_t) :: table
         !> The values of row i, where rows are kept: `kept(:, i)`. Otherwise they go to the table.
         real(dp), allocatable :: kept(:, :)
@@ -61,7 +61,7 @@ module spintop_motion_rows
     !> The motions of a job with other values of its keys.
     type, extends(varied_motions_t) :: trajectories_t
         type(job_t), pointer :: job => null()
-        type(trajectory_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
     contains
         procedure :: find
     end type trajectories_t
@@ -71,12 +71,12 @@ contains
     !> Sets the columns of the rows, and the motion of which they are.
     subroutine set_columns(self, columns, case, scene)
         class(writer_t), intent(inout) :: self
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! the case of the motion; the rows end with its span
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         self%chosen = columns
         self%counts_turns = any(columns%quantity() == 'phi' .or. columns%quantity() == 'psi')
-        self%wants_work = any(columns%needs_work)
+        self%wants_work = any(columns%is(needs_work))
         self%t_end = case%t_end
         call self%columns%set(columns, case, scene)
     end subroutine set_columns
@@ -255,7 +255,7 @@ contains
     !> The derivatives and their errors in each row.
     subroutine find_sensitivities(job, columns, base, cells, error)
         type(job_t), target, intent(in) :: job !! the job
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
+        type(study_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
         real(dp), intent(in) :: base(:, :) !! their values in each row of the motion itself
         real(dp), intent(out) :: cells(:, :) !! two for each derivative in each row; NaN where it does not exist
         type(error_t), allocatable, intent(out) :: error !! not allocated on success

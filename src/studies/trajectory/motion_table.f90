@@ -11,10 +11,10 @@ module spintop_motion_table
     use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_status, only: status_ok
+    use spintop_study_column, only: categorical
     use spintop_study_head, only: study_facts, study_head
     use spintop_table_column, only: status_column, table_column_t
     use spintop_text, only: append
-    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: motion_table_t
@@ -46,17 +46,17 @@ module spintop_motion_table
 contains
 
     !> Describes the table of a job, before it is created.
-    subroutine describe(self, job, columns)
+    subroutine describe(self, job)
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
-        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the table
-        type(table_column_t) :: described(size(columns))
+        type(table_column_t), allocatable :: described(:)
         integer :: i
 
         self%path = job%files%table
-        do i = 1, size(columns)
-            described(i) = table_column_t(columns(i)%name, columns(i)%unit, columns(i)%what)
-            if (columns(i)%is_proof) call described(i)%set_words(proof_words(0:1))
+        allocate (described(size(job%columns) + 2 * job%sensitivities%count))
+        described%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
+        do i = 1, size(job%columns)
+            if (job%columns(i)%is(categorical)) call described(i)%set_words(proof_words(0:1))
         end do
         self%rows_table%has_journal = .false.
         allocate (self%rows_table%columns, source=described)
@@ -65,7 +65,7 @@ contains
             call describe_file(self%rows_table%netcdf)
             self%head = self%rows_table%netcdf%head()
         else
-            self%head = study_head(job, columns)
+            self%head = study_head(job, described)
         end if
 
     contains
@@ -82,12 +82,11 @@ contains
             allocate (description%columns, source=described)
             allocate (description%axes(1))
             description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
-            do i = 1, size(columns)
-                if (columns(i)%quantity() /= time_column) cycle
+            i = findloc(job%columns%quantity(), time_column, dim=1)
+            if (i > 0) then
                 description%columns(i)%axis = 1
-                description%axes(1)%name = trim(columns(i)%name)
-                exit
-            end do
+                description%axes(1)%name = trim(described(i)%name)
+            end if
             description%part = ''
             if (job%input%scene%compression >= 0) description%compression = job%input%scene%compression
         end subroutine describe_file

@@ -10,9 +10,9 @@ module spintop_row_maker
     use spintop_motion_view, only: motion_view_t
     use spintop_row_proof, only: wanted_proofs
     use spintop_scene_keys, only: scene_t
-    use spintop_study_column, only: proof_group
+    use spintop_study_column, only: categorical, off_poles, proof_group, study_column_t
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: angle_group, longest, fill_vector, trajectory_column_t, vectors
+    use spintop_trajectory_columns, only: angle_group, longest, fill_vector, vectors
     use spintop_uncertainties, only: data_radii
     implicit none
     private
@@ -21,7 +21,7 @@ module spintop_row_maker
     !> Gives the values of columns, motion by motion.
     type :: row_maker_t
         private
-        type(trajectory_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
         !> The vectors by their numbers, and the numbers of those of which the columns are components.
         real(dp) :: vectors(longest, vectors) = 0
         integer, allocatable :: needed(:)
@@ -47,14 +47,14 @@ contains
     !> says what is to be proved, and of which data.
     subroutine set(self, columns, case, scene)
         class(row_maker_t), intent(inout) :: self
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         integer :: i
         call self%close()
         self%columns = columns
-        self%needed = pack([(i, i=1, vectors)], [(any(columns%vector == i), i=1, vectors)])
-        self%has_converted = any(columns%size < 1 .or. columns%size > 1)
+        self%needed = pack([(i, i=1, vectors)], [(any(columns%source == i), i=1, vectors)])
+        self%has_converted = any(columns%is_converted())
         call self%view%set(case)
         self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         if (.not. present(scene)) return
@@ -104,7 +104,7 @@ contains
             call fill_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
         end do
         do i = 1, size(self%columns)
-            values(i) = self%vectors(self%columns(i)%component, self%columns(i)%vector)
+            values(i) = self%vectors(self%columns(i)%component, self%columns(i)%source)
         end do
         if (self%has_converted) values = values / self%columns%size
     end subroutine find_values
@@ -120,7 +120,7 @@ contains
         at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
         do i = 1, size(values)
             if (is_finite(values(i)) .or. self%columns(i)%group == proof_group) cycle
-            if (.not. (at_pole .and. self%columns(i)%ends_at_poles)) return
+            if (.not. (at_pole .and. self%columns(i)%is(off_poles))) return
         end do
         is_defined = .true.
     end function is_defined
@@ -132,7 +132,7 @@ contains
         type(text_buffer_t), intent(inout) :: text !! the cells are added
         integer :: i
         do i = 1, size(values)
-            if (self%columns(i)%is_proof) then
+            if (self%columns(i)%is(categorical)) then
                 call text%add_text(trim(proof_words(nint(values(i)))))
             else
                 call text%add_reals(values(i:i))

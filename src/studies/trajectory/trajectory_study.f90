@@ -20,11 +20,11 @@ module spintop_trajectory_study
     use spintop_steady_motion, only: sleeps_slowly
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
+    use spintop_study_column, only: study_column_t
     use spintop_study_head, only: study_head
     use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text, escaped
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
     public :: trajectory_study_t, run_trajectory
@@ -58,7 +58,7 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        call describe_proof_cost(job, trajectory_columns_at(job%columns), summary)
+        call describe_proof_cost(job, summary)
     end subroutine forecast
 
     !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
@@ -148,24 +148,19 @@ contains
         type(writer_t), intent(inout) :: writer
         type(event_recorder_t), allocatable, target, intent(out) :: recorder
         type(error_t), allocatable, intent(out) :: error
-        type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
-        allocate (columns(size(job%columns)))
-        columns = trajectory_columns_at(job%columns)
-        call sensitivity_columns(job, derivatives)
-        all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
-            call writer%set_columns(columns, job%case, job%input%scene)
+            call writer%set_columns(job%columns, job%case, job%input%scene)
         else
-            call keep_rows(job, columns, writer, error)
+            call keep_rows(job, writer, error)
             if (allocated(error)) return
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-        call writer%table%describe(job, all_columns)
+        call writer%table%describe(job)
         call writer%table%create(options%resume, options%restart, error)
         if (allocated(error) .or. writer%table%rows_table%is_complete) return
-        call begin_events(job, columns, recorder, error)
+        call begin_events(job, recorder, error)
         if (allocated(error)) then
             call discard_tables(writer, recorder)
             return
@@ -177,9 +172,8 @@ contains
     end subroutine begin_tables
 
     !> Begins the search for events, and their table.
-    subroutine begin_events(job, columns, recorder, error)
+    subroutine begin_events(job, recorder, error)
         type(job_t), intent(in) :: job
-        type(trajectory_column_t), intent(in) :: columns(:)
         type(event_recorder_t), allocatable, target, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
 
@@ -187,8 +181,8 @@ contains
         allocate (recorder)
         call recorder%set(job%events, job%stop_after, job%case)
         if (job%files%events == '') return
-        call recorder%open_table(job%files%events, study_head(job, [event_columns, columns%column_t]), columns, &
-                                 job%case, job%input%scene, error)
+        call recorder%open_table(job%files%events, study_head(job, [event_columns, job%columns%column_t]), &
+                                 job%columns, job%case, job%input%scene, error)
     end subroutine begin_events
 
     !> Discards the tables after an error.
@@ -199,25 +193,15 @@ contains
         if (allocated(recorder)) call recorder%discard_table()
     end subroutine discard_tables
 
-    !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
-    subroutine sensitivity_columns(job, columns)
-        type(job_t), intent(in) :: job
-        type(trajectory_column_t), allocatable, intent(out) :: columns(:)
-        allocate (columns(2 * job%sensitivities%count))
-        columns%column_t = job%sensitivities%table_columns()
-    end subroutine sensitivity_columns
-
     !> Has the rows kept: the columns of the table, then those of which there are derivatives.
-    subroutine keep_rows(job, columns, writer, error)
+    subroutine keep_rows(job, writer, error)
         type(job_t), intent(in) :: job
-        type(trajectory_column_t), intent(in) :: columns(:)
         type(writer_t), intent(inout) :: writer
         type(error_t), allocatable, intent(out) :: error
-        type(trajectory_column_t), allocatable :: needed(:)
+        type(study_column_t), allocatable :: needed(:)
         integer :: status
 
-        allocate (needed(size(columns) + size(job%sensitivities%columns())))
-        needed = [columns, trajectory_columns_at(job%sensitivities%columns())]
+        needed = [job%columns, job%sensitivities%columns()]
         call writer%set_columns(needed, job%case, job%input%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' &

@@ -55,6 +55,7 @@ contains
         threads = 1
         !$ threads = omp_get_max_threads()
         options%quiet = .true.
+        options%verbose = .true.
         if (.not. allocated(options%output)) options%output = ''
         if (.not. allocated(options%overrides)) allocate (options%overrides(0))
         allocate (prepared(1))

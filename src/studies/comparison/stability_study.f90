@@ -354,7 +354,7 @@ contains
 
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(self%verdicts(:, k) == 0)) cycle
-            call summary%add(verdict_names(k), verdict_meaning(k))
+            call summary%add(verdict_names(k), verdict_meaning(k), is_detail=.true.)
         end do
         do k = 1, size(self%verdicts, 1)
             associate (choice => self%choices(k))

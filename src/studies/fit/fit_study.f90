@@ -315,7 +315,7 @@ contains
                          ' evaluations from ' // &
                          counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // &
                              ' from ' // &
-                         rounded(search%first_span, 3) // ' s')
+                         rounded(search%first_span, 3) // ' s', is_detail=.true.)
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit

@@ -21,7 +21,7 @@ module spintop_sweep_study
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_result, only: bytes_of_result
-    use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
     use spintop_study_head, only: compare_with_writer
@@ -128,7 +128,7 @@ contains
         if (allocated(error) .or. .not. team%ranks%is_writer()) return
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
-        call replace_file(job%files%log, join(summary%lines, new_line('a')) // new_line('a'), error)
+        call replace_file(job%files%log, join(summary%lines%string_t, new_line('a')) // new_line('a'), error)
     end subroutine run
 
     !> Computes cases into a table that was begun, and finishes it, unless its rows could not all be written; after an error it
@@ -223,20 +223,20 @@ contains
         if (shard%is_part()) call summary%add('shard', shard%line(job%axes%cases))
         call summary%describe_plan(job%plan)
         if (table%remark /= '') call summary%add('note', table%remark)
-        call summary%add('ended', utc_now() // ' on ' // host_name())
+        call summary%add('ended', utc_now() // ' on ' // host_name(), is_detail=.true.)
         call summary%add('time', rounded(elapsed) // ' s on ' // team%in_words() // ', ' &
             // rounded(computed / elapsed) // ' cases/s')
         associate (costs => team%costs)
             call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
                 // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
                 // ' cases/s per thread), formatting ' // rounded(costs%formatting) &
-                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s')
-            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak')
+                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s', is_detail=.true.)
+            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak', is_detail=.true.)
         end associate
         do status = status_ok, last_status
             if (table%counts(status) == 0) cycle
             call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &
-                             // status_meaning(status))
+                             // status_meaning(status), is_detail=.not. is_good_end(status))
         end do
         if (table%doubtful > 0) call summary%add('note', to_text(table%doubtful) // ' of the computed cases pass a pole within &
             &their error: phi and psi may be off by whole turns')

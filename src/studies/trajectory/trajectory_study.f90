@@ -128,7 +128,7 @@ contains
         status = outcome%status
         call finish_tables(job, outcome, writer, recorder, error)
         if (allocated(error)) return
-        call describe_run(job, writer%rows, outcome, elapsed, recorder, summary)
+        call describe_run(job, options, writer%rows, outcome, elapsed, recorder, summary)
         if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
         if (.not. (job%plan%exact .or. sleeps_slowly(job%case%body, job%case%start))) then
             associate (last => writer%last)
@@ -260,8 +260,9 @@ contains
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.
-    subroutine describe_run(job, rows, outcome, elapsed, recorder, summary)
+    subroutine describe_run(job, options, rows, outcome, elapsed, recorder, summary)
         type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
         integer, intent(in) :: rows
         type(outcome_t), intent(in) :: outcome
         real(dp), intent(in) :: elapsed !! seconds that the motion took
@@ -273,11 +274,11 @@ contains
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
         if (job%files%events /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%files%events)
-        if (job%plan%exact) then
+        if (job%plan%exact .and. options%verbose) then
             call measure_exact_cost(job%case, setup, sample)
             call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &
-                             // rounded(1.0e6_dp * sample) // ' us per sample')
-        else
+                             // rounded(1.0e6_dp * sample) // ' us per sample', is_detail=.true.)
+        else if (.not. job%plan%exact) then
             call summary%describe_cost(outcome%counts, job%plan%stepper%info%refine)
         end if
         call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')

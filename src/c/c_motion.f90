@@ -7,7 +7,7 @@ module spintop_c_motion
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plan, only: plan_t
-    use spintop_row_maker, only: row_maker_t
+    use spintop_trajectory_columns, only: row_maker_t
     use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: study_column_t

@@ -3,11 +3,10 @@ module spintop_execution
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_files, only: make_folder
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, print_input
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_study, only: study_t
-    use spintop_study_head, only: print_input
     use spintop_summary, only: summary_t
     use spintop_terminal, only: output_width
     use spintop_text, only: string_t, append, append_wrapped, line_width

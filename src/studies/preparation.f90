@@ -11,7 +11,7 @@ module spintop_preparation
     use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
     use spintop_event_text, only: column_event_t, read_event
     use spintop_files, only: file_exists, is_same_file, path_from
-    use spintop_fit_table, only: residual_path
+    use spintop_fit_study, only: residual_path
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_namelist, only: read_namelist

@@ -1,8 +1,7 @@
 !> The registry of studies: what each kind is and can do, and its columns. Checks, lists and messages use it.
 module spintop_studies
     use spintop_benchmark_study, only: benchmark_columns, benchmark_study_t
-    use spintop_fit_study, only: fit_study_t
-    use spintop_fit_table, only: fit_columns
+    use spintop_fit_study, only: fit_study_t, fit_columns
     use spintop_precision_study, only: precision_columns, precision_study_t
     use spintop_scene_words, only: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark, &
         kind_fit

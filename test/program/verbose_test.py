@@ -1,11 +1,12 @@
 """A run prints what a person reads; the rest with --verbose."""
 
 import pytest
+
 from conftest import CLOSED, Spin
 
 MOST = 10
 EVENTS = "&output columns = 't', 'theta' events = 'turning_points' /\n"
-SWEEP = "&study kind = 'sweep' /\n&sweep parameter = 'initial.psi_rate' from = 1 to = 9 count = 5 /\n"
+SWEEP = "&study kind = 'sweep' /\n&sweep parameter = 'top.mass' from = 1 to = 9 count = 5 /\n"
 
 
 @pytest.mark.parametrize(
@@ -33,4 +34,5 @@ def test_details(spin: Spin, text: str, details: tuple[str, ...]) -> None:
 
 def words(line: str) -> str:
     """The keyword of a line, and its text unless this is a time."""
-    return line[:12] if line.startswith(("  time", "  ended", "  parts", "  memory", "  cost")) else line
+    is_timed = line.startswith(("  time", "  ended", "  parts", "  memory", "  cost"))
+    return line[:12] if is_timed else line

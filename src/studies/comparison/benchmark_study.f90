@@ -15,7 +15,7 @@ module spintop_benchmark_study
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
-    use spintop_motion_view, only: motion_view_t
+    use spintop_trajectory_columns, only: motion_view_t, trajectory_columns, value_of
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference, reference_t
@@ -26,7 +26,6 @@ module spintop_benchmark_study
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: counted, to_text
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: trajectory_columns, value_of
     use spintop_trial, only: time_trial
     implicit none
     private
@@ -185,7 +184,7 @@ contains
         type(motion_t) :: seen
         integer :: k
 
-        call view%set(case)
+        call view%set_case(case)
         seen = motion
         seen%given_angle = case%start%given_angle
         call view%set_motion(seen, as_computed=.true.)

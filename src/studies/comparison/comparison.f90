@@ -13,7 +13,7 @@ module spintop_comparison
     use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple, formulation_info_t
     use spintop_formulations, only: formulation_infos
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, compare_with_writer, study_head
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_aliases
     use spintop_namelist, only: read_override
@@ -31,7 +31,6 @@ module spintop_comparison
     use spintop_status, only: is_ok, last_status, status_ok
     use spintop_stepper, only: method_info_t
     use spintop_study, only: study_t
-    use spintop_study_head, only: compare_with_writer, study_head
     use spintop_suggestions, only: own_name
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t

@@ -18,7 +18,7 @@ module spintop_fit_model
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_robust, only: robust_deviation
-    use spintop_row_maker, only: row_maker_t
+    use spintop_trajectory_columns, only: row_maker_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_stepper, only: looks_per_step

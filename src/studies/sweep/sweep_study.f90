@@ -8,7 +8,7 @@ module spintop_sweep_study
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_files, only: replace_file
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, compare_with_writer
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
@@ -24,7 +24,6 @@ module spintop_sweep_study
     use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
-    use spintop_study_head, only: compare_with_writer
     use spintop_summary, only: rounded, summary_t
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
     use spintop_sweep_rows, only: sweep_rows_t

@@ -6,7 +6,7 @@ module spintop_sweep_table
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_resumable_table, only: resumable_table_t
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, print_input
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
@@ -18,7 +18,6 @@ module spintop_sweep_table
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
-    use spintop_study_head, only: print_input
     use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: always, proof_group, study_column_t
     use spintop_sweep_engine, only: slot_t

@@ -30,7 +30,7 @@ module spintop_sweep_worker
     use spintop_sweep_result, only: at_nutation_period, at_theta_end, at_phi_end, at_psi_end, at_t_end, &
         at_theta_end_bound, at_phi_end_bound, at_psi_end_bound, at_proof, note_t, asks_for_span, of_proof, &
         of_threshold, sweep_result_t, proof_cells, work_for
-    use spintop_sweep_stability, only: set_threshold
+    use spintop_sweep_quantities, only: set_threshold
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
     use spintop_uncertainties, only: data_radii

@@ -3,22 +3,64 @@
 !> derive from the registry.
 module spintop_trajectory_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_orientation, proof_of_phi, &
-        proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta
+        proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_words
+    use spintop_compare, only: is_finite, is_zero
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
     use spintop_motion, only: motion_t
-    use spintop_motion_view, only: motion_view_t
-    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, &
-        goryachev_integral, kovalevskaya_integral, vertical_momentum, specific_force
-    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, &
-        watch_omega, watch_phi, watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, &
-        watch_turning, watch_vertical, watch_vertical_momentum
-    use spintop_study_column, only: by_default, categorical, column => study_column_t, compares, near_poles, needs_effects, &
-        needs_exact, needs_work, off_poles, proof_group
+    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
+        kovalevskaya_integral, vertical_momentum, specific_force, energy_scale, kinetic_energy, potential_energy, &
+        support_force
+    use spintop_row_proof, only: row_proof_t, wanted_proofs
+    use spintop_scene_keys, only: scene_t
+    use spintop_study_column, only: by_default, categorical, column => study_column_t, compares, near_poles, &
+        needs_effects, needs_exact, needs_work, off_poles, proof_group, study_column_t
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_uncertainties, only: data_radii
+    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_omega, watch_phi, &
+        watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, watch_turning, watch_vertical, &
+        watch_vertical_momentum
     implicit none
     private
-    public :: trajectory_columns, value_of, is_free_of_angles, angle_group, fill_vector, longest, vectors
+    public :: trajectory_columns, value_of, is_free_of_angles, motion_view_t, row_maker_t
+
+    !> One motion after the other of a case.
+    type :: motion_view_t
+        !> The body as it was given, and that of the computation.
+        type(body_t) :: body, turned_body
+        !> The motion of the body as it was given, and as it was computed.
+        type(motion_t) :: motion, computed
+        !> Work of effects since the start by its parts, J.
+        real(dp) :: work(works) = 0
+        !> Energy and vertical momentum at the start, and the scale of the energy error.
+        real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
+        type(case_t), private :: case
+        !> Angles of the last motion.
+        real(dp) :: near(3) = 0
+        !> The proof of the numbers, where it is wanted.
+        type(row_proof_t) :: proof
+        type(exact_motion_t), allocatable, private :: oracle
+        type(conditioning_t), allocatable, private :: conditioning
+        !> What was computed of this motion when a column asked for it.
+        logical, private :: has_energies = .false., has_force = .false.
+        real(dp), private :: known_energies(2) = 0, known_force(3) = 0
+    contains
+        procedure :: set_case
+        procedure :: set_motion
+        procedure :: set_angles
+        procedure :: energies
+        procedure :: energy_change
+        procedure :: energy_error
+        procedure :: momentum_change
+        procedure :: force
+        procedure :: exact
+        procedure :: inherent_error
+    end type motion_view_t
 
     !> The vectors by their numbers.
     enum, bind(C)
@@ -146,7 +188,165 @@ module spintop_trajectory_columns
     !> All columns, in the order of the table's documentation. A variable, since flang 19 fails at components of constants.
     type(column), protected :: trajectory_columns(size(registry)) = registry
 
+    !> Gives the values of columns, motion by motion.
+    type :: row_maker_t
+        private
+        type(study_column_t), allocatable :: columns(:)
+        !> The vectors by their numbers, and the numbers of those of which the columns are components.
+        real(dp) :: vectors(longest, vectors) = 0
+        integer, allocatable :: needed(:)
+        type(motion_view_t) :: view
+        !> Whether the angles and their rates are enough for all columns.
+        logical :: needs_angles_only = .false.
+        !> Whether some columns are in other units than their own.
+        logical :: has_converted = .false.
+    contains
+        procedure :: set
+        procedure :: row
+        procedure :: wants_angles_of
+        procedure :: find_exact_row
+        procedure :: is_defined
+        procedure :: write_row
+        procedure :: proof_summary
+        procedure :: close
+    end type row_maker_t
+
 contains
+
+    !> Sets the case, and the invariants of its start.
+    subroutine set_case(self, case)
+        class(motion_view_t), intent(out) :: self
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
+        self%case = case
+        self%near = case%given_start%angle
+        self%body = case%given_body
+        self%turned_body = case%body
+        associate (body => case%given_body, start => case%given_start)
+            self%energy_of_start = kinetic_energy(body, start) + potential_energy(body, start)
+            self%momentum_of_start = vertical_momentum(body, start)
+            self%energy_scale = energy_scale(body, start)
+        end associate
+    end subroutine set_case
+
+    !> Sets the current motion. That at the start, by its time, is shown as it was given.
+    subroutine set_motion(self, computed, as_computed)
+        class(motion_view_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! in the axes of the computation
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        logical :: is_start
+        is_start = is_zero(computed%t)
+        if (present(as_computed)) is_start = is_start .and. .not. as_computed
+        self%computed = computed
+        self%motion = self%case%turn%back(computed, computed%given_angle)
+        if (is_start) call use_given_start(self%case%given_start, self%motion)
+        if (any(self%proof%wanted)) call prove(self%proof, self%motion)
+        call forget(self)
+    end subroutine set_motion
+
+    !> Sets the time, the angles and their rates of the current motion alone. The axes are those of the computation, and no
+    !> number is to be proved.
+    subroutine set_angles(self, t, angle, rate)
+        class(motion_view_t), intent(inout) :: self
+        real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
+        self%motion%t = t
+        self%motion%angle = angle
+        self%motion%rate = rate
+        if (is_zero(t)) call use_given_start(self%case%given_start, self%motion)
+        call forget(self)
+    end subroutine set_angles
+
+    !> Forgets what columns asked of the motion before.
+    subroutine forget(self)
+        type(motion_view_t), intent(inout) :: self
+        self%near = self%motion%angle
+        self%has_energies = .false.
+        self%has_force = .false.
+    end subroutine forget
+
+    !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
+    !> pole are not replaced.
+    pure subroutine use_given_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine use_given_start
+
+    !> Proves the attitude and the angular velocity, and replaces them where they are to be certified.
+    subroutine prove(proof, motion)
+        type(row_proof_t), intent(inout) :: proof
+        type(motion_t), intent(inout) :: motion
+        real(dp) :: printed(proof_count)
+        printed = 0
+        printed(proof_of_q0:proof_of_q3) = motion%quaternion
+        printed([proof_of_phi, proof_of_theta, proof_of_psi]) = motion%angle
+        printed(proof_of_omega1:proof_of_omega3) = motion%omega
+        call proof%prove(motion%t, printed)
+        motion%quaternion = printed(proof_of_q0:proof_of_q3)
+        motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
+        motion%omega = printed(proof_of_omega1:proof_of_omega3)
+    end subroutine prove
+
+    !> Kinetic and potential energy, J.
+    function energies(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: energies(2)
+        if (.not. self%has_energies) self%known_energies = [kinetic_energy(self%body, self%motion), &
+                                                            potential_energy(self%body, self%motion)]
+        self%has_energies = .true.
+        energies = self%known_energies
+    end function energies
+
+    !> Change of the energy since the start, J.
+    real(dp) function energy_change(self)
+        class(motion_view_t), intent(inout) :: self
+        energy_change = sum(self%energies()) - self%energy_of_start
+    end function energy_change
+
+    !> The same without the work of effects, relative to the scale of the energies, which work may exceed.
+    real(dp) function energy_error(self)
+        class(motion_view_t), intent(inout) :: self
+        energy_error = (self%energy_change() - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
+    end function energy_error
+
+    !> Change of the vertical momentum since the start, J s.
+    pure real(dp) function momentum_change(self)
+        class(motion_view_t), intent(in) :: self
+        momentum_change = vertical_momentum(self%body, self%motion) - self%momentum_of_start
+    end function momentum_change
+
+    !> The support force in space axes, N.
+    function force(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: force(3)
+        if (.not. self%has_force) self%known_force = support_force(self%body, self%motion)
+        self%has_force = .true.
+        force = self%known_force
+    end function force
+
+    !> The exact motion at the same time, in the axes of the computation. The body must have one.
+    type(motion_t) function exact(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%oracle)) then
+            allocate (self%oracle)
+            call prepare_exact_motion(self%case%body, self%case%start, self%oracle, status)
+        end if
+        exact = self%oracle%at(self%computed%t)
+    end function exact
+
+    !> The error of the attitude due to rounding of the data, rad. The body must have an exact motion.
+    real(dp) function inherent_error(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%conditioning)) then
+            allocate (self%conditioning)
+            call prepare_conditioning(self%case%body, self%case%start, self%conditioning, status)
+        end if
+        inherent_error = self%conditioning%floor_at(self%motion%t)
+    end function inherent_error
 
     !> Whether the value follows from the attitude, the angular velocity and its rate.
     elemental logical function is_free_of_angles(of)
@@ -248,5 +448,116 @@ contains
         vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
         vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
     end subroutine fill_errors
+
+    !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
+    !> says what is to be proved, and of which data.
+    subroutine set(self, columns, case, scene)
+        class(row_maker_t), intent(inout) :: self
+        type(study_column_t), intent(in) :: columns(:) !! the columns
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
+        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
+        integer :: i
+        call self%close()
+        self%columns = columns
+        self%needed = pack([(i, i=1, vectors)], [(any(columns%source == i), i=1, vectors)])
+        self%has_converted = any(columns%is_converted())
+        call self%view%set_case(case)
+        self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
+        if (.not. present(scene)) return
+        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified), scene%certified, case%given_body, &
+                                  case%given_start, data_radii(scene))
+    end subroutine set
+
+    !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
+    !> body as it was given. That at the start is told as it was given.
+    function row(self, computed, as_computed, work) result(values)
+        class(row_maker_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
+        real(dp) :: values(size(self%columns))
+        if (present(work)) self%view%work = work
+        call self%view%set_motion(computed, as_computed)
+        call find_values(self, values)
+    end function row
+
+    !> Whether the angles and their rates at an instant are enough for a row, which `find_exact_row` then gives: no turns are
+    !> to be counted, and no number is to be proved.
+    pure logical function wants_angles_of(self, exact)
+        class(row_maker_t), intent(in) :: self
+        type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
+        wants_angles_of = self%needs_angles_only .and. .not. exact%has_to_follow() .and. .not. any(self%view%proof%wanted)
+    end function wants_angles_of
+
+    !> The row at a time t of the exact motion, which is much faster than `row` and has the same values.
+    subroutine find_exact_row(self, exact, t, values)
+        class(row_maker_t), intent(inout) :: self
+        type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
+        real(dp), intent(in) :: t !! time, s
+        real(dp), intent(out) :: values(:) !! the row, one value per column
+        real(dp) :: angle(3), rate(3)
+        call exact%find_angles(t, angle, rate)
+        call self%view%set_angles(t, angle, rate)
+        call find_values(self, values)
+    end subroutine find_exact_row
+
+    !> The values of the columns for the current motion. A vector is computed once for all of its columns.
+    subroutine find_values(self, values)
+        class(row_maker_t), intent(inout) :: self
+        real(dp), intent(out) :: values(:)
+        integer :: i
+        do i = 1, size(self%needed)
+            call fill_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
+        end do
+        do i = 1, size(self%columns)
+            values(i) = self%vectors(self%columns(i)%component, self%columns(i)%source)
+        end do
+        if (self%has_converted) values = values / self%columns%size
+    end subroutine find_values
+
+    !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.
+    pure logical function is_defined(self, values)
+        class(row_maker_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! the last row, one value per column
+        logical :: at_pole
+        integer :: i
+        is_defined = all(abs(values) <= huge(1.0_dp)) ! faster than calls of is_finite
+        if (is_defined) return
+        at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
+        do i = 1, size(values)
+            if (is_finite(values(i)) .or. self%columns(i)%group == proof_group) cycle
+            if (.not. (at_pole .and. self%columns(i)%is(off_poles))) return
+        end do
+        is_defined = .true.
+    end function is_defined
+
+    !> Adds the values of a row to a text, those of words as words.
+    subroutine write_row(self, values, text)
+        class(row_maker_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! the row, one value per column
+        type(text_buffer_t), intent(inout) :: text !! the cells are added
+        integer :: i
+        do i = 1, size(values)
+            if (self%columns(i)%is(categorical)) then
+                call text%add_text(trim(proof_words(nint(values(i)))))
+            else
+                call text%add_reals(values(i:i))
+            end if
+        end do
+    end subroutine write_row
+
+    !> How many rows are proved, and why others are not; empty if no proof was wanted.
+    function proof_summary(self) result(text)
+        class(row_maker_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = ''
+        if (any(self%view%proof%wanted)) text = self%view%proof%summary()
+    end function proof_summary
+
+    !> Gives back the memory of the proof.
+    subroutine close(self)
+        class(row_maker_t), intent(inout) :: self
+        call self%view%proof%close()
+    end subroutine close
 
 end module spintop_trajectory_columns

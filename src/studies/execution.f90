@@ -51,8 +51,8 @@ contains
         outputs = ' -> ' // job%files%table
         if (job%files%statistics /= '') outputs = outputs // ', its statistics -> ' // job%files%statistics
         if (job%files%events /= '') outputs = outputs // ', its events -> ' // job%files%events
-        call summary%headline(job%input%path // ': ' // study%explain(job) // outputs)
-        if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%cases(job)))
+        call summary%headline(job%input%path // ': ' // study%phrase // outputs)
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%count))
         if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)
         if (study%info%has_case) call summary%describe_motion(job%case)
         if (job%axes%cases > 0) call summary%describe_axes(job%axes)
@@ -61,7 +61,7 @@ contains
         call summary%print('! ', .true., lines)
         if (allocated(job%plan%reason)) then
             call append(lines, '!')
-            call append_wrapped(lines, '! ', job%plan%reason // study%remark(job), 0, min(line_width, output_width()))
+            call append_wrapped(lines, '! ', job%plan%reason, 0, min(line_width, output_width()))
         end if
     end subroutine explain_job
 

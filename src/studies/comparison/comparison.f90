@@ -98,10 +98,6 @@ module spintop_comparison
 
     !> A kind of comparison, with its plan and what it counts.
     type, abstract, extends(study_t) :: comparison_t
-        !> Description of the computation in a phrase.
-        character(:), allocatable :: phrase
-        !> Number of problems.
-        integer(int64) :: count = 1
         type(method_choice_t), allocatable :: choices(:)
         !> The attempts on the current problem that become rows.
         type(attempt_t), allocatable :: attempts(:)
@@ -115,8 +111,6 @@ module spintop_comparison
         !> Attempts on each problem, as far as they are known, and those done.
         integer(int64) :: attempts_each = 1, done = 0
     contains
-        procedure :: cases
-        procedure :: explain
         procedure :: run
         procedure :: try_all
         procedure :: count_attempts
@@ -167,21 +161,6 @@ module spintop_comparison
     real(dp), parameter :: between_looks = 1.0e-3_dp
 
 contains
-
-    !> Number of problems.
-    integer(int64) function cases(self, job)
-        class(comparison_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        cases = self%count
-    end function cases
-
-    !> Description of the computation in a phrase.
-    function explain(self, job) result(phrase)
-        class(comparison_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
-        phrase = self%phrase
-    end function explain
 
     !> Lines of the header after the columns; none unless the kind overrides this.
     function remarks(self) result(lines)

@@ -43,7 +43,6 @@ module spintop_fit_study
         type(sensitivities_t) :: sought
     contains
         procedure :: check
-        procedure :: explain
         procedure :: run
     end type fit_study_t
 
@@ -93,6 +92,8 @@ contains
         end if
         if (problems%any()) return
         unknown = size(self%sought%keys)
+        self%phrase = 'a fit of ' // counted(unknown, 'parameter') // ' to ' // counted(self%measured%size(), 'measurement') // &
+                      ' at ' // counted(size(self%measured%t), 'time')
         allocate (model)
         call model%prepare(job%input%scene, self%sought%keys, job%case, job%plan, self%measured)
         call check_measurements(self%measured, job%input%scene%fit, knows_start, job%case, model, &
@@ -143,15 +144,6 @@ contains
                                                       ' s', 'omit t_end')
         end associate
     end subroutine set_span
-
-    !> Numbers of parameters and measurements.
-    function explain(self, job) result(phrase)
-        class(fit_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
-        phrase = 'a fit of ' // counted(size(self%sought%keys), 'parameter') // ' to ' // &
-                 counted(self%measured%size(), 'measurement') // ' at ' // counted(size(self%measured%t), 'time')
-    end function explain
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
     subroutine run(self, job, options, summary, code, error)
@@ -303,7 +295,7 @@ contains
 
         m = size(minimum%residuals)
         n = size(minimum%x)
-        call summary%headline(job%input%path // ': ' // self%explain(job) // ' -> ' // job%files%table // ', ' // &
+        call summary%headline(job%input%path // ': ' // self%phrase // ' -> ' // job%files%table // ', ' // &
                               residual_path(job%files%table))
         call summary%describe_plan(job%plan)
         do i = 1, n

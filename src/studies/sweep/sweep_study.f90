@@ -35,7 +35,7 @@ module spintop_sweep_study
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: sweep_study_t, compute_cases, forecast_sweep
+    public :: sweep_study_t, compute_cases
 
     !> The first sample: places in the range of the cases, and consecutive cases at each. Where whole blocks at so many places
     !> are fast, they are the sample: a case of a whole block costs less.
@@ -60,10 +60,8 @@ module spintop_sweep_study
     type, extends(study_t) :: sweep_study_t
     contains
         procedure :: check
-        procedure :: explain
         procedure :: run
         procedure :: complete
-        procedure :: remark
         procedure :: forecast
     end type sweep_study_t
 
@@ -81,17 +79,11 @@ contains
         if (job%axes%cases == 0) return
         call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
+        self%count = job%axes%cases
+        self%phrase = 'a sweep of ' // to_text(self%count) // ' cases, of which this is the first'
+        if (job%first > 1) self%phrase = 'a sweep of ' // to_text(self%count) // ' cases, of which this is number ' // &
+                                         to_text(job%first) // ', the first that can be computed'
     end subroutine check
-
-    !> Number of cases.
-    function explain(self, job) result(phrase)
-        class(sweep_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase, which
-        which = 'the first'
-        if (job%first > 1) which = 'number ' // to_text(job%first) // ', the first that can be computed'
-        phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is ' // which
-    end function explain
 
     !> Computes all cases, or those of one part, and writes the table. After an error the part of the table that
     !> is complete stays, where a later run can resume it. Only the writer among the ranks has a summary, and a
@@ -242,40 +234,24 @@ contains
         call summary%add_failures('cases', table%counts)
     end subroutine describe_sweep
 
-    !> Plans the statistics.
+    !> Plans the statistics, and says whether cases are integrated.
     subroutine complete(self, job, problems)
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        call choose_statistics(job, problems)
-    end subroutine complete
-
-    !> Whether a sweep integrates its cases numerically.
-    function remark(self, job) result(text)
-        class(sweep_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: text
         logical :: work(kinds_of_work)
-        text = ''
-        if (.not. job%case%body%has_closed_nutation()) return
+        call choose_statistics(job, problems)
+        if (problems%any()) return
         work = work_for(job%columns)
         ! Beside the formulas of a fast top.
-        if (asks_for_span(work) .or. work(of_details)) return
-        text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
-    end function remark
+        if (.not. job%case%body%has_closed_nutation() .or. asks_for_span(work) .or. work(of_details)) return
+        job%plan%reason = job%plan%reason // ' The selected columns need only the closed form of the nutation: no case is &
+                                             &integrated.'
+    end subroutine complete
 
-    !> The table, memory and time, from a sample of the cases.
+    !> The table, memory and time, from a sample of the cases. At least one place of it is computed, however long that takes.
     subroutine forecast(self, job, options, summary)
         class(sweep_study_t), intent(in) :: self
-        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
-        type(options_t), intent(in) :: options !! options of the command line
-        type(summary_t), intent(inout) :: summary !! lines are added
-        call forecast_sweep(job, options, summary)
-    end subroutine forecast
-
-    !> Adds lines on the table, the memory and the time. At least one place of the sample is computed, however long that
-    !> takes.
-    subroutine forecast_sweep(job, options, summary)
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
@@ -311,7 +287,7 @@ contains
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
                          duration(sample%time))
         if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
-    end subroutine forecast_sweep
+    end subroutine forecast
 
     !> Computing time of a case, s.
     pure real(dp) function each(self)

@@ -85,7 +85,7 @@ module spintop_motion_rows
     contains
         procedure :: observe
         procedure :: set_columns
-        procedure, private :: write_row
+        procedure, private :: write_row, keep_row
     end type writer_t
 
     !> The motions of a job with other values of its keys.
@@ -241,7 +241,10 @@ contains
                 end if
             end if
         end if
-        call check_values(writer, outcome)
+        if (writer%is_undefined) then
+            outcome%status = status_non_finite
+            outcome%t = writer%t_undefined
+        end if
         call writer%progress%finish()
     end subroutine compute_motion
 
@@ -284,15 +287,6 @@ contains
         end associate
     end subroutine compute_again
 
-    !> Sets the status of a motion with undefined values.
-    subroutine check_values(writer, outcome)
-        type(writer_t), intent(in) :: writer
-        type(outcome_t), intent(inout) :: outcome
-        if (.not. writer%is_undefined) return
-        outcome%status = status_non_finite
-        outcome%t = writer%t_undefined
-    end subroutine check_values
-
     !> The exact solution at equally spaced times, up to the event that ends the motion.
     subroutine sample_exactly(case, plan, writer, outcome, recorder)
         type(case_t), intent(in) :: case
@@ -302,7 +296,8 @@ contains
         type(event_recorder_t), intent(inout), optional :: recorder
         type(exact_path_t) :: path
         type(motion_t) :: motion
-        real(dp) :: t_end, t_known, t
+        real(dp) :: t_end, t_known, t, values(size(writer%chosen))
+        logical :: are_angles
         integer :: i, rows
 
         if (allocated(writer%path)) then
@@ -327,6 +322,7 @@ contains
         if (allocated(writer%asked)) rows = size(writer%asked)
         call path%restart(case, looks_per_step * plan%max_steps + rows)
         path%counts_turns = writer%counts_turns
+        are_angles = writer%columns%wants_angles_of(path%exact)
         do i = 1, rows
             if (allocated(writer%asked)) then
                 t = writer%asked(i)
@@ -334,13 +330,18 @@ contains
                 t = sample_time(t_end, rows, i)
             end if
             if (.not. is_ok(outcome%status) .and. t > t_known) exit
-            call path%at(t, motion)
-            if (path%is_spent()) then
-                outcome%status = status_step_limit
-                t_known = outcome%t
-                exit
+            if (are_angles) then
+                call writer%columns%find_exact_row(path%exact, t, values)
+                call writer%keep_row(t, values)
+            else
+                call path%at(t, motion)
+                if (path%is_spent()) then
+                    outcome%status = status_step_limit
+                    t_known = outcome%t
+                    exit
+                end if
+                call writer%write_row(motion)
             end if
-            call writer%write_row(motion)
             if (writer%has_enough) exit
             outcome%t = t
         end do
@@ -374,22 +375,27 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         self%last = motion
-        associate (values => self%columns%row(motion, work=self%work))
-            self%is_undefined = .not. self%columns%is_defined(values)
-            self%t_undefined = motion%t
-            self%has_enough = self%is_undefined
-            if (self%is_undefined) return
-            self%rows = self%rows + 1
-            if (allocated(self%kept)) then
-                self%kept(:, self%rows) = values
-            else
-                call self%table%add_row(values, self%error)
-            end if
-        end associate
-        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
-        if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
-        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+        call self%keep_row(motion%t, self%columns%row(motion, work=self%work))
     end subroutine write_row
+
+    !> Writes the values of a row at a time t, s.
+    subroutine keep_row(self, t, values)
+        class(writer_t), intent(inout) :: self
+        real(dp), intent(in) :: t, values(:)
+        self%is_undefined = .not. self%columns%is_defined(values)
+        self%t_undefined = t
+        self%has_enough = self%is_undefined
+        if (self%is_undefined) return
+        self%rows = self%rows + 1
+        if (allocated(self%kept)) then
+            self%kept(:, self%rows) = values
+        else
+            call self%table%add_row(values, self%error)
+        end if
+        self%has_enough = allocated(self%error) .or. t >= self%t_stop
+        if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
+        call self%progress%update(int(t / self%t_end * self%total, int64))
+    end subroutine keep_row
 
     !> The derivatives and their errors in each row.
     subroutine find_sensitivities(job, columns, base, cells, error)

@@ -36,7 +36,6 @@ module spintop_trajectory_study
     type, extends(study_t) :: trajectory_study_t
     contains
         procedure :: check
-        procedure :: explain
         procedure :: run
         procedure :: forecast
     end type trajectory_study_t
@@ -59,7 +58,12 @@ contains
         type(scene_t), allocatable :: scene
 
         call job%make_first_case(scene, problems, planned=.true.)
-        if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
+        if (problems%any()) return
+        self%phrase = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' // to_text(job%case%t_end) // ' s'
+        associate (body => job%case%body, start => job%case%start)
+            if (sleeps_slowly(body, start)) call problems%warn('initial', slow_sleeper(body, start), &
+                                                               'start with a tilt, such as 1e-6 rad, or spin faster')
+        end associate
     end subroutine check
 
     !> What the proof will cost.
@@ -70,22 +74,6 @@ contains
         type(summary_t), intent(inout) :: summary !! lines are added
         call describe_proof_cost(job, summary)
     end subroutine forecast
-
-    !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
-    subroutine warn_of_slow_sleeper(case, problems)
-        type(case_t), intent(in) :: case
-        type(problems_t), intent(inout) :: problems
-        if (.not. sleeps_slowly(case%body, case%start)) return
-        call problems%warn('initial', slow_sleeper(case%body, case%start), 'start with a tilt, such as 1e-6 rad, or spin faster')
-    end subroutine warn_of_slow_sleeper
-
-    !> Number of rows, and time span.
-    function explain(self, job) result(phrase)
-        class(trajectory_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
-        phrase = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' // to_text(job%case%t_end) // ' s'
-    end function explain
 
     !> Computes the motion; the study fails if it ends early.
     subroutine run(self, job, options, summary, code, error)

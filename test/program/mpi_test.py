@@ -83,7 +83,8 @@ def test_same_bytes(spin, text, cases, code):
     assert whole.count(b"\n") > cases
     output = spin.folder / "output"
     for ranks, threads in ((1, 1), (2, 1), (4, 1), (3, 2)):
-        run = ranked(spin, "scene.nml", "--threads", str(threads), ranks=ranks, code=code)
+        words = ("scene.nml", "--verbose", "--threads", str(threads))
+        run = ranked(spin, *words, ranks=ranks, code=code)
         assert run.path.read_bytes() == whole
         assert (output / "scene.log").read_text(encoding="utf-8") == run.out
         team = f"{ranks} ranks x {threads} threads" if ranks > 1 else f"{threads} threads"

@@ -1,4 +1,4 @@
-"""An effect, a method and a watch are added as `doc/developing.md` says, in few lines.
+"""An effect, a method, a watch and columns are added as `doc/developing.md` says, in few lines.
 
 A copy of the sources takes the patches in `test/additions`, and is built once. It has a second
 effect, too, which only the loads know: everything else has to see that it does not know this one.
@@ -20,9 +20,11 @@ from mechanics import runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
 """A torque in body axes that decays; Heun's method of order 3; the largest height of the centre."""
+COLUMNS_ADDED = ("sweep_column", "trajectory_column")
+"""cos(theta) at the end of a span; the magnitude of the angular velocity."""
 OF_LOADS = "effect_of_loads"
 """A torque in body axes that is divided by 1 + t."""
-MOST_LINES = 40
+MOST_LINES, MOST_OF_COLUMN = 40, 5
 PATIENCE = 3600  # s
 
 
@@ -41,7 +43,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
         shutil.copytree(ROOT / name, root / name, symlinks=True)
     shutil.copy(ROOT / "fpm.toml", root)
     (root / ".venv").symlink_to(ROOT / ".venv")
-    for name in (*ADDITIONS, OF_LOADS):
+    for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
         patch = ROOT / f"test/additions/{name}.patch"
         subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
     environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
@@ -164,6 +166,28 @@ def distance(a: np.ndarray, b: np.ndarray) -> float:
 def test_additions_are_short() -> None:
     """The effect, the method and the watch take fewer lines than a page has."""
     assert sum(map(added, ADDITIONS)) < MOST_LINES
+
+
+@pytest.mark.parametrize("name", COLUMNS_ADDED)
+def test_column_is_a_line(name: str) -> None:
+    """A line of the registry, its number, and where that is computed."""
+    assert added(name) <= MOST_OF_COLUMN
+
+
+def test_new_columns_have_values(copy: Spin) -> None:
+    """Also in another unit, and as a derivative."""
+    output = "&output columns = 't', 'omega1', 'omega2', 'omega3', 'speed', 'speed_rpm' /"
+    row = rows(copy, scene(SMOOTH, "", output))[-1]
+    omega = np.array([float(row[f"omega{i}"]) for i in (1, 2, 3)])
+    assert abs(float(row["speed"]) - np.linalg.norm(omega)) < 1e-14 * np.linalg.norm(omega)
+    assert abs(float(row["speed_rpm"]) * math.pi / 30 / float(row["speed"]) - 1) < 1e-14
+    sweep = (
+        "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega(3)' values(1,:) = 9, 10 /\n"
+        "&output columns = 'theta_end', 'gamma3_end', 'gamma3_end__initial.omega(3)' /"
+    )
+    for case in rows(copy, scene(SMOOTH, "", sweep)):
+        assert abs(float(case["gamma3_end"]) - math.cos(float(case["theta_end"]))) < 1e-15
+        assert math.isfinite(float(case["gamma3_end__initial.omega(3)"]))
 
 
 def test_lists_have_them(copy: Spin) -> None:

@@ -94,8 +94,9 @@ def test_numbers_are_true(spin):
 @needs_flint
 @pytest.mark.parametrize("name", ["free_tensor", "heavy_tensor", "grioli"])
 def test_products_of_inertia(spin, name):
-    """Certified digits of bodies with tensors are those of the set, and `verify` finds what is not."""
-    columns = "output.columns=" + ",".join(["t", *Q, *OMEGA, "omega1_bound", "orientation_bound", "proof"])
+    """Certified digits are those of the set, and `verify` finds what is not."""
+    names = ["t", *Q, *OMEGA, "omega1_bound", "orientation_bound", "proof"]
+    columns = "output.columns=" + ",".join(names)
     scene = (REFERENCE / "inputs" / f"{name}.nml").read_text(encoding="utf-8")
     printed = spin(scene, columns).rows
     assert set(printed.proof) == {"proved"}

@@ -69,7 +69,7 @@ module spintop_netcdf_table
         type(netcdf_description_t) :: description
         !> The part: its header, and then the rows as they are in memory.
         character(:), allocatable :: part
-        character(checksum_width) :: checksum = ''
+        character(2 * checksum_width) :: checksum = ''
         !> What the file says of the rows; '' until they were read.
         character(:), allocatable :: summary
     contains
@@ -112,7 +112,7 @@ contains
     subroutine write_netcdf_table(path, description, part, checksum, error)
         character(*), intent(in) :: path, part !! paths of the table and of the part
         type(netcdf_description_t), intent(in) :: description !! all but the rows
-        character(checksum_width), intent(in) :: checksum !! of the bytes of the part, as `table_end_t` has it
+        character(2 * checksum_width), intent(in) :: checksum !! of the bytes of the part, as `table_end_t` has it
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_contents_t) :: contents
         contents%description = description

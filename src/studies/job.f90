@@ -28,7 +28,7 @@ module spintop_job
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t, compare_with_writer, study_head, study_facts, print_input
+    public :: job_t, compare_with_writer, study_head, print_input
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000
@@ -291,15 +291,6 @@ contains
 
         beginning = ''
         if (present(part)) beginning = part
-        call study_facts(job, facts, input)
-        head = header_of(beginning, facts, input, columns, remarks)
-    end function study_head
-
-    !> What the header says of a job, and its resolved input.
-    subroutine study_facts(job, facts, input)
-        type(job_t), intent(in) :: job !! the job
-        type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
-        type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
         if (allocated(job%plan%model)) then
             call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
@@ -308,7 +299,8 @@ contains
                               dated=.true., facts=facts)
         end if
         call print_input(job, input)
-    end subroutine study_facts
+        head = header_of(beginning, facts, input, columns, remarks)
+    end function study_head
 
     !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
     !> input gives something.

@@ -8,7 +8,7 @@ import pytest
 
 from conftest import MPI, needs_mpi, under
 from spintop_figures.registry import FIGURES
-from spintop_figures.sweeps.statistics import indices_of
+from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
 
 # Released at rest, so that maximum inclination and period of precession have formulas.
@@ -230,7 +230,8 @@ def test_netcdf(spin):
         pytest.skip("no NetCDF")
     path = compute(spin, FAILING).path
     one, other = (
-        indices_of(read_table(path.with_name(f"scene.statistics.{kind}"))) for kind in ("nc", "csv")
+        rows_beside(read_table(path.with_name(f"scene.statistics.{kind}")), "indices")
+        for kind in ("nc", "csv")
     )
     assert list(one) == list(other)
     for name in one:
@@ -304,7 +305,7 @@ def test_dots(spin):
     assert FIGURE.refusal(table) == ""
     panels = FIGURE.draw(table).axes
     assert len(panels) == 3
-    expected = indices_of(table)
+    expected = rows_beside(table, "indices")
     for column, axes in zip(expected["column"].unique(), panels, strict=True):
         rows = expected[expected["column"] == column]
         for label, index in (("first order", "first_order"), ("total", "total")):

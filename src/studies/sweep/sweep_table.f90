@@ -5,10 +5,9 @@ module spintop_sweep_table
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_resumable_table, only: resumable_table_t
+    use spintop_row_table, only: row_table_t
     use spintop_job, only: job_t, print_input
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
     use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
@@ -39,7 +38,7 @@ contains
     subroutine describe_table(job, shard, table, head)
         type(job_t), intent(in) :: job !! the job
         type(shard_t), intent(in) :: shard !! the part
-        class(resumable_table_t), allocatable, intent(out) :: table !! not yet started
+        class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
         type(statistics_table_t), allocatable :: with_statistics
 
@@ -49,31 +48,16 @@ contains
             if (.not. job%keeps_rows()) head = with_statistics%result_head
             call move_alloc(with_statistics, table)
         else
-            allocate (resumable_table_t :: table)
+            allocate (row_table_t :: table)
         end if
         call describe_columns(job, table%columns)
         if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
             allocate (table%netcdf)
-            call describe_netcdf(job, shard, table%columns, table%netcdf)
+            table%netcdf%axes = grid_of(job%axes)
+            if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
         if (job%keeps_rows()) call make_head(job, shard, table%columns, head)
     end subroutine describe_table
-
-    !> The table of a job as a NetCDF file.
-    subroutine describe_netcdf(job, shard, columns, description)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(table_column_t), intent(in) :: columns(:)
-        type(netcdf_description_t), intent(out) :: description
-        type(fact_t) :: facts(fact_count)
-
-        call gather(job, facts, description%input)
-        description%facts = facts
-        description%columns = columns
-        description%axes = grid_of(job%axes)
-        description%part = shard%beginning(job%axes%cases)
-        if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
-    end subroutine describe_netcdf
 
     !> The header of a table of a job with these columns.
     subroutine make_head(job, shard, columns, head)
@@ -83,31 +67,6 @@ contains
         character(:), allocatable, intent(out) :: head !! ready to write
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:)
-
-        call gather(job, facts, input)
-        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
-    end subroutine make_head
-
-    !> What is gathered of the rows of a table.
-    subroutine describe_statistics(job, shard, table)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(statistics_table_t), intent(inout) :: table
-
-        table%keeps_rows = job%keeps_rows()
-        table%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
-        table%plan = job%statistics
-        table%is_part = shard%is_part()
-        table%result_path = job%files%table
-        if (job%keeps_rows()) table%result_path = job%files%statistics
-        call make_head(job, shard, result_columns(table%plan), table%result_head)
-    end subroutine describe_statistics
-
-    !> Provenance of the table, and the resolved input.
-    subroutine gather(job, facts, input)
-        type(job_t), intent(in) :: job
-        type(fact_t), intent(out) :: facts(fact_count)
-        type(string_t), allocatable, intent(out) :: input(:)
         character(:), allocatable :: method
         integer :: i
         call print_input(job, input)
@@ -120,7 +79,22 @@ contains
             end do
         end if
         call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
-    end subroutine gather
+        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
+    end subroutine make_head
+
+    !> What is gathered of the rows of a table.
+    subroutine describe_statistics(job, shard, table)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        type(statistics_table_t), intent(inout) :: table
+
+        table%keeps_rows = job%keeps_rows()
+        table%plan = job%statistics
+        table%is_part = shard%is_part()
+        table%result_path = job%files%table
+        if (job%keeps_rows()) table%result_path = job%files%statistics
+        call make_head(job, shard, result_columns(table%plan), table%result_head)
+    end subroutine describe_statistics
 
     !> The grid of the cases: that of the axes, or a single dimension.
     function grid_of(axes) result(grid)

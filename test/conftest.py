@@ -152,6 +152,20 @@ class Run:
         return self.comments[-2].removeprefix("status: ")
 
 
+def execute(
+    *words: object,
+    code: int | tuple[int, ...] | None = 0,
+    environment: dict[str, str] | None = None,
+    **options: object,
+) -> subprocess.CompletedProcess[str]:
+    """Run a command, whose exit code is `code` or one of them, or any if that is None."""
+    given = {"env": os.environ | (environment or {}), "text": True} | options
+    done = subprocess.run(list(map(str, words)), capture_output=True, check=False, **given)
+    wanted = code if isinstance(code, tuple) else (code,)
+    assert code is None or done.returncode in wanted, (words, done.stdout + done.stderr)
+    return done
+
+
 class Spin:
     """Runs the program in a folder, which has its tables in the folder `output`."""
 
@@ -174,17 +188,8 @@ class Spin:
         **options: object,
     ) -> Run:
         """Call the program, whose exit code is `code` or one of them, and whose table is `path`."""
-        done = subprocess.run(
-            [*command, *words],
-            cwd=self.folder,
-            env=os.environ | (environment or {}),
-            capture_output=True,
-            text=True,
-            check=False,
-            **options,
-        )
-        wanted = code if isinstance(code, tuple) else (code,)
-        assert done.returncode in wanted, (words, done.returncode, done.stdout + done.stderr)
+        given = {"code": code, "environment": environment, "cwd": self.folder} | options
+        done = execute(*command, *words, **given)
         return Run(done.returncode, done.stdout, done.stderr, self.folder / path)
 
     def __call__(

@@ -1,10 +1,9 @@
 """Containers and Debian packages: their recipes on a bare Debian 12, and what they give there."""
 
 import re
-import subprocess
 import unittest
 
-from conftest import ROOT
+from conftest import ROOT, execute
 
 PACKAGING = ROOT / "packaging"
 SAME = "spintop --quiet -o /tmp/o input/slow_top.nml && grep -q '^# status: ok' /tmp/o/slow_top.csv"
@@ -29,12 +28,7 @@ class PackagesTest(unittest.TestCase):
 
     def try_commands(self, commands: tuple[str, ...]) -> None:
         """Run commands on a bare system; each must succeed."""
-        done = subprocess.run(
-            [ROOT / "scripts/fresh_machine", "bookworm", *commands],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = execute(ROOT / "scripts/fresh_machine", "bookworm", *commands, code=None)
         if done.stdout.endswith("0 passed, 0 failed\n"):
             self.skipTest(done.stderr.strip())
         expected = f"{len(commands)} passed, 0 failed\n"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from netCDF4 import Dataset
 
-from conftest import EXE
+from conftest import EXE, execute
 from plot_case import (
     SCRIPTS,
     TableCase,
@@ -51,14 +51,7 @@ class DamagedCase(TableCase):
 
     def run_program(self, *arguments: str | Path) -> subprocess.CompletedProcess:
         """Run spintop in the folder."""
-        return subprocess.run(
-            [EXE, *arguments],
-            cwd=self.folder,
-            capture_output=True,
-            check=False,
-            text=True,
-            errors="surrogateescape",
-        )
+        return execute(EXE, *arguments, code=None, cwd=self.folder, errors="surrogateescape")
 
 
 class DamagedFilesTest(DamagedCase):
@@ -195,17 +188,12 @@ class DamagedFilesTest(DamagedCase):
         """A name that is none in the encoding of the locale."""
         name = os.fsdecode(b"caf\xe9.csv")
         path = self.put(name, a_trajectory(["t", "R1", "R2", "R3", "R4"]))
-        run = subprocess.run(
-            [sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv"],
-            capture_output=True,
-            check=False,
-            encoding="ascii",
-            env=os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"},
-            errors="surrogateescape",
-        )
+        words = (sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv")
+        ascii_ = {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
+        told = {"encoding": "ascii", "errors": "surrogateescape"}
+        run = execute(*words, code=2, environment=ascii_, **told)
         self.check_words(run.stderr)
         self.assertIn(r"no\xff.csv: no such file", run.stderr)
-        self.assertEqual(run.returncode, 2)
         made = {entry for entry in os.listdir(os.fsencode(self.folder)) if entry.endswith(b".svg")}
         self.assertEqual(made, {b"caf\xe9_residuals.svg"})
 

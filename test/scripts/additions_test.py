@@ -6,7 +6,6 @@ effect, too, which only the loads know: everything else has to see that it does 
 
 import faulthandler
 import math
-import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import ROOT, Run, Spin, output
+from conftest import ROOT, Run, Spin, execute, output
 from mechanics import runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
@@ -46,18 +45,10 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
     for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
         patch = ROOT / f"test/additions/{name}.patch"
         subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
+    environment = {"SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
-    build = subprocess.run(
-        ["bash", "-c", "source scripts/setup; build release"],
-        cwd=root,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-    assert build.returncode == 0, build.stderr[-2000:]
+    build = ("bash", "-c", "source scripts/setup; build release")
+    execute(*build, cwd=root, environment=environment)
     yield Spin(root)
     shutil.rmtree(root)
 

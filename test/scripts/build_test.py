@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, execute
 
 ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
 SAID = [
@@ -23,14 +23,8 @@ SAID = [
 
 def call(folder: Path, commands: str, **environment: str) -> subprocess.CompletedProcess:
     """Commands of a shell with the functions of scripts/setup, in a checkout."""
-    return subprocess.run(
-        ["bash", "-c", f"source scripts/setup; {commands}"],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ("bash", "-c", f"source scripts/setup; {commands}")
+    return execute(*words, code=None, cwd=folder, environment=environment)
 
 
 @pytest.fixture
@@ -108,21 +102,9 @@ def test_levels(tmp_path: Path, source: str, level: str) -> None:
     compiler.chmod(0o755)
     light = "-DSPINTOP_LIGHT=app:src/studies"
     full = "-DSPINTOP_FULL=src/studies/fit:src/studies/trial.f90"
-    done = subprocess.run(
-        [
-            ROOT / "scripts/compiler/gfortran",
-            "-c",
-            *source.split(),
-            "-O3",
-            light,
-            full,
-            "-I/src/studies/x y",
-        ],
-        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    words = ("-c", *source.split(), "-O3", light, full, "-I/src/studies/x y")
+    path = {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    done = execute(ROOT / "scripts/compiler/gfortran", *words, environment=path)
     words = done.stdout.splitlines()
     assert [word for word in words if word.startswith("-O")][-1] == level
     assert "-I/src/studies/x y" in words

@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -18,7 +17,7 @@ from comparing.equations import EQUATIONS, python_rates
 from comparing.problem import MOTIONS, Problem
 from comparing.program import RunError
 from comparing.scene import pose, read_scene, with_truth
-from conftest import ROOT
+from conftest import ROOT, execute
 from referencing.extrapolation import extrapolated
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.table import read_table
@@ -55,15 +54,8 @@ class CompareCase(unittest.TestCase):
 
     def compare(self, *arguments: object, **environment: str) -> subprocess.CompletedProcess:
         """Run the script."""
-        command = [sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments]
-        return subprocess.run(
-            list(map(str, command)),
-            capture_output=True,
-            text=True,
-            timeout=1200,
-            check=False,
-            env=os.environ | environment,
-        )
+        command = (sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments)
+        return execute(*command, code=None, environment=environment)
 
 
 class CompareTest(CompareCase):

@@ -65,31 +65,6 @@ class LiveTest(LiveCase):
         wait_for(lambda: pane.screenshot_as_png != before, "another chart")
         wait_for(lambda: self.text("t") == "2.000 s", "the time")
 
-    def test_threshold_of_sleep(self) -> None:
-        """The spin at which the top sleeps is written, marked, and can be set."""
-        self.choose("falling")
-        self.assertIn("upright it falls", self.text("sleep"))
-        self.assertIn("21.81 rad/s", self.text("sleep"))
-        self.assertIn("almost upright it falls", self.text("meaning"))
-        tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
-        self.assertTrue(tick.is_displayed())
-        widest = "return liveTop.track.thetaMax * 180 / Math.PI"
-        self.assertGreater(self.run_script(widest), 40)
-        self.part(self.section, "threshold").click()
-        wait_for(
-            lambda: abs(self.run_script("return liveTop.state.omega3") - THRESHOLD) < 1e-9,
-            "the threshold",
-        )
-        shown = float(self.control("omega3", "text").get_property("value"))
-        self.assertEqual(shown, self.run_script("return liveTop.state.omega3"))
-        box = self.control("omega3", "text")
-        self.type_into(box, "26\n")
-        wait_for(lambda: "upright it sleeps" in self.text("sleep"), "sleep")
-        self.assertIn("almost upright it sleeps", self.text("meaning"))
-        self.assertLess(self.run_script(widest), 3)
-        self.choose("example1")
-        wait_for(lambda: "upright it" not in self.text("meaning"), "a tilted top")
-
     def test_link(self) -> None:
         """The address holds the state, and another address is another state."""
         self.choose("wave")
@@ -593,14 +568,20 @@ class WalkTest(LiveCase):
         self.choose_by_title("Sleeping top, too slow")
         wait_for(lambda: "it falls" in self.read("meaning"), "a top that falls")
         self.assertIn("the threshold 21.81 rad/s: upright it falls", self.read("sleep"))
+        tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
+        self.assertTrue(tick.is_displayed())
         self.assertGreater(self.widest_tilt(), WIDE)
         self.part(self.section, "threshold").click()
-        box = self.control("omega3", "text")
-        wait_for(lambda: box.get_property("value").startswith("21.811"), "the threshold")
+        box, omega3 = self.control("omega3", "text"), "return liveTop.state.omega3"
+        wait_for(lambda: abs(self.run_script(omega3) - THRESHOLD) < 1e-9, "the threshold")
+        self.assertEqual(float(box.get_property("value")), self.run_script(omega3))
         self.press("omega3", Keys.ARROW_RIGHT, lambda: self.widest_tilt() < NARROW)
         self.assertIn("it sleeps", self.read("meaning"))
-        spin = float(self.control("omega3", "text").get_property("value"))
+        self.assertIn("upright it sleeps", self.read("sleep"))
+        spin = float(box.get_property("value"))
         self.assertTrue(21.8119 < spin < 24, spin)
+        self.choose("example1")
+        wait_for(lambda: "upright it" not in self.read("meaning"), "a tilted top")
 
     def see_a_cusp_become_a_loop(self) -> None:
         """Released at rest, the axis makes cusps; less precession makes loops, more makes waves."""

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, KIND, MPI, MPI_EXE, ROOT
+from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute
 from manual.pages import (
     Block,
     anchors_of,
@@ -173,16 +173,9 @@ class ManualCase(unittest.TestCase):
         """Run a command as a user would type it."""
         folders = [self.folder / "build/release", Path(sys.executable).parent]
         path = ":".join([*map(str, folders), os.environ["PATH"]])
-        return subprocess.run(
-            ["bash", "-c", command],
-            cwd=self.folder,
-            env=os.environ | MPI | {"PATH": path, "SPINTOP_EXE": str(EXE)},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=1200,
-        )
+        environment = MPI | {"PATH": path, "SPINTOP_EXE": str(EXE)}
+        given = {"cwd": self.folder, "environment": environment, "stdin": subprocess.DEVNULL}
+        return execute("bash", "-c", command, code=None, **given)
 
     def check_output(self, result: subprocess.CompletedProcess, expected: str) -> None:
         """A program has printed what the page says."""

@@ -284,6 +284,15 @@ class TableCase(unittest.TestCase):
         table = read_table(self.put("table1_path.csv", text))
         return " ".join(kind.name for kind in FIGURES if not kind.refusal(table))
 
+    def check_drawn(self, tables: dict[str, tuple[str, set[str]]]) -> None:
+        """The script draws these figures of tables, without a warning of the layout."""
+        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            assert self.call(*paths) == (0, "")
+        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
+        self.check_pictures(self.folder, expected)
+
     def check_pictures(self, folder: Path, expected: set[str]) -> None:
         """The folder holds these figures, as PNG and SVG with something on them."""
         names = {path.name for path in folder.iterdir() if path.suffix != ".csv"}

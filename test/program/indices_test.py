@@ -6,7 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from conftest import MPI, needs_mpi, under
 from spintop_figures.registry import FIGURES
 from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
@@ -188,39 +187,6 @@ def test_nothing_varies(spin):
     _, numbers = found(run, "theta_end")
     assert np.isfinite(numbers[:, [0, 3]]).all()
     assert np.isnan(numbers[:, [1, 2, 4, 5]]).all()
-
-
-def test_threads_rows_and_parts(spin):
-    """One and two threads, with rows and without, parts that cut groups, in any order."""
-    compute(spin, FAILING, "--threads=1", "--output=one")
-    compute(spin, FAILING, "--threads=2", "--output=two")
-    assert results(spin, "one") == results(spin, "two")
-    for part in range(1, 8):
-        compute(spin, FAILING, f"--shard={part}/7", "--output=parts")
-    tables = [f"parts/scene.{part}-of-7.csv" for part in (3, 7, 1, 2, 6, 4, 5)]
-    spin.call("merge", "parts/scene.csv", *tables, code=(0, 3))
-    assert results(spin, "one") == results(spin, "parts")
-
-
-@pytest.mark.parametrize("parts", [7, 13])
-def test_parts_shorter_than_groups(spin, parts):
-    """A group may lie in three parts, and a part may be empty."""
-    text = VECTOR.replace("cases = 64", "cases = 12")
-    compute(spin, text, "--output=one")
-    for part in range(1, parts + 1):
-        compute(spin, text, f"--shard={part}/{parts}", "--output=parts")
-    states = [f"parts/scene.{k}-of-{parts}.statistics.state" for k in range(parts, 0, -1)]
-    spin.call("merge", "parts/scene.statistics.csv", *states, code=(0, 3))
-    assert results(spin, "one") == results(spin, "parts")
-
-
-@needs_mpi
-def test_ranks(spin):
-    """Three ranks."""
-    compute(spin, FAILING, "--output=one")
-    words = ("scene.nml", "--threads", "1", "-o", "ranks")
-    spin.call(*words, command=under(3), environment=MPI, code=(0, 3))
-    assert results(spin, "one") == results(spin, "ranks")
 
 
 def test_netcdf(spin):

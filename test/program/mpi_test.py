@@ -9,8 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, under, wait_until
+from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, netcdf_is_missing, under, wait_until
+from indices_test import FAILING
+from netcdf_test import GRID, LONG
+from safe_files_test import NETCDF
 from slow_sweep import FAST, SLOW, STEPPING, STEPS, Sweep, undisturbed
+from statistics_test import BARE, MAP
 
 pytestmark = [pytest.mark.slow, needs_mpi]
 
@@ -60,6 +64,7 @@ def axis(count, text=SLOW):
     return text.replace("count(1) = 1000", f"count(1) = {count}")
 
 
+needs_netcdf = pytest.mark.skipif(netcdf_is_missing() != "", reason="no NetCDF")
 TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
 
 
@@ -75,21 +80,33 @@ TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 5
         (axis(3, FAST), 3, 0),
         # The exit code of failing cases is that of the run.
         (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
+        # Statistics, with rows and without, and indices; NetCDF.
+        (MAP, 800, (0, 3)),
+        (BARE, 0, (0, 3)),
+        (FAILING, 400, (0, 3)),
+        pytest.param(GRID + NETCDF, 0, 3, marks=needs_netcdf),
+        pytest.param(LONG + NETCDF, 0, 0, marks=needs_netcdf),
     ],
 )
 def test_same_bytes(spin, text, cases, code):
     """The tables of any ranks and threads are that of the program without MPI."""
-    whole = spin(text, "--output=alone", code=code).path.read_bytes()
-    assert whole.count(b"\n") > cases
-    output = spin.folder / "output"
+    alone, output = spin(text, "--output=alone", code=code).path.parent, spin.folder / "output"
+    whole = {path.name: path.read_bytes() for path in alone.iterdir() if path.suffix != ".log"}
+    assert max(content.count(b"\n") for content in whole.values()) > cases
     for ranks, threads in ((1, 1), (2, 1), (4, 1), (3, 2)):
+<<<<<<< HEAD
         words = ("scene.nml", "--verbose", "--threads", str(threads))
         run = ranked(spin, *words, ranks=ranks, code=code)
         assert run.path.read_bytes() == whole
+=======
+        run = ranked(spin, "scene.nml", "--threads", str(threads), ranks=ranks, code=code)
+        for name, content in whole.items():
+            assert (output / name).read_bytes() == content, name
+>>>>>>> 367790b5 (Threads and parts of sweeps are one test, ranks another)
         assert (output / "scene.log").read_text(encoding="utf-8") == run.out
         team = f"{ranks} ranks x {threads} threads" if ranks > 1 else f"{threads} threads"
         assert f" s on {team}, " in run.out
-        assert sorted(path.name for path in output.iterdir()) == ["scene.csv", "scene.log"]
+        assert {path.name for path in output.iterdir()} == {*whole, "scene.log"}
 
 
 def test_several_inputs_and_parts(spin, slow):

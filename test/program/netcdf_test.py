@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from conftest import GOOD, MPI, files_of, merge, needs_mpi, netcdf_is_missing, under, wait_until
+from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from spintop_figures.sweeps.scatter import object_to_scatter
 from spintop_figures.tables.netcdf import read_netcdf
@@ -131,16 +131,6 @@ def test_conventions(spin):
     assert again.read_bytes() == path.read_bytes()
 
 
-@needs_mpi
-@pytest.mark.parametrize(("text", "code"), [(GRID, 3), (LONG, 0)])
-def test_ranks(spin, text, code):
-    """Under MPI the bytes are the same."""
-    whole = sweep(spin, text, code=code).read_bytes()
-    words = ("scene.nml", "--set", NETCDF, "-o", "ranks")
-    spin.call(*words, command=under(3), environment=MPI, code=code)
-    assert (spin.folder / "ranks/scene.nc").read_bytes() == whole
-
-
 def test_notes(spin):
     """A bit for each thing noted, where the CSV has it and its reason."""
     texts = spin(GRID, code=3).texts.notes
@@ -169,19 +159,6 @@ def test_refusals(spin):
         ([NETCDF, "output.compression=10"], "must be in [0, 9]"),
     ):
         assert reason in spin.refuse(GRID, *settings)
-
-
-def test_disk_that_fills_up(spin, disk):
-    """Exit code 4; what was written is kept, and a run with more room goes on with it."""
-    path = disk("256k")
-    said = spin(LONG, NETCDF, "--output=disk", code=4).stderr
-    assert "No space left on device" in said
-    assert "--resume resumes the run" in said
-    left = sorted(path.name for path in path.iterdir())
-    assert left == ["scene.nc.journal", "scene.nc.part"]
-    disk("16m")
-    table = sweep(spin, LONG, "--output=disk", "--resume")
-    assert table.read_bytes() == sweep(spin, LONG).read_bytes()
 
 
 def test_places_that_cannot_be_written(spin):

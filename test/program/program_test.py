@@ -133,14 +133,14 @@ def test_one_bad_input_stops_all(spin):
     assert spin.produced() == set()
 
 
-def test_threads_do_not_change_a_sweep(spin):
-    """The same bytes on one thread and on two, with more cases than a block holds."""
+def test_a_grid_of_cases(spin):
+    """Its values, equally spaced and by ratios, with more cases than a block holds."""
     text = GOOD.replace("t_end = 0.5", "t_end = 0.05").split("&output")[0]
     text = text.replace("theta = 0.19634954084936207", "theta_deg = 5") + SWEPT
     text += "&sweep parameter(1) = 'initial.theta_deg', from(1) = 1,"
     text += " to(1) = 179, count(1) = 15, parameter(2) = 'initial.psi_rate', from(2) = 0.1,"
     text += " to(2) = 1000, count(2) = 14, spacing(2) = 'log' /\n"
-    rows = same_on_threads(spin, text, 1, 2, 5).rows
+    rows = spin(text).rows
     assert len(rows) == 210
     assert list(rows["initial.theta_deg"][:15]) == [1.0] * 14 + [1 + 178 / 14]
     rates = rows["initial.psi_rate"]
@@ -349,14 +349,6 @@ def test_table_1_without_a_step(spin, name, inertia):
     assert "exact" in next(line for line in run.comments if "method: " in line)
     assert set(run.rows.evaluations) == {0}
     check_table_1(run.rows, inertia, 1e-12, 1e-12)
-
-
-def test_long_sweeps_do_not_depend_on_threads(spin):
-    """Many blocks of cases; the same bytes on any number of threads."""
-    text = CLOSED.replace("    psi_rate = 1.0\n", "") + SWEPT
-    text += "&sweep parameter(1) = 'initial.psi_rate', from(1) = 0.01,"
-    text += " to(1) = 100, count(1) = 20000, spacing(1) = 'log' /\n"
-    assert len(same_on_threads(spin, text, 1, 2, 4).rows) == 20000
 
 
 def test_classes_of_motion(spin):

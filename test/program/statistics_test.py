@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import MPI, needs_mpi, under, wait_until
+from conftest import wait_until
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
 
@@ -180,40 +180,18 @@ def test_the_same_numbers_as_netcdf(spin):
             np.testing.assert_array_equal(found.high, rows["to"])
 
 
-def test_threads_rows_and_parts(spin):
-    """The same bytes of one and two threads, with rows and without, as a whole and in parts."""
-    swept(spin, MAP, "--threads=1", "--output=one")
-    swept(spin, MAP, "--threads=2", "--output=two")
-    assert results(spin, "one") == results(spin, "two")
+def test_rows_and_parts(spin):
+    """The same numbers with rows and without; a part without its statistics is refused."""
+    swept(spin, MAP, "--output=one")
     for part in ("1/3", "2/3", "3/3"):
         swept(spin, MAP, f"--shard={part}", "--output=parts")
-    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
-    spin.call("merge", "parts/map.csv", *tables, code=ANY)
-    assert results(spin, "one") == results(spin, "parts")
     (spin.folder / "parts/map.2-of-3.statistics.state").unlink()
+    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
     refused = spin.call("merge", "parts/map.csv", *tables, code=2)
     assert "map.2-of-3.statistics.state" in refused.stderr
-
     swept(spin, BARE, "--output=one", name="bare")
     assert numbers(results(spin, "one")) == numbers(results(spin, "one", "bare"))
     assert not (spin.folder / "one/bare.csv").exists()
-    for part in ("2/2", "1/2"):
-        swept(spin, BARE, f"--shard={part}", "--output=parts", name="bare")
-    states = [f"parts/bare.{part}-of-2.statistics.state" for part in (1, 2)]
-    said = spin.call("merge", "parts/bare.statistics.csv", *states, code=ANY).out
-    assert "2 parts, 868 cases" in said
-    assert results(spin, "one", "bare") == results(spin, "parts", "bare")
-
-
-@needs_mpi
-def test_ranks(spin):
-    """Three ranks, with rows and without."""
-    inputs = spin.write(MAP, "map.nml"), spin.write(SLOW, "bare.nml")
-    spin.call(*inputs, "-o", "one", code=ANY)
-    ranks = (*inputs, "--threads", "1", "-o", "ranks")
-    spin.call(*ranks, command=under(3), environment=MPI, code=ANY)
-    for name in ("map", "bare"):
-        assert results(spin, "one", name) == results(spin, "ranks", name)
 
 
 def test_damaged_parts(spin):

@@ -316,19 +316,6 @@ def test_two_runs_at_once(slow):
     slow.check()
 
 
-def test_a_disk_that_fills_up(slow, disk):
-    """Exit code 4; with more room it goes on."""
-    path = disk("256k")
-    said = slow("-o", "disk", code=4)
-    assert "No space left on device" in said
-    assert "slow.csv are kept; --resume resumes the run" in said
-    assert not (path / "slow.csv").exists()
-    slow("-o", "disk", "--resume", code=4)
-    disk("4m")
-    assert "rows of an interrupted run" in slow("-o", "disk", "--resume")
-    slow.check("disk")
-
-
 def test_a_file_that_may_not_grow(slow):
     """Exit code 4 and a message; without the limit it goes on."""
     said = slow(code=4, preexec_fn=files_of(200_000))

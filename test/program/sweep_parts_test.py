@@ -5,13 +5,56 @@ import re
 
 import pytest
 
-from conftest import EXE, GOOD, ROOT, merge
+from axes_test import HYPERCUBE
+from conftest import CLOSED, EXE, GOOD, ROOT, merge
+from indices_test import FAILING, VECTOR
 from slow_sweep import FAST, SLOW, STEPS, Sweep, undisturbed
+from statistics_test import BARE, MAP
 
 
 def parts_of(name, count):
     """The tables of the parts of a sweep."""
     return [f"output/{name}.{i}-of-{count}.csv" for i in range(1, count + 1)]
+
+
+CLOSED_FORMS = CLOSED.replace("    psi_rate = 1.0\n", "") + (
+    "&study kind = 'sweep' /\n&sweep parameter(1) = 'initial.psi_rate', from(1) = 0.01,"
+    " to(1) = 100, count(1) = 20000, spacing(1) = 'log' /\n"
+)
+FEW = VECTOR.replace("cases = 64", "cases = 12")  # a group of cases may lie in three parts
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        (CLOSED_FORMS, 3),  # many blocks of cases
+        (SLOW.replace("= 1000", "= 210").replace(STEPS, "steps = 10"), 2),
+        (HYPERCUBE, 3),
+        (HYPERCUBE.replace("latin_hypercube", "random"), 3),
+        (MAP, 3),
+        (BARE, 2),
+        (FAILING, 7),
+        (FEW, 7),
+        (FEW, 13),  # a part may be empty
+    ],
+)
+def test_threads_and_parts(spin, text, parts):
+    """The same bytes, of statistics too, on any threads, and merged from parts in any order."""
+    failing = (0, 3)
+    for n in (1, 2, 5):
+        spin(text, f"--threads={n}", f"--output={n}", code=failing)
+    for part in range(1, parts + 1):
+        spin(text, f"--shard={part}/{parts}", "--output=parts", code=failing)
+    kind = "statistics." * ("rows = 'none'" in text)
+    names = [
+        f"parts/scene.{i}-of-{parts}.{kind}{'state' if kind else 'csv'}"
+        for i in range(parts, 0, -1)
+    ]
+    spin.call("merge", f"parts/scene.{kind}csv", *names, code=failing)
+    tables = {path.name: path.read_bytes() for path in (spin.folder / "1").glob("*.csv")}
+    for folder in ("2", "5", "parts"):
+        for name, content in tables.items():
+            assert (spin.folder / folder / name).read_bytes() == content, (folder, name)
 
 
 @pytest.mark.slow
@@ -33,15 +76,6 @@ def test_three_parts_make_the_whole(spin):
     assert lines[0] == "# part 2 of 3: cases 335 to 667 of 1000"
     rows = [line.split(",")[0] for line in lines if not line.startswith("#")][1:]
     assert (rows[0], rows[-1]) == ("335", "667")
-
-
-def test_closed_forms_in_parts(spin):
-    """Where a block of cases is computed at once, it does not matter which."""
-    whole = spin(FAST).path.read_bytes()
-    for number in range(1, 8):
-        spin("scene.nml", f"--shard={number}/7")
-    merge(spin, "output/merged.csv", *parts_of("scene", 7))
-    assert (spin.folder / "output/merged.csv").read_bytes() == whole
 
 
 def test_parts_that_do_not_fit(spin):

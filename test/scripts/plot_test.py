@@ -4,7 +4,6 @@ import dataclasses
 import itertools
 import math
 import os
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -390,12 +389,7 @@ class PlotTest(TableCase):
             "all_well": (a_map(axes=1).rpartition("20,")[0], {"curves"}),
             "top.events": (some_events(), {"events", "sections"}),
         }
-        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", UserWarning)
-            assert self.call(*paths) == (0, "")
-        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
-        self.check_pictures(self.folder, expected)
+        self.check_drawn(tables)
 
     def draw(self, name: str = "a.csv", **environment: str) -> None:
         """A figure is drawn, and its files are named."""

@@ -6,7 +6,6 @@ import json
 import subprocess
 import unittest
 import unittest.mock
-import warnings
 
 import numpy as np
 import pytest
@@ -360,9 +359,4 @@ class PrecisionFiguresTest(TableCase):
             "two": (a_precision({"slow": 1.0, "wheel": 2.0}), curves),
             "grid": (a_map_of_problems(), {"tolerance_map"}),
         }
-        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", UserWarning)
-            assert self.call(*paths) == (0, "")
-        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
-        self.check_pictures(self.folder, expected)
+        self.check_drawn(tables)

@@ -3,6 +3,8 @@
 A test with the argument `spin` runs an input with `spin(TEXT, "group.key=value", "--option")`.
 """
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -12,10 +14,10 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pandas as pd
@@ -166,6 +168,22 @@ def execute(
     return done
 
 
+def called(main: Callable[[], int], *words: object) -> tuple[int, str, str]:
+    """What the main procedure of a script answers: its code, and what it prints and complains."""
+    printed, complaints = io.TextIOWrapper(io.BytesIO(), encoding="utf-8"), io.StringIO()
+    with (
+        mock.patch("sys.argv", list(map(str, words))),
+        contextlib.redirect_stdout(printed),
+        contextlib.redirect_stderr(complaints),
+    ):
+        try:
+            code = main()
+        except SystemExit as end:
+            code = end.code
+    printed.seek(0)
+    return code, printed.read(), complaints.getvalue()
+
+
 class Spin:
     """Runs the program in a folder, which has its tables in the folder `output`."""
 
@@ -218,7 +236,7 @@ class Spin:
         path = f"{folder}/{Path(scene).stem}.csv"
         return self.call(scene, *options, code=code, path=path, environment=environment)
 
-    @contextmanager
+    @contextlib.contextmanager
     def start(
         self,
         *words: str | Path,

@@ -1,20 +1,19 @@
 """Shared by the tests of scripts/plot: artificial tables, a folder, calls of the script."""
 
-import contextlib
-import io
 import math
 import os
 import runpy
 import subprocess
 import sys
-import tempfile
 import unittest
 import unittest.mock
 import warnings
 import xml.etree.ElementTree
 from pathlib import Path
 
-from conftest import EXE, ROOT
+import pytest
+
+from conftest import EXE, ROOT, called
 from figure_checks import problems_of
 from spintop_figures import draw
 from spintop_figures.registry import FIGURES
@@ -212,14 +211,11 @@ def some_events(count: int = 25, swing: float = 0.1) -> str:
     )
 
 
+@pytest.mark.usefixtures("folder")
 class TableCase(unittest.TestCase):
     """Works in a folder that goes away, whose name has a space."""
 
-    def setUp(self) -> None:
-        """Make the folder."""
-        folder = tempfile.TemporaryDirectory(prefix="plot test ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def assert_good_look(self, table: Table, name: str, names: tuple[str, ...] = ()) -> None:
         """A reader of a figure has nothing to complain of, on a page and in a column.
@@ -267,17 +263,8 @@ class TableCase(unittest.TestCase):
         script = str(SCRIPTS / "plot")
         with unittest.mock.patch("gc.disable"), unittest.mock.patch("atexit.register"):
             main = runpy.run_path(script)["main"]
-        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            try:
-                code = main()
-            except SystemExit as end:
-                code = end.code
-        return code, complaints.getvalue()
+        code, _, complaints = called(main, script, *arguments)
+        return code, complaints
 
     def figures_of(self, text: str) -> str:
         """Names of the figures that belong to a table."""

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 from conftest import ROOT, Run, Spin, execute, output
-from mechanics import runge_kutta
+from mechanics import rotation, runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
 """A torque in body axes that decays; Heun's method of order 3; the largest height of the centre."""
@@ -84,7 +84,7 @@ def path(inertia: np.ndarray, moment: Moment, parts: int = 1) -> np.ndarray:
     def slope(t: float, y: np.ndarray) -> np.ndarray:
         q, w = y[:4], y[4:]
         turn = np.concatenate([[-q[1:] @ w], q[0] * w + np.cross(q[1:], w)]) / 2
-        torque = MASS * GRAVITY * np.cross(vertical(q), CENTRE) + moment(t)
+        torque = MASS * GRAVITY * np.cross(rotation(q)[2], CENTRE) + moment(t)
         return np.concatenate([turn, inverse @ (np.cross(inertia @ w, w) + torque)])
 
     states, h = [np.concatenate([START / np.linalg.norm(START), OMEGA])], T_END / parts
@@ -92,12 +92,6 @@ def path(inertia: np.ndarray, moment: Moment, parts: int = 1) -> np.ndarray:
         later = lambda t, y, i=i: slope(i * h + t, y)  # noqa: E731
         states.append(runge_kutta(later, states[-1], h, 3000 // parts))
     return np.array(states)
-
-
-def vertical(q: np.ndarray) -> np.ndarray:
-    """Return the upward vertical in body axes."""
-    a, b, c, d = q
-    return np.array([2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c])
 
 
 def listed(values: np.ndarray) -> str:
@@ -234,7 +228,7 @@ def test_sweep_takes_the_effect_one_by_one(copy: Spin, key: str, moment: Moment)
 
 def check_extremes(row: pd.Series, states: np.ndarray, tolerance: float) -> None:
     """Compare the end and the extremes of the height with those of a motion."""
-    ups = np.array([vertical(y[:4]) for y in states])
+    ups = np.array([rotation(y[:4])[2] for y in states])
     heights = ups @ CENTRE
     assert abs(row.theta_end - math.acos(ups[-1, 2])) < tolerance
     assert [row.com_z_min, row.com_z_max] == pytest.approx([heights.min(), heights.max()], abs=1e-6)

@@ -4,7 +4,6 @@ import dataclasses
 import math
 import subprocess
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -33,14 +32,11 @@ SHORT = """\
 PROGRAMS = {program.module: program for program in (*SOLVERS, *ENGINES)}
 
 
+@pytest.mark.usefixtures("folder")
 class CompareCase(unittest.TestCase):
     """Works in a folder that goes away."""
 
-    def setUp(self) -> None:
-        """Make the folder."""
-        folder = tempfile.TemporaryDirectory(prefix="compare test ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def put(self, more: str = "") -> Path:
         """An input of a short motion."""

@@ -5,8 +5,6 @@ name is one of the program; and colours differ for all eyes.
 """
 
 import itertools
-import json
-import subprocess
 import unittest
 import unittest.mock
 import warnings
@@ -24,7 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from conftest import EXE
+from conftest import listed
 from figure_checks import problems_of
 from plot_case import (
     TRAJECTORY,
@@ -367,8 +365,8 @@ class WordsTest(unittest.TestCase):
     def test_all_names(self) -> None:
         """Nothing that the program lists has a raw name."""
         for topic in ("methods", "formulations", "columns", "statuses", "studies", "parameters"):
-            for entry in listed_names(topic):
-                self.assertNotRegex(name_of(entry), r"[_.]")
+            for entry in listed(topic):
+                self.assertNotRegex(name_of(entry["name"]), r"[_.]")
 
     def check(self, of_axis: float, of_quantity: float) -> None:
         """Draw all; look at those of the quantities and of the last parameter that are about 1."""
@@ -388,12 +386,6 @@ class WordsTest(unittest.TestCase):
         """Neither its unit nor its prefix is that of the other one."""
         self.check(1e-5, 1.0)
         self.check(1.0, 1e-5)
-
-
-def listed_names(topic: str) -> list[str]:
-    """The names that the program lists."""
-    answer = subprocess.run([EXE, "list", topic, "--json"], capture_output=True, check=True)
-    return [entry["name"] for entry in json.loads(answer.stdout)[topic]]
 
 
 DEUTERANOPE = (

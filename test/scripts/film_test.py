@@ -1,11 +1,8 @@
 """Tests of scripts/film."""
 
-import contextlib
-import io
 import os
 import shutil
 import subprocess
-import sys
 import unittest
 import unittest.mock
 from dataclasses import dataclass
@@ -16,7 +13,7 @@ import pytest
 from matplotlib.text import Text
 from PIL import Image
 
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, called
 from filming import __main__ as command
 from filming import encode
 from filming.picture import Camera, describe_speed
@@ -42,18 +39,9 @@ class Done:
 
 def film(*arguments: object, **changes: str) -> Done:
     """Call scripts/film, without the set-up."""
-    said, ways = io.StringIO(), {"stdout": io.TextIOWrapper(io.BytesIO())}
-    with (
-        unittest.mock.patch.object(sys, "argv", ["film", *map(str, arguments)]),
-        unittest.mock.patch.dict(os.environ, changes),
-        unittest.mock.patch.multiple(sys, **ways),
-        contextlib.redirect_stderr(said),
-    ):
-        try:
-            code = command.main()
-        except SystemExit as end:
-            code = end.code
-    return Done(code, said.getvalue())
+    with unittest.mock.patch.dict(os.environ, changes):
+        code, _, complaints = called(command.main, "film", *arguments)
+    return Done(code, complaints)
 
 
 def pixels_of(camera: Camera, picture: int) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Tests of scripts/gallery: its table of figures, what it draws, what it complains of."""
 
-import contextlib
-import io
 import re
 import runpy
 import subprocess
@@ -11,7 +9,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, called
 from manual.pages import links_of, manual_pages
 from plot_case import TableCase
 from spintop_figures.methods.peers import DOCUMENTED as PEERS
@@ -103,18 +101,8 @@ class GalleryTest(TableCase):
         """Run its main procedure with the program under test."""
         script = str(ROOT / "scripts" / "gallery")
         main = runpy.run_path(script)["main"]
-        output, complaints = io.StringIO(), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
-            unittest.mock.patch("subprocess.run", run_program),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            try:
-                code = main()
-            except SystemExit as end:
-                code = end.code
-        return code, output.getvalue(), complaints.getvalue()
+        with unittest.mock.patch("subprocess.run", run_program):
+            return called(main, script, *arguments)
 
     def test_draw(self) -> None:
         """Figures, tables and an index with captions; a table is computed once."""

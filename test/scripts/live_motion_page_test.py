@@ -1,6 +1,5 @@
 """Tests of the motion that the live top computes, against the program's tables."""
 
-import csv
 import json
 import math
 import os
@@ -12,9 +11,10 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from browser_case import BROWSER, need_packages, open_browser
-from conftest import EXE, ROOT
+from conftest import ROOT, Spin
 from random_tops import CLASSES, draw_top
 from reporting.packages import bundle, esbuild_package
 
@@ -225,26 +225,12 @@ def by_program(folder: Path, bodies: list[tuple[Body, float]], columns: str) -> 
         row = {"span.t_end": span}
         for key, value in body.items():
             row |= flat(key, value)
-        rows.append({key: repr(float(value)) for key, value in row.items()})
-    with (folder / "bodies.csv").open("w", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+        rows.append({key: float(value) for key, value in row.items()})
     effects = "&effects vibration_amplitude = 0, 0, 1 /\n" if "amplitude" in bodies[0][0] else ""
-    (folder / "sweep.nml").write_text(
-        SWEEP.format(columns=columns, effects=effects), encoding="utf-8"
-    )
-    command = [EXE, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
-    if done.returncode not in (0, NOT_ALL_FINITE):
-        raise AssertionError(done.stderr)
-    return read_rows(folder / "out" / "sweep.csv")
-
-
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a table."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return list(csv.DictReader(line for line in lines if line[0] != "#"))
+    text = SWEEP.format(columns=columns, effects=effects)
+    table = pd.DataFrame(rows).to_csv(index=False)
+    run = Spin(folder)(text, "--restart", bodies=table, code=(0, NOT_ALL_FINITE))
+    return run.rows.to_dict("records")
 
 
 def quaternion(phi: float, theta: float, psi: float) -> np.ndarray:
@@ -391,13 +377,8 @@ class MotionTest(unittest.TestCase):
             if key == "amplitude":
                 values = (0, 0, value)
             settings.append(f"{PAIRS[key].replace('(3)', '')}={','.join(map(repr, values))}")
-        words = [word for setting in settings for word in ("--set", setting)]
-        path = self.folder / "one.nml"
-        path.write_text(ONE, encoding="utf-8")
-        command = [EXE, "--quiet", "-o", self.folder, *words, path]
-        subprocess.run(command, check=True, capture_output=True)
-        rows = read_rows(self.folder / "one.csv")
-        (motion,) = self.page.motions([(body, [float(row["t"]) for row in rows])])
+        rows = Spin(self.folder)(ONE, *settings, "--restart").rows.to_dict("records")
+        (motion,) = self.page.motions([(body, [row["t"] for row in rows])])
         sizes = {name: max(1.0, *(abs(float(row[name])) for row in rows)) for name in COLUMNS}
         for row, state in zip(rows, motion["states"], strict=True):
             values = [*state["angle"], *state["rate"], *state["omega"], *state["quaternion"]]

@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import json
 import subprocess
 import unittest
 import unittest.mock
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from conftest import EXE
+from conftest import listed
 from plot_case import STAGES, TableCase, a_precision
 from spintop_figures.methods import known
 from spintop_figures.methods.known import (
@@ -58,9 +57,7 @@ AXES = ("initial.spin_ratio", "initial.theta")
 
 def listed_methods() -> dict[str, dict]:
     """The methods that the program lists, by their names."""
-    command = [EXE, "list", "methods", "--json"]
-    answer = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    return {entry["name"]: entry for entry in answer["methods"]}
+    return {entry["name"]: entry for entry in listed("methods")}
 
 
 def a_map_of_problems() -> str:

@@ -3,11 +3,7 @@
 A top that dry friction brings to rest goes through all, and one whose steps do not suffice.
 """
 
-import contextlib
-import io
 import re
-import sys
-import unittest.mock
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +11,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
+from conftest import called
 from filming import __main__ as film
 from reporting.study import read_study
 from spintop_figures.style.provenance import warning_of
@@ -141,9 +138,6 @@ def test_film(folder: Path) -> None:
     scene = folder / "scene.nml"
     scene.write_text(spintop.inputs.namelist(TOP.input(span=SPAN)), encoding="utf-8")
     quick = ("--seconds", "0.5", "--rate", "10", "--size", "160x90")
-    arguments = ["film", str(scene), "-o", str(folder / "film.gif"), *quick]
-    said = io.StringIO()
-    with unittest.mock.patch.object(sys, "argv", arguments), contextlib.redirect_stderr(said):
-        code = film.main()
-    assert (code, said.getvalue()) == (0, "")
+    told = called(film.main, "film", scene, "-o", folder / "film.gif", *quick)
+    assert told == (0, told[1], "")
     assert (folder / "film.gif").stat().st_size > 0

@@ -19,7 +19,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, Spin, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
 from spintop.levels import NEEDED, chosen_folder, features, levels_of
@@ -34,13 +34,9 @@ SKEW = spintop.Body(
 def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
     """The columns of the table that the program writes for an input, as text."""
     with tempfile.TemporaryDirectory() as folder:
-        scene = Path(folder) / "scene.nml"
-        scene.write_text(namelist(groups), encoding="utf-8")
-        subprocess.run([EXE, "--quiet", "-o", folder, scene], check=True, capture_output=True)
-        file = "scene.csv" if name == "rows" else f"scene.{name}.csv"
-        text = (Path(folder) / file).read_text(encoding="utf-8")
-    names, *rows = [line.split(",") for line in text.splitlines() if line[0] != "#"]
-    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+        run = Spin(Path(folder))(namelist(groups), "--quiet")
+        rows = texts(run.path.with_name("scene.csv" if name == "rows" else f"scene.{name}.csv"))
+        return {name: list(rows[name]) for name in rows}
 
 
 class PythonPackageTest(unittest.TestCase):

@@ -1,7 +1,6 @@
 """Tests of scripts/report: the description of a study, and the parts of the page."""
 
 import base64
-import contextlib
 import gzip
 import hashlib
 import html.parser
@@ -20,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from conftest import ROOT
+from conftest import ROOT, called
 from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory
 from reporting import __main__ as command
 from reporting import packages, words
@@ -511,13 +510,8 @@ class ReportTest(ReportCase):
 
     def report(self, *arguments: str | Path) -> tuple[int, str]:
         """Run it here; give exit code and standard error."""
-        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", ["report", *map(str, arguments)]),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            return command.main(), complaints.getvalue()
+        code, _, complaints = called(command.main, "report", *arguments)
+        return code, complaints
 
     def test_exit_codes(self) -> None:
         """An error has a message of one line."""

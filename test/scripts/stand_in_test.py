@@ -2,9 +2,10 @@
 
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
+
+import pytest
 
 from conftest import ROOT
 
@@ -17,14 +18,11 @@ def a_test(name: str, *body: str) -> str:
     return "\n".join(["@test", f"subroutine {name}()", *body, f"end subroutine {name}", ""])
 
 
+@pytest.mark.usefixtures("folder")
 class StandInTest(unittest.TestCase):
     """Converts small files, and runs one."""
 
-    def setUp(self) -> None:
-        """Work in a folder that goes away."""
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def call(self, *command: str | Path) -> subprocess.CompletedProcess:
         """Run a command in the folder."""

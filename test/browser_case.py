@@ -21,12 +21,7 @@ from reporting.page import make_alone, make_page, write_page
 from reporting.study import read_study
 
 BROWSER = os.environ.get("SPINTOP_BROWSER", "")
-INPUTS = (
-    "slow_top",
-    "heavy_top_benchmark",
-    "spinning_wheel_figure11",
-    "spinning_wheel_sweep",
-)
+INPUTS = ("slow_top", "heavy_top_benchmark", "spinning_wheel_figure11", "spinning_wheel_sweep")
 
 HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
 """A title that would do harm if it were taken as HTML; quotes as in a namelist."""

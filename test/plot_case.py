@@ -1,19 +1,23 @@
 """Shared by the tests of scripts/plot: artificial tables, a folder, calls of the script."""
 
+import atexit
 import math
 import os
 import runpy
+import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 import unittest.mock
 import warnings
 import xml.etree.ElementTree
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from conftest import EXE, ROOT, called
+from conftest import Spin, called
 from figure_checks import problems_of
 from spintop_figures import draw
 from spintop_figures.registry import FIGURES
@@ -211,6 +215,15 @@ def some_events(count: int = 25, swing: float = 0.1) -> str:
     )
 
 
+@cache
+def computed(name: str, *settings: str) -> Path:
+    """A folder with the tables of an input, which is run once for all tests of a process."""
+    folder = Path(tempfile.mkdtemp(prefix="spintop tables "))
+    atexit.register(shutil.rmtree, folder)
+    Spin(folder)(name, *settings, "--quiet", "--output=.", code=(0, 3))
+    return folder
+
+
 @pytest.mark.usefixtures("folder")
 class TableCase(unittest.TestCase):
     """Works in a folder that goes away, whose name has a space."""
@@ -240,11 +253,7 @@ class TableCase(unittest.TestCase):
 
     def compute(self, name: str, *settings: str) -> Table:
         """The table of an input with settings."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "--restart", "-o", self.folder, *words]
-        command.append(ROOT / f"input/{name}.nml")
-        done = subprocess.run(command, check=False, capture_output=True, text=True)
-        assert done.returncode in (0, 3), done.stderr
+        shutil.copytree(computed(name, *settings), self.folder, dirs_exist_ok=True)
         return read_table(self.folder / f"{name}.csv")
 
     def refusal(self, name: str, table: Table) -> str:

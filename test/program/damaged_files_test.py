@@ -10,14 +10,7 @@ from pathlib import Path
 from netCDF4 import Dataset
 
 from conftest import EXE, execute
-from plot_case import (
-    SCRIPTS,
-    TableCase,
-    a_stability,
-    a_sweep,
-    a_trajectory,
-    some_events,
-)
+from plot_case import SCRIPTS, TableCase, a_stability, a_sweep, a_trajectory, some_events
 from reporting.study import read_study
 from spintop_figures.moving.body import read_body
 from spintop_figures.tables.characters import printable

@@ -260,11 +260,7 @@ COLUMNS_REFUSED = [
 BINS_REFUSED = [
     (OVER, "over = 'initial.phi_rate', 'motion_class'", "has words, and no numbers"),
     (OVER, "over = 'initial.phi_rate', 'initial.phi'", "is not swept"),
-    (
-        OVER,
-        "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1",
-        "both quantities are the same",
-    ),
+    (OVER, "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1", "both quantities are the same"),
     ("from(2) = 0.1", "", "is not known before it is computed", "statistics.from(2)"),
     ("to(2) = 1.5", "to(2) = 0.1", "not above 0.1", "give from < to"),
     ("from(2) = 0.1", "from(2) = -1 spacing(2) = 'log'", "needs positive ends, not -1"),
@@ -314,12 +310,7 @@ def test_what_is_refused(spin, old, new, words):
         (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
         (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
         (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
-        (
-            SINGLE,
-            SINGLE[SINGLE.index("&statistics") :],
-            NONE,
-            ["a trajectory always has its rows"],
-        ),
+        (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
     ],
 )
 def test_rows_that_are_refused(spin, text, old, new, words):

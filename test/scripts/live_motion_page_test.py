@@ -109,10 +109,7 @@ AT_REST = {
         free(1.0, (0.3, 0.3, 0.2), (0, 0, 0), (0, 0.4, 0, 0, 0, 10), friction=0.5),
         6,
     ),
-    "pendulum, swings and sticks": (
-        free(**PENDULUM, start=(0, 2.0, 0, 0, 0, 0), friction=0.3),
-        40,
-    ),
+    "pendulum, swings and sticks": (free(**PENDULUM, start=(0, 2.0, 0, 0, 0, 0), friction=0.3), 40),
     "held where it is": (free(**PENDULUM, start=(0, 3.0, 0, 0, 0, 0), friction=1.0), 5),
     "wakes, falls, lies still": (
         free(1.0, (0.9, 0.9, 0.3), (0, 0, 0.5), (0, 0.1, 0, 0, 0, 20), friction=0.4),

@@ -5,12 +5,7 @@ import math
 import subprocess
 from collections.abc import Callable
 
-from browser_case import (
-    DESKTOP,
-    SOFTWARE_WEBGL,
-    LiveCase,
-    wait_for,
-)
+from browser_case import DESKTOP, SOFTWARE_WEBGL, LiveCase, wait_for
 from conftest import EXE
 from spintop_figures.tables.table import read_table
 

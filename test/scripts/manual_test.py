@@ -15,14 +15,7 @@ from pathlib import Path
 import pytest
 
 from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute
-from manual.pages import (
-    Block,
-    anchors_of,
-    blocks_of,
-    links_of,
-    manual_pages,
-    prose_of,
-)
+from manual.pages import Block, anchors_of, blocks_of, links_of, manual_pages, prose_of
 from manual.tables import registries, renewed
 
 FOLDERS = "app|doc|input|packaging|python|scripts|src|test"

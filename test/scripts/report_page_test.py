@@ -6,13 +6,7 @@ import math
 import subprocess
 from pathlib import Path
 
-from browser_case import (
-    DESKTOP,
-    HOSTILE,
-    SOFTWARE_WEBGL,
-    BrowserCase,
-    wait_for,
-)
+from browser_case import DESKTOP, HOSTILE, SOFTWARE_WEBGL, BrowserCase, wait_for
 from conftest import EXE, ROOT
 from reporting.packages import bundle
 from reporting.page import make_page, write_page

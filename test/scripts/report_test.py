@@ -352,10 +352,7 @@ class ReportTest(ReportCase):
         self.assertEqual(write(-1.1824e-16), "\N{MINUS SIGN}1.182\N{MULTIPLICATION SIGN}10⁻¹⁶")
         self.assertEqual(words.with_error(0.87499822, 4.3585e-5), "0.874998 ± 0.000044")
         self.assertEqual(words.with_error(2.0, 0.0), "2")
-        self.assertEqual(
-            words.with_error(1.5e12, 3.21e3),
-            "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200",
-        )
+        self.assertEqual(words.with_error(1.5e12, 3.21e3), "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200")
         self.assertEqual(words.of_kind("fit", 2), "two tables of fits")
         self.assertEqual(words.of_kind("work_precision", 1), "one work-precision study")
         self.assertEqual(words.of_kind("own", 12), "12 tables: own")

@@ -72,13 +72,7 @@ WRONG = re.compile(
 )
 """Complaints of a program about its arguments, or of a script that broke."""
 VARIABLE = re.compile(r"\$\{?([A-Z][A-Z0-9_]{3,})|environ\.get\(\"([A-Z_]+)\"")
-USUAL = {
-    "INPUT.nml": "a.nml",
-    "PARTS": "3",
-    "COMMAND": "true",
-    "EXE": EXE,
-    "OUTPUT": "results",
-}
+USUAL = {"INPUT.nml": "a.nml", "PARTS": "3", "COMMAND": "true", "EXE": EXE, "OUTPUT": "results"}
 """What stands for the words of a usage that are not those under test."""
 
 HAND_ON = {Path("scripts/test"), Path("scripts/compiler/gfortran")}

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
+from spintop_figures.motion import sphere
 from spintop_figures.motion.drift import method_of, running_maximum
 from spintop_figures.motion.fits import draw_fit, tell_values
 from spintop_figures.motion.reduced import (
@@ -12,19 +13,6 @@ from spintop_figures.motion.reduced import (
     draw_portrait,
     draw_potential,
     find_reduced,
-)
-from spintop_figures.motion.sphere import (
-    WHOLE,
-    body_at_start,
-    directions,
-    draw_cones,
-    draw_trace,
-    in_body,
-    in_space,
-    on_sphere,
-    project,
-    tell_turn,
-    view_of,
 )
 from spintop_figures.motion.trajectory import draw_account, draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
@@ -159,18 +147,21 @@ class MotionFiguresTest(TableCase):
         """A path that keeps to a cap is seen from above it, all of it, and large."""
         for name, theta in (("kapitza", 0.0), ("composed_top", 0.0), ("spinning_wheel", 22.3)):
             table = self.compute(name)
-            tip = on_sphere(*(table.rows[angle].to_numpy() for angle in ("theta", "phi")))
-            view = view_of(tip)
+            tip = sphere.on_sphere(*(table.rows[angle].to_numpy() for angle in ("theta", "phi")))
+            view = sphere.view_of(tip)
             self.assertAlmostEqual(np.degrees(np.arccos(view.towards[2])), theta, 0)
             basis = np.array([view.right, view.up, view.towards])
             np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
-            seen = np.hypot(*project(*tip, view)[:2]).max() / view.window
+            seen = np.hypot(*sphere.project(*tip, view)[:2]).max() / view.window
             assert 0.85 < seen < 1, (name, seen)
-        assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
+        assert (
+            sphere.view_of(sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50)))
+            is sphere.WHOLE
+        )
 
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
-        told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
+        told = [sphere.tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
         assert told == ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"]
 
     def test_poles(self) -> None:
@@ -185,16 +176,18 @@ class MotionFiguresTest(TableCase):
 
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
-        points = on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
-        seen = project(*points)
+        points = sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
+        seen = sphere.project(*points)
         np.testing.assert_allclose(sum(part**2 for part in seen), 1)
-        front = project(*on_sphere(np.array([np.pi / 2]), np.array([0.0])))
+        front = sphere.project(*sphere.on_sphere(np.array([np.pi / 2]), np.array([0.0])))
         assert front[2][0] > 0
         table = self.compute("tip_wave")
         theta, phi = (table.rows[name].to_numpy() for name in ("theta", "phi"))
-        x, _, _ = project(*on_sphere(theta, phi))
+        x, _, _ = sphere.project(*sphere.on_sphere(theta, phi))
         whole = [
-            line for line in draw_trace(table).axes[0].lines if len(line.get_xdata()) == len(x)
+            line
+            for line in sphere.draw_trace(table).axes[0].lines
+            if len(line.get_xdata()) == len(x)
         ]
         drawn = np.array([line.get_xdata() for line in whole])
         assert len(whole) == 2
@@ -204,7 +197,7 @@ class MotionFiguresTest(TableCase):
         """In steady precession the angular velocity turns about the vertical with the axis."""
         table = self.compute("regular_precession")
         rows = table.rows
-        x, y, z = in_space(table)
+        x, y, z = sphere.in_space(table)
         np.testing.assert_allclose(z, rows["phi_rate"] + rows["psi_rate"] * np.cos(rows["theta"]))
         np.testing.assert_allclose(np.hypot(x, y), rows["psi_rate"][0] * np.sin(rows["theta"][0]))
         np.testing.assert_allclose(
@@ -214,13 +207,15 @@ class MotionFiguresTest(TableCase):
     def test_rolling(self) -> None:
         """The cones touch at the start, and roll: their curves have one speed there."""
         table = self.compute("separatrix")
-        np.testing.assert_allclose(body_at_start(table)[:, 0], in_space(table)[:, 0], atol=1e-12)
+        np.testing.assert_allclose(
+            sphere.body_at_start(table)[:, 0], sphere.in_space(table)[:, 0], atol=1e-12
+        )
         lengths = [
-            np.linalg.norm(np.diff(directions(omega)[:, :20], axis=1), axis=0).sum()
-            for omega in (in_body(table), in_space(table))
+            np.linalg.norm(np.diff(sphere.directions(omega)[:, :20], axis=1), axis=0).sum()
+            for omega in (sphere.in_body(table), sphere.in_space(table))
         ]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
-        assert len(draw_cones(table).axes) == 4
+        assert len(sphere.draw_cones(table).axes) == 4
 
     def test_drift(self) -> None:
         """The running maximum rises, and ends at the largest error."""

@@ -28,18 +28,11 @@ from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letter
 from spintop_figures.moving.data import lines_of
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.style.saving import lay_out
+from spintop_figures.sweeps import table1
 from spintop_figures.sweeps.curves import draw_curves
 from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid
 from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of
 from spintop_figures.sweeps.statistics import is_even
-from spintop_figures.sweeps.table1 import (
-    COLUMNS,
-    RIGHT_EDGES,
-    as_column,
-    as_text,
-    draw_table1,
-    notes_on,
-)
 from spintop_figures.tables.table import Table, TableError, read_table
 
 
@@ -112,23 +105,23 @@ class PlotTest(TableCase):
         """Five digits in one notation; powers of ten at the ends; a dash for what is not there."""
         values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
         for value, text in values.items():
-            assert as_text(value) == text
-        assert as_text(math.nan) == "\N{EN DASH}"
-        assert as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
+            assert table1.as_text(value) == text
+        assert table1.as_text(math.nan) == "\N{EN DASH}"
+        assert table1.as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
         powers = [
             "1.0000\N{MULTIPLICATION SIGN}10⁻⁹",
             "\N{MINUS SIGN}2.0000\N{MULTIPLICATION SIGN}10⁰",
         ]
-        assert as_column(np.array([1e-9, -2.0])) == powers
+        assert table1.as_column(np.array([1e-9, -2.0])) == powers
 
     def test_decimal_points(self) -> None:
         """The decimal points of a column stand below each other."""
         table = self.read(a_sweep())
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
-        figure = draw_table1(replace(table, rows=rows))
+        figure = table1.draw_table1(replace(table, rows=rows))
         lay_out(figure)
         renderer = FigureCanvasAgg(figure).get_renderer()
-        right = RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]
+        right = table1.RIGHT_EDGES[next(c for c in table1.COLUMNS if c.column == "delta_u")]
         cells = ("1234.5", "0.00012345", "9.5000", "77.000")
         points = []
         for text in figure.axes[0].texts:
@@ -146,7 +139,7 @@ class PlotTest(TableCase):
         authors = {"top.shape": ["inertia"], "top.mass": ["2.45"], "top.length": ["1"]}
         authors |= {"top.inertia": ["0.00614", "0.00614", "0.0122"], "top.inertia_about": ["pivot"]}
         titles = [
-            draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
+            table1.draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
             for settings in (wheel, authors, authors | {"top.inertia": ["3"]})
         ]
         assert "of the wheel about the pivot" in titles[0]
@@ -157,7 +150,7 @@ class PlotTest(TableCase):
         """A case that failed has a note with its status and the reason."""
         text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
         table = self.read(text)
-        assert notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
+        assert table1.notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
 
     def test_trajectory_beside_its_table(self) -> None:
         """All figures, in a locale with decimal commas, of a run that overflowed."""

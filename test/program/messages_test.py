@@ -34,11 +34,6 @@ def test_what_follows_a_value(spin, setting, rest):
     assert place in spin.refuse(GOOD, setting)
 
 
-def test_texts_without_quotes(spin):
-    """They go to the end."""
-    assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
-
-
 CHARACTERS = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028", "\u2029")
 
 
@@ -211,8 +206,9 @@ def test_foreign_characters(spin, old, new, character, wanted):
     assert re.search(r"\b1 error\n", said)
 
 
-def test_foreign_characters_of_texts(spin):
-    """In texts and comments each of them may stand."""
+def test_characters_of_texts(spin):
+    """In texts and comments each may stand; a text without quotes goes to the end."""
+    assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
     spin(f"! [#;] {MINUS}\n&study title = '[a]; #1: \u201cb\u201d' /\n{GOOD}")
 
 

@@ -671,12 +671,6 @@ def test_bad_events(spin, setting, advice):
     assert re.search(r"^--set:1:\d+: error: ", error)
 
 
-def test_bad_events_of_a_file(spin):
-    """The same in a file."""
-    error = spin.refuse(GOOD.replace("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'"))
-    assert re.search(r"scene.nml:12:15: error: there is no column 'thta'", error)
-
-
 MASS = "&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
 START = GOOD.split("&output")[0]
 
@@ -728,6 +722,8 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("psi_rate = 1.0", "theta_deg = 20.0", ["given twice"]),
         ("t_end = 0.5", "t_end = 0.5, nutations = 1", ["more than once"]),
         ("t_end = 0.5", "", ["the time span is not given"]),
+        ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
+        ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
         (
             "t_end = 0.5",
             "t_end = 0.5, samples = 4",
@@ -796,11 +792,6 @@ def test_sweeps(spin, axes, part):
     assert part in spin.refuse(f"{START}{SWEPT}&sweep {axes} /\n")
 
 
-def test_a_trajectory_has_no_axes(spin):
-    """They are refused."""
-    assert "a trajectory has no axes" in spin.refuse(GOOD + MASS)
-
-
 def test_files_that_are_no_input(spin):
     """Missing, empty, a folder, binary."""
     (spin.folder / "folder.nml").mkdir()
@@ -828,21 +819,16 @@ def test_files_that_are_no_input(spin):
         (["--set", "span.nutations=2"], "more than once"),
         (["--check=yes"], "takes no value"),
         (["-o", ""], "empty"),
+        (["--quiet"], "no input"),
     ],
 )
 def test_wrong_options(spin, words, part):
     """Options that do not exist, values that make no sense."""
-    run = spin.call(spin.write(GOOD), *words, code=2)
+    scenes = [] if part == "no input" else [spin.write(GOOD)]
+    run = spin.call(*scenes, *words, code=2)
     assert part in run.stderr
     assert run.out == ""
     assert spin.produced() == set()
-
-
-def test_no_input(spin):
-    """Options alone are no call."""
-    run = spin.call("--quiet", code=2)
-    assert "no input" in run.stderr
-    assert run.out == ""
 
 
 def test_a_table_outlives_a_refused_input(spin):

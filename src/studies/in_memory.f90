@@ -10,7 +10,7 @@ module spintop_in_memory
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_execution, only: run_job
-    use spintop_fit_table, only: residual_path
+    use spintop_fit_study, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t
     use spintop_options, only: options_t
@@ -55,6 +55,7 @@ contains
         threads = 1
         !$ threads = omp_get_max_threads()
         options%quiet = .true.
+        options%verbose = .true.
         if (.not. allocated(options%output)) options%output = ''
         if (.not. allocated(options%overrides)) allocate (options%overrides(0))
         allocate (prepared(1))

@@ -225,7 +225,7 @@ contains
         character(*), intent(in) :: head !! as for `create`
         type(table_column_t), intent(in) :: columns(:)
         type(netcdf_layout_t), intent(in) :: layout
-        character(checksum_width), intent(in) :: checksum !! of the bytes of the part, as `table_end_t` has it
+        character(2 * checksum_width), intent(in) :: checksum !! of the bytes of the part, as `table_end_t` has it
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(netcdf_table_t) :: table
         type(input_file_t) :: file

@@ -1,5 +1,8 @@
-!> Jobs for suites: inputs of the folder `input`, with overrides, prepared as the program prepares them.
+!> Jobs for suites: inputs of the folder `input`, with overrides, prepared as the program prepares them, and the rows of their
+!> cases.
 module prepared_jobs
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_job, only: job_t
@@ -8,10 +11,11 @@ module prepared_jobs
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
     use spintop_sweep_table, only: describe_table
+    use spintop_sweep_worker, only: sweep_worker_t
     use spintop_text, only: split
     implicit none
     private
-    public :: prepare, quiet_options, cell, scratch_folder
+    public :: prepare, quiet_options, compute_rows, prepare_rows, cell, differ, scratch_folder
 
     character(*), parameter :: scratch_folder = 'build/scratch/studies'
 
@@ -25,12 +29,12 @@ contains
         allocate (options%overrides(0))
     end subroutine quiet_options
 
-    !> Prepares input/NAME.nml; `message` is what is wrong, or ''.
+    !> Prepares input/NAME.nml; `message` is what is wrong, or ''. Without it nothing may be wrong.
     subroutine prepare(name, overrides, prepared, message)
         character(*), intent(in) :: name
         character(*), intent(in) :: overrides !! `group.key=value`, separated by semicolons
         type(prepared_t), allocatable, target, intent(inout) :: prepared(:)
-        character(:), allocatable, intent(out) :: message
+        character(:), allocatable, intent(out), optional :: message
         type(options_t) :: options
         type(error_t), allocatable :: error
 
@@ -38,8 +42,12 @@ contains
         call quiet_options(options)
         call split(overrides, ';', options%overrides)
         call prepare_jobs([string_of('input/' // name // '.nml')], options, prepared, error)
-        message = ''
-        if (allocated(error)) message = error%message
+        if (present(message)) then
+            message = ''
+            if (allocated(error)) message = error%message
+        else if (allocated(error)) then
+            error stop 'prepared_jobs: ' // name // ' with ' // overrides // ': ' // error%message
+        end if
 
     contains
 
@@ -51,6 +59,33 @@ contains
         end function string_of
 
     end subroutine prepare
+
+    !> Computes the cases of a job from `first` to `last`, if there are so many, in one block.
+    subroutine compute_rows(job, first, last, rows)
+        type(job_t), target, intent(in) :: job
+        integer, intent(in) :: first, last
+        type(row_block_t), intent(inout) :: rows
+        type(sweep_worker_t), allocatable, target :: worker
+        allocate (worker)
+        call worker%prepare(job)
+        call worker%compute_rows(job, int(first, int64), min(int(last, int64), job%axes%cases), rows)
+    end subroutine compute_rows
+
+    !> The same of an input, in which nothing may be wrong.
+    subroutine prepare_rows(name, overrides, first, last, prepared, rows)
+        character(*), intent(in) :: name, overrides
+        integer, intent(in) :: first, last
+        type(prepared_t), allocatable, target, intent(inout) :: prepared(:)
+        type(row_block_t), intent(inout) :: rows
+        call prepare(name, overrides, prepared)
+        call compute_rows(prepared(1)%job, first, last, rows)
+    end subroutine prepare_rows
+
+    !> Whether two cells differ; what does not exist is not a number in both.
+    elemental logical function differ(one, other)
+        real(dp), intent(in) :: one, other
+        differ = abs(one - other) > 0 .or. (ieee_is_nan(one) .neqv. ieee_is_nan(other))
+    end function differ
 
     !> The cell of a column of the sweep of a job in the k-th row of a block.
     function cell(job, rows, column, k)

@@ -34,7 +34,7 @@ def read_netcdf(path: Path) -> tuple[dict[str, object], dict[str, "Variable"]]:
         raise TableError(
             "is read by the Python packages netCDF4 and xarray, which are not installed: `pip "
             "install netCDF4 xarray`, in a checkout `.venv/bin/pip install --no-deps netCDF4 "
-            "xarray cftime certifi -c scripts/requirements.txt`"
+            "xarray cftime certifi -c scripts/requirements.lock`"
         ) from error
     if path.stat().st_size == 0:
         raise TableError("is empty")

@@ -23,15 +23,15 @@ module spintop_c_top
     use spintop_options, only: options_t
     use spintop_plan, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
-    use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_sensitivity, only: other_accuracies, sensitive_key_t, sensitivities_t, varied_motions_t
     use spintop_status, only: code_of, is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step
+    use spintop_study_column, only: study_column_t
     use spintop_table_column, only: column_t
     use spintop_text, only: escaped
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
+    use spintop_trajectory_columns, only: row_maker_t
     implicit none
     private
 
@@ -86,7 +86,7 @@ module spintop_c_top
         type(c_text_t) :: warnings
         !> The input, if it has events; and the columns of their table.
         class(prepared_t), allocatable :: prepared
-        type(trajectory_column_t), allocatable :: chosen(:)
+        type(study_column_t), allocatable :: chosen(:)
     end type top_t
 
     !> A time asked of a fixed-step method within this fraction of a step is at the step.
@@ -147,12 +147,12 @@ contains
                 return
             end if
             call top%warnings%set(job%warnings)
-            top%chosen = trajectory_columns_at(job%columns)
+            top%chosen = job%columns
             ! The motion itself is also asked for the columns of which there are derivatives.
             call top%derivatives%prepare(job, error)
             if (allocated(error)) return
             call top%motion%prepare(job%case, job%plan, [top%chosen, &
-                                    trajectory_columns_at(job%sensitivities%columns())])
+                                    job%sensitivities%columns()])
             allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
         end associate
         allocate (top%described(size(shown)), top%columns(size(shown)))
@@ -289,7 +289,7 @@ contains
     !> Makes the table of events: their names are words.
     subroutine make_event_table(recorder, columns, table)
         type(event_recorder_t), intent(inout) :: recorder
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(data_table_t), intent(inout) :: table
         type(column_t), allocatable :: shown(:)
         integer :: i
@@ -314,7 +314,7 @@ contains
         class(asked_motion_t), intent(inout) :: self
         type(case_t), intent(in) :: case !! body and start
         type(plan_t), intent(in) :: plan !! model and method
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         self%case = case
         self%plan = plan
         self%columns = size(columns)
@@ -409,7 +409,7 @@ contains
             allocate (self%nodes(size(keys)), self%keys(size(keys)))
             do i = 1, size(keys)
                 call prepare_key(self%keys(i), self%nodes(i), job, keys(i), &
-                                 trajectory_columns_at(job%sensitivities%columns()), error)
+                                 job%sensitivities%columns(), error)
                 if (allocated(error)) return
             end do
         end associate
@@ -421,7 +421,7 @@ contains
         type(nodes_t), intent(out) :: nodes
         type(job_t), target, intent(in) :: job
         type(sensitive_key_t), intent(in) :: key
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(error_t), allocatable, intent(out) :: error
         integer, allocatable :: accuracy
         integer :: i, k
@@ -452,7 +452,7 @@ contains
         type(job_t), target, intent(in) :: job
         type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         logical, intent(out) :: exists
         integer, intent(in), optional :: accuracy !! the number of another accuracy
         type(scene_t), allocatable, target :: scene

@@ -12,8 +12,7 @@ program spintop_main
     use spintop_job, only: job_t
     use spintop_preparation, only: tables_written, prepare_jobs, prepared_t, protect_interrupted
     use spintop_listing, only: list_as_json, list_topic
-    use spintop_processor, only: check_level
-    use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, print_text
+    use spintop_process, only: begin_process, check_level, check_stacks, complain_of, end_output, end_process, print_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts

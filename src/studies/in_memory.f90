@@ -12,14 +12,14 @@ module spintop_in_memory
     use spintop_execution, only: run_job
     use spintop_fit_study, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, study_head
     use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
     use spintop_sweep_study, only: compute_cases
     use spintop_statistics_csv, only: path_beside
-    use spintop_sweep_table, only: describe_columns, make_head
+    use spintop_sweep_table, only: describe_columns
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, string_t
     !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
@@ -95,7 +95,7 @@ contains
         call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
         allocate (run%table(1))
-        call make_head(job, options%shard, table%columns, table%data%frame)
+        table%data%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
         call move_table(table%data, run%table(1))
     end subroutine run_sweep
 

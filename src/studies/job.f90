@@ -300,7 +300,18 @@ contains
         type(job_t), intent(in) :: job !! the job
         type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
         type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
-        if (allocated(job%plan%model)) then
+        character(:), allocatable :: method
+        integer :: i
+        if (allocated(job%plan%model) .and. job%axes%cases > 0) then
+            method = job%plan%method
+            do i = 1, size(job%axes%axis)
+                associate (name => job%axes%axis(i)%name)
+                    if (index(name, 'tolerance') > 0) method = method // ', in the first case; then that of the column ' // name
+                end associate
+            end do
+            ! Nothing in the table of a sweep varies from run to run.
+            call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
+        else if (allocated(job%plan%model)) then
             call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
         else

@@ -6,12 +6,12 @@ module spintop_sweep_table
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_resumable_table, only: resumable_table_t
-    use spintop_job, only: job_t, print_input
+    use spintop_job, only: job_t, study_facts, study_head
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
+    use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_grid
     use spintop_shard, only: shard_t
@@ -24,10 +24,9 @@ module spintop_sweep_table
     use spintop_sweep_quantities, only: explain_missing
     use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, note_t, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
-    use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, describe_columns, make_head, cells_of_row, add_rows
+    public :: describe_table, describe_columns, cells_of_row, add_rows
 
     !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
@@ -56,7 +55,7 @@ contains
             allocate (table%netcdf)
             call describe_netcdf(job, shard, table%columns, table%netcdf)
         end if
-        if (job%keeps_rows()) call make_head(job, shard, table%columns, head)
+        if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_table
 
     !> The table of a job as a NetCDF file.
@@ -67,7 +66,7 @@ contains
         type(netcdf_description_t), intent(out) :: description
         type(fact_t) :: facts(fact_count)
 
-        call gather(job, facts, description%input)
+        call study_facts(job, facts, description%input)
         description%facts = facts
         description%columns = columns
         description%axes = grid_of(job%axes)
@@ -75,24 +74,12 @@ contains
         if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
     end subroutine describe_netcdf
 
-    !> The header of a table of a job with these columns.
-    subroutine make_head(job, shard, columns, head)
-        type(job_t), intent(in) :: job !! the job
-        type(shard_t), intent(in) :: shard !! the part of the cases
-        type(table_column_t), intent(in) :: columns(:) !! one for each cell of a row
-        character(:), allocatable, intent(out) :: head !! ready to write
-        type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:)
-
-        call gather(job, facts, input)
-        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
-    end subroutine make_head
-
     !> What is gathered of the rows of a table.
     subroutine describe_statistics(job, shard, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
         type(statistics_table_t), intent(inout) :: table
+        type(table_column_t), allocatable :: columns(:)
 
         table%keeps_rows = job%keeps_rows()
         table%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
@@ -100,27 +87,10 @@ contains
         table%is_part = shard%is_part()
         table%result_path = job%files%table
         if (job%keeps_rows()) table%result_path = job%files%statistics
-        call make_head(job, shard, result_columns(table%plan), table%result_head)
+        ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
+        columns = result_columns(table%plan)
+        table%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_statistics
-
-    !> Provenance of the table, and the resolved input.
-    subroutine gather(job, facts, input)
-        type(job_t), intent(in) :: job
-        type(fact_t), intent(out) :: facts(fact_count)
-        type(string_t), allocatable, intent(out) :: input(:)
-        character(:), allocatable :: method
-        integer :: i
-        call print_input(job, input)
-        method = job%plan%method
-        if (allocated(job%axes%axis)) then
-            do i = 1, size(job%axes%axis)
-                associate (name => job%axes%axis(i)%name)
-                    if (index(name, 'tolerance') > 0) method = method // ', in the first case; then that of the column ' // name
-                end associate
-            end do
-        end if
-        call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
-    end subroutine gather
 
     !> The grid of the cases: that of the axes, or a single dimension.
     function grid_of(axes) result(grid)

@@ -13,12 +13,12 @@ module spintop_in_memory
     use spintop_fit_study, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t, study_head
-    use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
+    use spintop_row_table, only: row_table_t
     use spintop_sweep_study, only: compute_cases
-    use spintop_statistics_csv, only: path_beside
+    use spintop_statistics_output, only: path_beside
     use spintop_sweep_table, only: describe_columns
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, string_t
@@ -85,18 +85,19 @@ contains
         type(options_t), intent(in) :: options
         type(memory_run_t), intent(inout) :: run
         type(error_t), allocatable, intent(out) :: error
-        type(memory_table_t) :: table
+        type(row_table_t) :: table
         type(team_t) :: team
 
         call describe_columns(job, table%columns)
-        call table%begin(job%axes%cases, error)
+        allocate (table%memory)
+        call table%memory%begin(table%columns, job%axes%cases, error)
         if (allocated(error)) return
         call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
         call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
         allocate (run%table(1))
-        table%data%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
-        call move_table(table%data, run%table(1))
+        table%memory%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
+        call move_table(table%memory, run%table(1))
     end subroutine run_sweep
 
     !> Moves the columns of a table.

@@ -28,7 +28,7 @@ module spintop_job
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t, compare_with_writer, study_head, study_facts, print_input
+    public :: job_t, compare_with_writer, study_head, print_input
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000
@@ -285,23 +285,13 @@ contains
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
         character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
-        character(:), allocatable :: head, beginning
+        character(:), allocatable :: head, beginning, method
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:)
+        integer :: i
 
         beginning = ''
         if (present(part)) beginning = part
-        call study_facts(job, facts, input)
-        head = header_of(beginning, facts, input, columns, remarks)
-    end function study_head
-
-    !> What the header says of a job, and its resolved input.
-    subroutine study_facts(job, facts, input)
-        type(job_t), intent(in) :: job !! the job
-        type(fact_t), intent(out) :: facts(fact_count) !! items of the metadata
-        type(string_t), allocatable, intent(out) :: input(:) !! the resolved namelist
-        character(:), allocatable :: method
-        integer :: i
         if (allocated(job%plan%model) .and. job%axes%cases > 0) then
             method = job%plan%method
             do i = 1, size(job%axes%axis)
@@ -319,7 +309,8 @@ contains
                               dated=.true., facts=facts)
         end if
         call print_input(job, input)
-    end subroutine study_facts
+        head = header_of(beginning, facts, input, columns, remarks)
+    end function study_head
 
     !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
     !> input gives something.

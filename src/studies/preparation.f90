@@ -15,8 +15,8 @@ module spintop_preparation
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_namelist, only: read_namelist
-    use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
+    use spintop_netcdf_table, only: has_compression, has_netcdf
     use spintop_options, only: options_t
     use spintop_own_butcher_tables, only: read_tables, path_of_table
     use spintop_parameter, only: parameter_t
@@ -24,7 +24,7 @@ module spintop_preparation
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_scene_words, only: reference_names
-    use spintop_statistics_csv, only: path_beside
+    use spintop_statistics_output, only: path_beside
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, study_column_t

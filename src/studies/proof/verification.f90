@@ -17,6 +17,7 @@ module spintop_verification
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_loaded_table, only: read_table, table_t
+    use spintop_principal_axes, only: find_principal_axes
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
@@ -452,10 +453,12 @@ contains
     !> At least the angular velocity of a motion, in body axes and in those of the momentum, rad/s.
     pure real(dp) function speed_of(case) result(speed)
         type(case_t), intent(in) :: case
-        associate (body => case%given_body)
-            speed = sqrt((sum(body%inertia * case%given_start%omega**2) &
-                          + 4 * abs(body%mass * body%gravity) * norm2(body%centre_of_mass)) / minval(body%inertia))
-            if (allocated(body%effects)) speed = speed + norm2(body%effects%rotor_momentum) / minval(body%inertia)
+        real(dp) :: moments(3), axes(4)
+        associate (body => case%given_body, omega => case%given_start%omega)
+            call find_principal_axes(body%inertia, body%products, moments, axes)
+            speed = sqrt((dot_product(omega, body%momentum(omega)) &
+                          + 4 * abs(body%mass * body%gravity) * norm2(body%centre_of_mass)) / minval(moments))
+            if (allocated(body%effects)) speed = speed + norm2(body%effects%rotor_momentum) / minval(moments)
         end associate
     end function speed_of
 

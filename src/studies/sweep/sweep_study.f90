@@ -14,9 +14,8 @@ module spintop_sweep_study
     use spintop_problems, only: problems_t
     use spintop_process, only: host_name, stop_watching_signals, peak_memory
     use spintop_ranks, only: ranks_t
-    use spintop_resumable_table, only: resumable_table_t
-    use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_row_block, only: row_block_t
     use spintop_scene_keys, only: scene_t
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
@@ -95,7 +94,7 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         type(team_t) :: team
         integer(int64) :: cases(2)
         real(dp) :: began
@@ -162,7 +161,7 @@ contains
     subroutine begin_table(job, options, table, cases, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
-        class(resumable_table_t), allocatable, intent(out) :: table
+        class(row_table_t), allocatable, intent(out) :: table
         integer(int64), intent(out) :: cases(2)
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head
@@ -255,7 +254,7 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         type(sample_t) :: sample
         character(:), allocatable :: head
         integer(int64) :: first, cases
@@ -332,7 +331,7 @@ contains
         !> Time of the processor for a case with these columns, s.
         real(dp) function time_with(some)
             type(study_column_t), intent(in) :: some(:)
-            type(resumable_table_t) :: table
+            type(row_table_t) :: table
             type(sample_t) :: sample
             job%columns = some
             call describe_columns(job, table%columns)

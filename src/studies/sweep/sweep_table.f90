@@ -5,13 +5,11 @@ module spintop_sweep_table
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_resumable_table, only: resumable_table_t
-    use spintop_job, only: job_t, study_facts, study_head
+    use spintop_row_table, only: row_table_t
+    use spintop_job, only: job_t, study_head
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_provenance, only: fact_count, fact_t
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_grid
     use spintop_shard, only: shard_t
@@ -38,7 +36,7 @@ contains
     subroutine describe_table(job, shard, table, head)
         type(job_t), intent(in) :: job !! the job
         type(shard_t), intent(in) :: shard !! the part
-        class(resumable_table_t), allocatable, intent(out) :: table !! not yet started
+        class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
         type(statistics_table_t), allocatable :: with_statistics
 
@@ -48,31 +46,16 @@ contains
             if (.not. job%keeps_rows()) head = with_statistics%result_head
             call move_alloc(with_statistics, table)
         else
-            allocate (resumable_table_t :: table)
+            allocate (row_table_t :: table)
         end if
         call describe_columns(job, table%columns)
         if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
             allocate (table%netcdf)
-            call describe_netcdf(job, shard, table%columns, table%netcdf)
+            table%netcdf%axes = grid_of(job%axes)
+            if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
         if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_table
-
-    !> The table of a job as a NetCDF file.
-    subroutine describe_netcdf(job, shard, columns, description)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(table_column_t), intent(in) :: columns(:)
-        type(netcdf_description_t), intent(out) :: description
-        type(fact_t) :: facts(fact_count)
-
-        call study_facts(job, facts, description%input)
-        description%facts = facts
-        description%columns = columns
-        description%axes = grid_of(job%axes)
-        description%part = shard%beginning(job%axes%cases)
-        if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
-    end subroutine describe_netcdf
 
     !> What is gathered of the rows of a table.
     subroutine describe_statistics(job, shard, table)
@@ -82,7 +65,6 @@ contains
         type(table_column_t), allocatable :: columns(:)
 
         table%keeps_rows = job%keeps_rows()
-        table%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
         table%plan = job%statistics
         table%is_part = shard%is_part()
         table%result_path = job%files%table

@@ -10,15 +10,13 @@ module spintop_motion_rows
     use spintop_exit_codes, only: exit_internal
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t, observer_t
-    use spintop_job, only: job_t, study_facts, study_head
+    use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
-    use spintop_provenance, only: fact_count, fact_t
-    use spintop_resumable_table, only: resumable_table_t
+    use spintop_row_table, only: row_table_t
     use spintop_row_block, only: row_block_t
     use spintop_trajectory_columns, only: row_maker_t
     use spintop_scene_keys, only: scene_t
@@ -26,8 +24,8 @@ module spintop_motion_rows
     use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events, status_ok
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: needs_work, study_column_t, categorical
-    use spintop_table_column, only: status_column, table_column_t
-    use spintop_text, only: escaped, append
+    use spintop_table_column, only: status_column
+    use spintop_text, only: escaped, string_t
     implicit none
     private
     public :: writer_t, compute_motion, find_sensitivities
@@ -35,16 +33,13 @@ module spintop_motion_rows
     !> The quantity that is the coordinate of the rows in NetCDF, and the dimension where that is not chosen.
     character(*), parameter :: time_column = 't', row_dimension = 'row'
 
-    !> The value of the line, or the attribute, that says how the motion ended for one that is complete.
-    character(*), parameter :: complete = 'ok'
-
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
 
     !> A table that is being written.
     type :: motion_table_t
         !> The table: CSV or NetCDF, with its header.
-        type(resumable_table_t) :: rows_table
+        type(row_table_t) :: rows_table
         character(:), allocatable, private :: path, head
         type(row_block_t), private :: block
     contains
@@ -102,48 +97,24 @@ contains
     subroutine describe(self, job)
         class(motion_table_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
-        type(table_column_t), allocatable :: described(:)
         integer :: i
 
         self%path = job%files%table
-        allocate (described(size(job%columns) + 2 * job%sensitivities%count))
-        described%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
+        allocate (self%rows_table%columns(size(job%columns) + 2 * job%sensitivities%count))
+        self%rows_table%columns%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
         do i = 1, size(job%columns)
-            if (job%columns(i)%is(categorical)) call described(i)%set_words(proof_words(0:1))
+            if (job%columns(i)%is(categorical)) call self%rows_table%columns(i)%set_words(proof_words(0:1))
         end do
+        self%head = study_head(job, self%rows_table%columns)
         self%rows_table%has_journal = .false.
-        allocate (self%rows_table%columns, source=described)
-        if (job%input%scene%format == 'netcdf') then
-            allocate (self%rows_table%netcdf)
-            call describe_file(self%rows_table%netcdf)
-            self%head = self%rows_table%netcdf%head()
-        else
-            self%head = study_head(job, described)
-        end if
-
-    contains
-
-        !> The description of a NetCDF file.
-        subroutine describe_file(description)
-            type(netcdf_description_t), intent(inout) :: description
-            type(fact_t) :: facts(fact_count)
-            call study_facts(job, facts, description%input)
-            allocate (description%facts(fact_count + 1))
-            description%facts(:fact_count) = facts
-            description%facts(fact_count + 1)%key = status_column
-            description%facts(fact_count + 1)%value = complete
-            allocate (description%columns, source=described)
-            allocate (description%axes(1))
-            description%axes(1) = netcdf_axis_t(row_dimension, job%plan%samples)
-            i = findloc(job%columns%quantity(), time_column, dim=1)
-            if (i > 0) then
-                description%columns(i)%axis = 1
-                description%axes(1)%name = trim(described(i)%name)
-            end if
-            description%part = ''
-            if (job%input%scene%compression >= 0) description%compression = job%input%scene%compression
-        end subroutine describe_file
-
+        if (job%input%scene%format /= 'netcdf') return
+        allocate (self%rows_table%netcdf)
+        self%rows_table%netcdf%axes = [netcdf_axis_t(row_dimension, job%plan%samples)]
+        if (job%input%scene%compression >= 0) self%rows_table%netcdf%compression = job%input%scene%compression
+        i = findloc(job%columns%quantity(), time_column, dim=1)
+        if (i == 0) return
+        self%rows_table%columns(i)%axis = 1
+        self%rows_table%netcdf%axes(1)%name = job%columns(i)%name
     end subroutine describe
 
     !> Starts the table, unless it is to be left where it is complete (`resume`); or starts it anew after `discard`.
@@ -190,14 +161,8 @@ contains
 
         call append_block(self, error)
         if (allocated(error)) return
-        allocate (self%rows_table%trailer(0))
-        call append(self%rows_table%trailer, status_column // ': ' // status)
-        if (allocated(self%rows_table%netcdf)) then
-            associate (description => self%rows_table%netcdf)
-                description%facts(size(description%facts))%value = status
-                description%axes(1)%length = int(self%rows_table%rows())
-            end associate
-        end if
+        self%rows_table%trailer = [string_t(status_column // ': ' // status)]
+        if (allocated(self%rows_table%netcdf)) self%rows_table%netcdf%axes(1)%length = int(self%rows_table%rows())
         call self%rows_table%finish(error)
     end subroutine finish
 

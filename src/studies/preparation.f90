@@ -498,45 +498,38 @@ contains
                     hint = 'use another column'
                 end if
             end if
-            if (problem == '' .and. .not. problems%any()) call check_work(case, some, problem, hint)
-            if (problem == '' .and. .not. problems%any()) call check_occasion(case, some, problem, hint)
+            if (problem == '' .and. .not. problems%any()) call check_events(case, some, problem, hint)
             if (problem /= '') call problems%add(name, problem, hint)
         end subroutine read_text
 
     end subroutine choose_events
 
-    !> The work of effects is known in the rows of a motion, not where events are sought.
-    subroutine check_work(case, some, problem, hint)
+    !> Why a body cannot have events. The work of effects is known in the rows of a motion, not where events are sought; only dry
+    !> friction by the exact law stops a body, and only a table has rows.
+    subroutine check_events(case, some, problem, hint)
         type(case_t), intent(in) :: case
         type(column_event_t), intent(in) :: some(:)
         character(:), allocatable, intent(inout) :: problem, hint
-        if (any(some%column%is(needs_effects)) .and. .not. allocated(case%given_body%effects)) then
-            problem = 'this event needs effects, and the body has none'
-        else if (any(some%column%is(needs_work)) .and. allocated(case%given_body%effects)) then
-            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
-        end if
-        if (problem /= '') hint = 'use another column'
-    end subroutine check_work
-
-    !> Only dry friction by the exact law stops a body, and only a table has rows.
-    subroutine check_occasion(case, some, problem, hint)
-        type(case_t), intent(in) :: case
-        type(column_event_t), intent(in) :: some(:)
-        character(:), allocatable, intent(inout) :: problem, hint
-        logical :: is_dry, has_table
+        logical :: is_affected, is_dry, has_table
+        is_affected = allocated(case%given_body%effects)
         is_dry = .false.
         has_table = .false.
-        if (allocated(case%given_body%effects)) then
+        if (is_affected) then
             is_dry = case%given_body%effects%is_dry()
             has_table = allocated(case%given_body%effects%table)
         end if
-        if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
+        hint = 'use another column'
+        if (any(some%column%is(needs_effects)) .and. .not. is_affected) then
+            problem = 'this event needs effects, and the body has none'
+        else if (any(some%column%is(needs_work)) .and. is_affected) then
+            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
+        else if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
             problem = 'only a body with dry friction that is not smoothed sticks and slips'
             hint = 'give effects.friction_torque or friction_coefficient, without friction_smoothing'
         else if (.not. has_table .and. any(some%event%occasion == occasion_knot)) then
             problem = 'this event needs a table of torques'
             hint = 'give effects.torque_table'
         end if
-    end subroutine check_occasion
+    end subroutine check_events
 
 end module spintop_preparation

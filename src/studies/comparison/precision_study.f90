@@ -202,26 +202,17 @@ contains
     subroutine refuse_settings(scene, problems)
         type(scene_t), intent(in) :: scene
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: hint = 'give it in &work_precision'
+        character(*), parameter :: hint = 'give it in &work_precision', steps = 'a work-precision study varies the steps'
 
-        call refuse('integration.method', scene%method /= 'auto', 'a work-precision study compares methods', hint)
-        call refuse('integration.formulation', scene%formulation /= 'auto', &
-                    'a work-precision study compares formulations', hint)
-        call refuse('integration.steps', scene%steps /= unset_integer, 'a work-precision study varies the steps', hint)
-        call refuse('integration.step', is_set(scene%step), 'a work-precision study varies the steps', hint)
-        call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance), &
-                    'a work-precision study varies the tolerance', hint)
-        call refuse('span.stop_at', scene%stop_at /= '', 'a work-precision study computes each motion to the end of its span', &
-                    'omit it')
-
-    contains
-
-        subroutine refuse(key, given, message, hint)
-            character(*), intent(in) :: key, message, hint
-            logical, intent(in) :: given
-            if (given) call problems%add(key, message, hint)
-        end subroutine refuse
-
+        if (scene%method /= 'auto') call problems%add('integration.method', 'a work-precision study compares methods', hint)
+        if (scene%formulation /= 'auto') call problems%add('integration.formulation', &
+                                                           'a work-precision study compares formulations', hint)
+        if (scene%steps /= unset_integer) call problems%add('integration.steps', steps, hint)
+        if (is_set(scene%step)) call problems%add('integration.step', steps, hint)
+        if (is_set(scene%relative_tolerance)) call problems%add('integration.relative_tolerance', &
+                                                                'a work-precision study varies the tolerance', hint)
+        if (scene%stop_at /= '') call problems%add('span.stop_at', &
+                                                   'a work-precision study computes each motion to the end of its span', 'omit it')
     end subroutine refuse_settings
 
     !> Reads the reference motion of a case if the input names a table, and checks that the requested

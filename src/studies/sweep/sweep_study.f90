@@ -25,9 +25,8 @@ module spintop_sweep_study
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: duration, rounded, summary_t
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
-    use spintop_sweep_rows, only: sweep_rows_t
+    use spintop_sweep_worker, only: sweep_rows_t, size_of_block
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
-    use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_text, only: join, to_text, string_t
     use spintop_thread_team, only: team_t, blocks_ahead

@@ -132,6 +132,7 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: sizes(size(columns))
+        logical :: overflowed
         integer :: place(size(columns)), k, axes, final_status
 
         sizes = columns%size
@@ -143,8 +144,8 @@ contains
                     final_status = slot%status
                     values = slot%result%of(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
-                        call explain_all_missing(columns, values, slot%case, slot%note)
-                        if (overflowed(columns, values)) final_status = status_non_finite
+                        call judge_values(columns, values, slot%case, slot%note, overflowed)
+                        if (overflowed) final_status = status_non_finite
                     end if
                     cells(1, k) = real(first + k - 1, dp)
                     cells(2:axes + 1, k) = parameters(:, k)
@@ -159,32 +160,23 @@ contains
         end associate
     end subroutine add_rows
 
-    !> Notes what a case lacks and nothing has told yet.
-    subroutine explain_all_missing(columns, cells, case, note)
+    !> Notes what a case lacks and nothing has told yet. It is a failure where a quantity is infinite, or one undefined that every
+    !> case has; an infinite bound says itself what it is.
+    subroutine judge_values(columns, cells, case, note, overflowed)
         type(study_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: cells(:)
         type(case_t), intent(in) :: case
         type(note_t), intent(inout) :: note
-        integer :: i
-        do i = 1, size(columns)
-            if (columns(i)%missing == 0 .or. is_finite(cells(i))) cycle
-            ! An infinite bound says itself what it is.
-            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
-            call explain_missing(columns(i)%missing, case, note)
-        end do
-    end subroutine explain_all_missing
-
-    !> Whether a quantity, but a bound, is infinite, or one undefined that every case has.
-    pure logical function overflowed(columns, cells)
-        type(study_column_t), intent(in) :: columns(:)
-        real(dp), intent(in) :: cells(:)
+        logical, intent(out) :: overflowed
         integer :: i
         overflowed = .false.
         do i = 1, size(columns)
+            if (is_finite(cells(i))) cycle
+            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
+            if (columns(i)%missing > 0) call explain_missing(columns(i)%missing, case, note)
             if (columns(i)%group == proof_group) cycle
-            overflowed = overflowed .or. abs(cells(i)) > huge(cells)
-            if (columns(i)%is(always)) overflowed = overflowed .or. .not. is_finite(cells(i))
+            overflowed = overflowed .or. abs(cells(i)) > huge(cells) .or. columns(i)%is(always)
         end do
-    end function overflowed
+    end subroutine judge_values
 
 end module spintop_sweep_table

@@ -97,8 +97,8 @@ contains
         if (allocated(error)) return
         call begin_tables(job, options, writer, recorder, error)
         if (allocated(error)) return
-        if (writer%table%rows_table%is_complete) then
-            status = writer%table%ended_with()
+        if (writer%table%is_complete) then
+            status = findloc(writer%table%counts > 0, .true., dim=1) - 1
             code = code_of(status)
             if (job%files%events /= '') then
                 call check_table(job%files%events, problem)
@@ -107,7 +107,7 @@ contains
             end if
             if (allocated(error)) return
             call summary%headline(job%input%path // ': trajectory -> ' // job%files%table)
-            call summary%add('note', writer%table%rows_table%remark)
+            call summary%add('note', writer%table%remark)
             if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
             return
         end if
@@ -119,7 +119,7 @@ contains
         call finish_tables(job, outcome, writer, recorder, error)
         if (allocated(error)) return
         call describe_run(job, options, writer%rows, outcome, elapsed, recorder, summary)
-        if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
+        if (writer%table%remark /= '') call summary%add('note', writer%table%remark)
         if (.not. (job%plan%exact .or. sleeps_slowly(job%case%body, job%case%start))) then
             associate (last => writer%last)
                 if (sleeps_slowly(job%case%body, last)) call summary%add('note', 'in the end ' // slow_sleeper(job%case%body, last))
@@ -147,33 +147,24 @@ contains
             if (allocated(error)) return
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-        call writer%table%describe(job)
-        call writer%table%create(options%resume, options%restart, error)
-        if (allocated(error) .or. writer%table%rows_table%is_complete) return
-        call begin_events(job, recorder, error)
-        if (allocated(error)) then
-            call discard_tables(writer, recorder)
-            return
+        call writer%describe(job)
+        call writer%start(options%resume, options%restart, error)
+        if (allocated(error) .or. writer%table%is_complete) return
+        if (size(job%events) > 0) then
+            allocate (recorder)
+            call recorder%set(job%events, job%stop_after, job%case)
+            if (job%files%events /= '') call recorder%open_table(job%files%events, study_head(job, &
+                [event_columns, job%columns%column_t]), job%columns, job%case, job%input%scene, error)
+            if (allocated(error)) then
+                call discard_tables(writer, recorder)
+                return
+            end if
         end if
-        associate (table => writer%table%rows_table)
+        associate (table => writer%table)
             if (table%remark /= '') call writer%progress%note(table%remark)
             call options%announce_signals(job%input%path, job%files%table, table, writer%total)
         end associate
     end subroutine begin_tables
-
-    !> Begins the search for events, and their table.
-    subroutine begin_events(job, recorder, error)
-        type(job_t), intent(in) :: job
-        type(event_recorder_t), allocatable, target, intent(inout) :: recorder
-        type(error_t), allocatable, intent(out) :: error
-
-        if (size(job%events) == 0) return
-        allocate (recorder)
-        call recorder%set(job%events, job%stop_after, job%case)
-        if (job%files%events == '') return
-        call recorder%open_table(job%files%events, study_head(job, [event_columns, job%columns%column_t]), &
-                                 job%columns, job%case, job%input%scene, error)
-    end subroutine begin_events
 
     !> Discards the tables after an error.
     subroutine discard_tables(writer, recorder)
@@ -212,7 +203,7 @@ contains
         missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
         do i = 1, writer%rows
             if (allocated(writer%error)) return
-            call writer%table%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
+            call writer%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
         end do
     end subroutine add_sensitivities
 
@@ -230,7 +221,7 @@ contains
         else
             trailer(1)%text = 'status: ' // ending_of(outcome)
             if (job%files%events /= '') call recorder%close_table(trailer, error)
-            if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
+            if (.not. allocated(error)) call writer%finish(ending_of(outcome), error)
         end if
         call stop_watching_signals()
         if (allocated(error)) call discard_tables(writer, recorder)

@@ -9,8 +9,8 @@ module spintop_c_run
     use spintop_c_error, only: c_text_t, hand_error, is_any_null, is_empty, is_wrong, read_c_text, read_c_texts
     use spintop_c_result, only: hand_result
     use spintop_errors, only: error_t
-    use spintop_in_memory, only: memory_run_t, run_in_memory
-    use spintop_listing, only: list_as_json, list_topic
+    use spintop_execution, only: memory_run_t, run_in_memory
+    use spintop_listing, only: list_topic
     use spintop_options, only: most_threads, options_t
     use spintop_provenance, only: program_version
     use spintop_text, only: join, string_t
@@ -179,11 +179,7 @@ contains
         handle = c_null_ptr
         if (is_wrong(is_empty(topic), 'the name of the topic is empty', place)) return
         call read_c_text(topic, name)
-        if (as_json) then
-            call list_as_json(name, lines, error)
-        else
-            call list_topic(name, lines, error)
-        end if
+        call list_topic(name, as_json, lines, error)
         if (allocated(error)) then
             call hand_error(error, place)
             return

@@ -15,7 +15,7 @@ module spintop_c_top
     use spintop_errors, only: error_t, input_error
     use spintop_exit_codes, only: exit_input, exit_ok
     use spintop_event_recorder, only: event_columns, event_recorder_t
-    use spintop_in_memory, only: memory_run_t
+    use spintop_execution, only: memory_run_t
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number

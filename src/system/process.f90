@@ -195,7 +195,7 @@ contains
             levels = levels // ', v' // to_text(level)
         end do
         if (levels == '') levels = ', none'
-        error = input_error('spintop: ' // level_variable // ' is ''' // trim(wanted) // &
+        error = input_error('spintop: ' // level_variable // ' is ''' // wanted(:min(length, len(wanted))) // &
                             ''', but the levels of this processor are: ' // levels(3:))
     end subroutine check_level
 

@@ -27,8 +27,7 @@ module spintop
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_exact_block, only: exact_block_t, block_size
     use spintop_nutation, only: nutation_t, find_nutation, class_name
-    use spintop_steady_motion, only: steady_rates, steady_rates_at_spin, fast_top_t
-    use spintop_permanent_rotation, only: find_permanent_rotation, permanent_rate
+    use spintop_steady_motion, only: steady_rates, steady_rates_at_spin, fast_top_t, find_permanent_rotation, permanent_rate
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_floquet, only: find_multipliers, find_monodromy
     use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov

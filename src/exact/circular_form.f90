@@ -232,20 +232,13 @@ contains
     !> A pole from its position X; `scale` is sqrt(k') times the pole's sc(i v) without its i.
     pure type(pole_t) function pole_at(q, x, scale) result(pole)
         real(xp), intent(in) :: q, x, scale
-        real(xp) :: difference, w
-        integer :: n
+        real(xp) :: chain(0:last + 1)
 
+        chain = linear_chain(x, q, 2.0_xp, x, last + 1)
+        pole%sums = chain(1:)
         ! Not sqrt(X^2 - 4 q^2): that loses half the digits near v = 0.
-        difference = (x + 2 * q) * scale * ratio_of_thetas(q, x)
-        w = (x + difference) / 2
-        pole%sums(1) = w + quotient(q**2, w)
-        pole%differences(1) = difference
-        pole%sums(2) = x * pole%sums(1) - 2 * q**2
-        pole%differences(2) = x * difference
-        do n = 3, last + 1
-            pole%sums(n) = x * pole%sums(n - 1) - q**2 * pole%sums(n - 2)
-            pole%differences(n) = x * pole%differences(n - 1) - q**2 * pole%differences(n - 2)
-        end do
+        chain = linear_chain(x, q, 0.0_xp, (x + 2 * q) * scale * ratio_of_thetas(q, x), last + 1)
+        pole%differences = chain(1:)
         pole%norm = 1 + sum(q**(n_ * n_ - n_) * pole%sums)
         pole%slope = 2 * sum(n_ * q**(n_ * n_ - n_) * pole%differences) / pole%norm
     end function pole_at

@@ -26,8 +26,8 @@ module spintop_exact_motion
     type, extends(symmetric_motion_t) :: exact_motion_t
         !> The motion of a free body that is not a symmetric top.
         type(free_motion_t), allocatable :: free
-        !> The axes in which the body was given, its angles there at the start, rad, and a bound of its angular velocity,
-        !> rad/s, where they differ from those of the solution.
+        !> The axes in which the body was given, its angles there at the start, rad, where they differ from those of the solution;
+        !> and a bound of its angular velocity, rad/s, where turns are followed.
         type(given_axes_t), private :: given
         real(dp), private :: given_angle(3) = 0, greatest_rate = 0
         !> The distances, rad, up to which the axis passes through a pole, in both kinds of axes.
@@ -71,7 +71,6 @@ contains
         end if
         if (.not. is_ok(status) .or. .not. (allocated(exact%free) .or. body%given%differ)) return
         exact%reach = reach_of(body, start)
-        if (.not. body%given%differ) return
         exact%given = body%given
         exact%given_angle = start%given_angle
         exact%greatest_rate = greatest_rate(exact, body, start)
@@ -156,17 +155,13 @@ contains
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
         real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-12_dp
         type(motion_t) :: now, next
-        real(dp) :: pace, step
-        logical :: sure
+        real(dp) :: pace, step, angle(3)
+        logical :: sure, also_sure
 
         motion = self%at(t)
         if (.not. self%has_to_follow()) return
         now = last
-        if (self%given%differ) then
-            pace = longest / max(self%greatest_rate, tiny(pace))
-        else
-            pace = longest / max(self%free%greatest_rate, tiny(pace))
-        end if
+        pace = longest / max(self%greatest_rate, tiny(pace))
         step = pace
         do while (abs(t - now%t) > 0)
             next = motion
@@ -179,8 +174,17 @@ contains
                 steps = steps + 1
                 next = self%at(now%t + sign(step, t - now%t))
             end if
-            call count_turns(self, now, next, sure)
-            if (sure .or. step < shortest * pace) then
+            sure = .true.
+            also_sure = .true.
+            if (self%given%differ) call self%given%follow(now, next, self%reach(2), sure)
+            if (allocated(self%free)) then
+                angle = now%angle
+                next%passed = now%passed
+                call follow_motion(now, next, self%reach(1), next%passed, angle, also_sure)
+                next%angle = angle
+                if (.not. next%passed%arrived) next%angle = angles_from_quaternion(next%quaternion, angle)
+            end if
+            if ((sure .and. also_sure) .or. step < shortest * pace) then
                 now = next
                 step = min(2 * step, pace)
             else
@@ -192,25 +196,5 @@ contains
         motion%passed = now%passed
         motion%given_passed = now%given_passed
     end subroutine follow
-
-    !> Gives the angles at `next` the turns of those at `now`, and those in between.
-    pure subroutine count_turns(self, now, next, sure)
-        type(exact_motion_t), intent(in) :: self
-        type(motion_t), intent(in) :: now
-        type(motion_t), intent(inout) :: next
-        logical, intent(out) :: sure  !! whether the turns are certain
-        real(dp) :: angle(3)
-        logical :: also_sure
-        also_sure = .true.
-        if (self%given%differ) call self%given%follow(now, next, self%reach(2), also_sure)
-        sure = also_sure
-        if (.not. allocated(self%free)) return
-        angle = now%angle
-        next%passed = now%passed
-        call follow_motion(now, next, self%reach(1), next%passed, angle, sure)
-        next%angle = angle
-        if (.not. next%passed%arrived) next%angle = angles_from_quaternion(next%quaternion, angle)
-        sure = sure .and. also_sure
-    end subroutine count_turns
 
 end module spintop_exact_motion

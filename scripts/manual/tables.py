@@ -103,6 +103,26 @@ def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
     return [lines[0], "|" + "---|" * len(head), *lines[1:]]
 
 
+def _joined(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Rows of which neighbours that differ in one word of their meaning, as x, y and z, are one."""
+    done: list[tuple[list[str], list[str], list[list[str]]]] = []
+    for name, *between, meaning in rows:
+        words = [[word] for word in re.split(r"([^\w\\]+)", meaning)]
+        if done and done[-1][1] == between and len(done[-1][2]) == len(words):
+            names, _, known = done[-1]
+            other = [i for i, word in enumerate(words) if word[0] not in known[i]]
+            wide = [i for i, word in enumerate(known) if len(word) > 1]
+            if len(other) == 1 and wide in ([], other):
+                names.append(name)
+                known[other[0]] += words[other[0]]
+                continue
+        done.append(([name], between, words))
+    return [
+        (", ".join(names), *between, "".join(map(", ".join, words)))
+        for names, between, words in done
+    ]
+
+
 def _listed(program: Path, topic: str, part: str) -> list[str]:
     """A table of a topic, or of a part of it, without columns that are empty."""
     cells = _TABLES[topic]
@@ -114,7 +134,8 @@ def _listed(program: Path, topic: str, part: str) -> list[str]:
         for name, cell in cells.items()
         if any(column := [cell(entry) for entry in entries])
     }
-    return _table(tuple(filled), list(zip(*filled.values(), strict=True)))
+    rows = list(zip(*filled.values(), strict=True))
+    return _table(tuple(filled), _joined(rows) if topic == "columns" else rows)
 
 
 def _options(program: Path) -> list[str]:

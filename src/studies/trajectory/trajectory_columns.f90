@@ -11,7 +11,7 @@ module spintop_trajectory_columns
     use spintop_motion_view, only: motion_view_t
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, &
         goryachev_integral, kovalevskaya_integral, vertical_momentum, specific_force
-    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, &
+    use spintop_measures, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, &
         watch_omega, watch_phi, watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, &
         watch_turning, watch_vertical, watch_vertical_momentum
     use spintop_study_column, only: chosen_column_t, place_of, proof_group, study_column_t
@@ -41,7 +41,7 @@ module spintop_trajectory_columns
     type, extends(study_column_t) :: trajectory_column_t
         !> The number of a vector (`vector_...`), and the component of it that is the value of the column.
         integer :: vector = 0, component = 1
-        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_watched_quantities).
+        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_measures).
         integer :: passing = watch_nothing
         !> It is in the table when the input names no columns.
         logical :: is_default = .false.

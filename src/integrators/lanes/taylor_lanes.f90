@@ -324,17 +324,11 @@ contains
         class(taylor_lanes_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
-        real(dp) :: change(parts)
-        integer :: k
         associate (now => self%now)
             call self%find_other_angle(lane, t, now%other_then(lane), self%passed(lane))
             now%other(lane) = now%other_then(lane)
             now%side(lane) = now%side_last(lane)
-            change = 0
-            do k = self%order, 1, -1
-                change = (change + self%c(lane, :parts, k)) * (t - now%t_last(lane))
-            end do
-            now%state(lane, :) = self%c(lane, :parts, 0) + change
+            now%state(lane, :) = state_at(self, lane, t - now%t_last(lane))
             now%rest(lane, :) = 0
             now%t(lane) = t
             now%t_end(lane) = t
@@ -433,15 +427,25 @@ contains
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
-        real(dp) :: angles(2), place(4)
+        real(dp) :: angles(2), state(parts)
         type(passages_t) :: passed
-        integer :: k
-        place = 0
-        do k = self%order, 0, -1
-            place = place * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
-        end do
-        call self%find_angles(lane, t - self%now%t_last(lane), place, angles, passed)
+        state = state_at(self, lane, t - self%now%t_last(lane))
+        call self%find_angles(lane, t - self%now%t_last(lane), state(4:), angles, passed)
     end function angles_at
+
+    !> The state in a lane at a time h after the beginning of the last step.
+    pure function state_at(self, lane, h) result(state)
+        class(taylor_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: h
+        real(dp) :: state(parts)
+        integer :: k
+        state = 0
+        do k = self%order, 1, -1
+            state = (state + self%c(lane, :parts, k)) * h
+        end do
+        state = self%c(lane, :parts, 0) + state
+    end function state_at
 
     !> Describes the attitude in a lane by the angle of the other side.
     pure subroutine change_side(self, lane)

@@ -31,7 +31,7 @@ module spintop_sweep_quantities
     implicit none
     private
     public :: extremes, watched_for, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, set_details, &
-        precession_period, lowest_height
+        precession_period
     public :: explain_no_period, explain_no_exact_motion, explain_not_stuck
     public :: find_free_constants
 
@@ -50,14 +50,25 @@ module spintop_sweep_quantities
 
 contains
 
-    !> The whole nutation of a closed form, without the height of the centre of mass.
-    subroutine set_nutation(slot, nutation)
+    !> The whole nutation of a closed form.
+    subroutine set_nutation(slot, nutation, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (wanted(of_lowest)) slot%result%of(at_com_z_min) = height_at(nutation%theta_max)
         associate (seen => as_given(slot%case, nutation))
             call set_extremes(seen, slot%result)
             call set_means(slot, seen)
         end associate
+
+    contains
+
+        !> The height of the centre of mass of a top at an inclination, m.
+        pure real(dp) function height_at(theta)
+            real(dp), intent(in) :: theta
+            height_at = slot%case%body%centre_of_mass(3) * cos(theta)
+        end function height_at
+
     end subroutine set_nutation
 
     !> A nutation in the axes, and relative to the frame, of the input.
@@ -139,13 +150,6 @@ contains
             if (precession_time > 0) values%of(at_nutations_in_period) = precession_time / nutation%period
         end associate
     end subroutine set_means
-
-    !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
-    pure real(dp) function lowest_height(case, theta_max)
-        type(case_t), intent(in) :: case !! the case of a top, for its centre of mass
-        real(dp), intent(in) :: theta_max !! in the axes of the computation, rad
-        lowest_height = case%body%centre_of_mass(3) * cos(theta_max)
-    end function lowest_height
 
     !> The quantities that are watched along a motion for what is wanted.
     pure function watched_for(wanted) result(of)

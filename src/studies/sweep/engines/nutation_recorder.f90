@@ -34,15 +34,16 @@ module spintop_nutation_recorder
         type(measures_t) :: found
         type(case_t), private :: case
         logical, private :: is_plane = .false.
-        !> The quantities of the measured events, which follow those of the scene; an event of turning points is `upper` or `lower`.
+        !> The quantities of the measured events, which follow those of the scene.
         integer, allocatable, private :: own(:)
+        !> Those of which extremes are kept, and the body, in the first lane.
+        type(watched_t), allocatable, private :: extremes(:)
         type(lane_body_t), private :: body
     contains
         procedure :: measure_nutation
         procedure :: quantities
         procedure :: quantities_of_several
         procedure :: handle_event
-        procedure :: handle_doubtful_event
         procedure :: knows_class
         procedure :: include_end
     end type nutation_recorder_t
@@ -75,6 +76,12 @@ contains
         if (any(self%wanted .and. quantities_of%is_rate)) self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         self%is_plane = swings_over_poles(case%body, case%start, exactly_plane) .and. .not. case%body%given%differ
         call set_body(self%body, 1, case%body)
+        self%extremes = [watched_t ::]
+        do k = watch_turning + 1, watches
+            if (.not. (self%wanted(k) .or. k == watch_precession_rate) .or. (k == watch_precession_rate .and. self%is_plane)) cycle
+            self%extremes = [self%extremes, watched_t(k)]
+            call self%extremes(size(self%extremes))%set_lane(1, case%body, case%start%omega, 0.0_dp)
+        end do
         given = case%start
         given%omega_rate = angular_acceleration(case%body, given)
         given = as_given(self, given)
@@ -158,45 +165,24 @@ contains
     end subroutine find_slopes
 
     !> Handles an event.
-    subroutine handle_event(self, number, motion)
+    subroutine handle_event(self, number, motion, is_noise)
         class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
-        if (is_own(self, number)) then
-            call handle_own_event(self, number, motion, is_noise=.false.)
-        else
-            call self%event_recorder_t%handle_event(number, motion)
-        end if
-    end subroutine handle_event
-
-    !> Handles a passage within the noise of its quantity.
-    subroutine handle_doubtful_event(self, number, motion)
-        class(nutation_recorder_t), intent(inout) :: self
-        integer, intent(in) :: number !! index of the event in `events`
-        type(motion_t), intent(in) :: motion !! the motion at the passage
-        if (is_own(self, number)) call handle_own_event(self, number, motion, is_noise=.true.)
-    end subroutine handle_doubtful_event
-
-    !> Whether an event is a measured one.
-    pure logical function is_own(self, number)
-        class(nutation_recorder_t), intent(in) :: self
-        integer, intent(in) :: number
-        is_own = allocated(self%own)
-        if (is_own) is_own = number > size(self%events) - size(self%own)
-    end function is_own
-
-    !> Handles a measured event, or a passage within the noise of its quantity.
-    subroutine handle_own_event(self, number, motion, is_noise)
-        class(nutation_recorder_t), intent(inout) :: self
-        integer, intent(in) :: number
-        type(motion_t), intent(in) :: motion
-        logical, intent(in) :: is_noise
+        logical, intent(in) :: is_noise !! whether it is a passage within the noise of its quantity
         type(motion_t) :: given
+        integer :: k
+        k = number - size(self%events)
+        if (allocated(self%own)) k = k + size(self%own)
+        if (k <= 0) then
+            call self%event_recorder_t%handle_event(number, motion, is_noise)
+            return
+        end if
         given = as_given(self, motion)
         call update_extremes(self, motion, given)
-        if (self%own(number - (size(self%events) - size(self%own))) /= watch_turning) return
+        if (self%own(k) /= watch_turning) return
         call self%found%turns%add(merge(upper, lower, self%events(number)%direction < 0), point_of(given), is_noise)
-    end subroutine handle_own_event
+    end subroutine handle_event
 
     !> Includes the end of the motion, where the quantities may have their extremes.
     subroutine include_end(self)
@@ -218,19 +204,16 @@ contains
     subroutine update_extremes(self, motion, given)
         class(nutation_recorder_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion, given
-        type(watched_t) :: of
         real(dp) :: x(lanes, parts), value(lanes)
-        integer :: k
-        do k = 1, watches
-            if (.not. (self%wanted(k) .or. k == watch_precession_rate) .or. k == watch_turning) cycle
-            if (k == watch_precession_rate .and. self%is_plane) cycle
-            of%quantity = k
-            call of%set_lane(1, self%case%body, motion%omega, 0.0_dp)
-            x = 0
-            x(1, :6) = [motion%omega, vertical_from_quaternion(motion%quaternion)]
-            if (quantities_of(k)%is_of_axis) x(1, :6) = [given%omega, vertical_from_quaternion(given%quaternion)]
-            call of%find_values(self%body, x, value)
-            call self%found%keep(k, value(1), 0.0_dp, x(1, 4:5), x(1, 1:2))
+        integer :: i
+        x = 0
+        do i = 1, size(self%extremes)
+            associate (of => self%extremes(i))
+                x(1, :6) = [motion%omega, vertical_from_quaternion(motion%quaternion)]
+                if (quantities_of(of%quantity)%is_of_axis) x(1, :6) = [given%omega, vertical_from_quaternion(given%quaternion)]
+                call of%find_values(self%body, x, value)
+                call self%found%keep(of%quantity, value(1), 0.0_dp, x(1, 4:5), x(1, 1:2))
+            end associate
         end do
     end subroutine update_extremes
 

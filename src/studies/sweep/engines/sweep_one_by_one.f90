@@ -22,8 +22,8 @@ module spintop_sweep_one_by_one
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
-        set_end, set_details, precession_period, lowest_height, watched_for
-    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
+        set_end, set_details, precession_period, watched_for
+    use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
         of_energy, of_fast_top, of_fastest, of_growth, of_inherent, of_lyapunov, of_measured, of_multiplier, &
         of_nutation, of_oracle, of_period, of_singular, of_turns, sweep_result_t
@@ -91,8 +91,7 @@ contains
                 if (wanted(of_nutation)) then
                     call find_nutation(case%body, case%start, nutation, status)
                     if (is_ok(status)) then
-                        call set_nutation(slot, nutation)
-                        slot%result%of(at_com_z_min) = lowest_height(case, nutation%theta_max)
+                        call set_nutation(slot, nutation, wanted)
                     else
                         call slot%note%explain(trim(status_meanings(status)))
                     end if

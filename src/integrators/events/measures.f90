@@ -45,7 +45,7 @@ module spintop_measures
     !> The table of quantities.
     type(quantity_t), parameter :: quantities(watches) = [ &
         quantity_t('phi'), quantity_t('psi'), &
-        quantity_t('height rate of body z', is_of_axis=.true.), &
+        quantity_t('slope of theta', is_of_axis=.true.), &
         quantity_t('theta'), quantity_t('omega'), quantity_t('vertical'), &
         quantity_t('height', direction=1), &
         quantity_t('kinetic energy'), &
@@ -104,7 +104,8 @@ module spintop_measures
     type :: measures_t
         !> Whether the event that ends the motion occurred.
         logical :: event_occurred = .false.
-        !> The extremes of each quantity that is watched, in its unit; of rates of angles only `largest`, in magnitude, with its sign.
+        !> The extremes of each quantity that is watched, in its unit; of rates of angles only `largest`, in magnitude, with its
+        !> sign.
         real(dp) :: least(watches) = huge(1.0_dp)
         real(dp) :: largest(watches) = [(merge(0.0_dp, -huge(1.0_dp), quantities(k)%is_rate), k=1, watches)]
         type(turns_t) :: turns

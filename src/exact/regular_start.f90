@@ -15,10 +15,9 @@ module spintop_regular_start
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
+    public :: regular_start_t, find_regular_start, rates_describe
 
     !> The data of the closed form from body and start, in extended precision.
     type :: regular_start_t
@@ -98,18 +97,6 @@ contains
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
 
-    !> The same for unchecked data: `status` may also be that of `spintop_validity`.
-    pure subroutine find_checked_start(body, start, regular, status, rotor)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        type(regular_start_t), intent(out) :: regular !! the start in regular quantities
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        call find_regular_start(body, start, regular, status, rotor)
-        if (is_ok(status)) status = body_status(body)
-        if (is_ok(status)) status = start_status(start, body)
-    end subroutine find_checked_start
-
     pure integer function status_of_data(body, start) result(status)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -157,8 +144,8 @@ contains
         regular%swing_squared = theta_rate**2 + (sine * phi_rate)**2
         regular%turn = regular%sine_squared * phi_rate
 
-        upper_turn = unit((real(start%angle(1), xp) + start%angle(3)) / 2)
-        lower_turn = unit((real(start%angle(1), xp) - start%angle(3)) / 2)
+        upper_turn = exp(i * (real(start%angle(1), xp) + start%angle(3)) / 2)
+        lower_turn = exp(i * (real(start%angle(1), xp) - start%angle(3)) / 2)
         regular%upper = half_cosine * upper_turn
         regular%lower = half_sine * lower_turn
         swing = cmplx(theta_rate, phi_rate * sine, xp) * lower_turn * conjg(upper_turn)
@@ -215,11 +202,6 @@ contains
         opposes = real(conjg(regular%upper) * cmplx(q(1), q(4), xp) &
                        + conjg(regular%lower) * cmplx(q(2), q(3), xp), xp) < 0
     end function opposes
-
-    elemental complex(xp) function unit(angle)
-        real(xp), intent(in) :: angle
-        unit = cmplx(cos(angle), sin(angle), xp)
-    end function unit
 
     elemental real(xp) function squared(z)
         complex(xp), intent(in) :: z

@@ -9,13 +9,6 @@
 
 #include "vectors.h"
 
-#include "one_body/body_vectors.h"
-#include "one_body/shares.h"
-#include "one_body/body_start.h"
-
-#include "one_body/body_series.h"
-#include "one_body/body_stages.h"
-#include "one_body/effects_stages.h"
 #include "one_body/top_series.h"
 
 #include "binary_powers.h"
@@ -29,9 +22,7 @@
 #include "many_bodies/lane_steps.h"
 
 #include "series/algebra_names.h"
-#include "series/motion_kinds.h"
-#include "series/one_motion_of_level.h"
-#include "series/lane_motion_of_level.h"
+#include "series/motions_of_level.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

@@ -7,9 +7,7 @@ module funit
     use funit_boxes, only: box_t, boxed, element
     implicit none
     private
-    public :: assertTrue, assertFalse, assertAll, assertAny, assertIsNaN, assertIsFinite, assertFail
-    public :: assertEqual, assertNotEqual, assertRelativelyEqual
-    public :: assertLessThan, assertLessThanOrEqual, assertGreaterThan, assertGreaterThanOrEqual
+    public :: assertOne, assertTwo, assertFail
     public :: SourceLocation, anyExceptions, boxed
     public :: begin_suite, run_test, skip_test, end_suite
 
@@ -18,14 +16,6 @@ module funit
         character(64) :: file
         integer :: line
     end type SourceLocation
-
-    interface assertTrue
-        module procedure assert_true, assert_true_vector
-    end interface assertTrue
-
-    interface assertFalse
-        module procedure assert_false, assert_false_vector
-    end interface assertFalse
 
     abstract interface
         subroutine test_procedure()
@@ -105,120 +95,32 @@ contains
         call require(.false., 'called to fail', location, message)
     end subroutine assertFail
 
-    subroutine assert_true(condition, message, location)
-        logical, intent(in) :: condition
+    !> Require what an assert of one value is named for.
+    subroutine assertOne(name, value, message, location)
+        character(*), intent(in) :: name
+        type(box_t), intent(in) :: value
         character(*), intent(in), optional :: message
         type(SourceLocation), intent(in) :: location
-        call require(condition, 'not true', location, message)
-    end subroutine assert_true
-
-    subroutine assert_true_vector(condition, message, location)
-        logical, intent(in) :: condition(:)
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(all(condition), 'not all true', location, message)
-    end subroutine assert_true_vector
-
-    subroutine assert_false(condition, message, location)
-        logical, intent(in) :: condition
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(.not. condition, 'not false', location, message)
-    end subroutine assert_false
-
-    subroutine assert_false_vector(condition, message, location)
-        logical, intent(in) :: condition(:)
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(.not. any(condition), 'not all false', location, message)
-    end subroutine assert_false_vector
-
-    subroutine assertAll(conditions, message, location)
-        logical, intent(in) :: conditions(:)
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(all(conditions), 'not all true', location, message)
-    end subroutine assertAll
-
-    subroutine assertAny(conditions, message, location)
-        logical, intent(in) :: conditions(:)
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(any(conditions), 'none is true', location, message)
-    end subroutine assertAny
-
-    subroutine assertIsNaN(x, message, location)
-        real(real64), intent(in) :: x
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(ieee_is_nan(x), element(boxed(x), 1) // ' is not NaN', location, message)
-    end subroutine assertIsNaN
-
-    subroutine assertIsFinite(x, message, location)
-        real(real64), intent(in) :: x
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call require(ieee_is_finite(x), element(boxed(x), 1) // ' is not finite', location, message)
-    end subroutine assertIsFinite
-
-    subroutine assertEqual(expected, actual, tolerance, message, location)
-        type(box_t), intent(in) :: expected, actual
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(expected, '==', actual, location, tolerance, message)
-    end subroutine assertEqual
-
-    subroutine assertNotEqual(expected, actual, tolerance, message, location)
-        type(box_t), intent(in) :: expected, actual
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(expected, '/=', actual, location, tolerance, message)
-    end subroutine assertNotEqual
-
-    subroutine assertLessThan(lhs, rhs, tolerance, message, location)
-        type(box_t), intent(in) :: lhs, rhs
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(lhs, '<', rhs, location, tolerance, message)
-    end subroutine assertLessThan
-
-    subroutine assertLessThanOrEqual(lhs, rhs, tolerance, message, location)
-        type(box_t), intent(in) :: lhs, rhs
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(lhs, '<=', rhs, location, tolerance, message)
-    end subroutine assertLessThanOrEqual
-
-    subroutine assertGreaterThan(lhs, rhs, tolerance, message, location)
-        type(box_t), intent(in) :: lhs, rhs
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(lhs, '>', rhs, location, tolerance, message)
-    end subroutine assertGreaterThan
-
-    subroutine assertGreaterThanOrEqual(lhs, rhs, tolerance, message, location)
-        type(box_t), intent(in) :: lhs, rhs
-        real(real64), intent(in), optional :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(lhs, '>=', rhs, location, tolerance, message)
-    end subroutine assertGreaterThanOrEqual
-
-    subroutine assertRelativelyEqual(expected, actual, tolerance, message, location)
-        type(box_t), intent(in) :: expected, actual
-        real(real64), intent(in) :: tolerance
-        character(*), intent(in), optional :: message
-        type(SourceLocation), intent(in) :: location
-        call compare(expected, 'relatively ==', actual, location, tolerance, message)
-    end subroutine assertRelativelyEqual
+        if ((name == 'IsNaN' .or. name == 'IsFinite') .neqv. allocated(value%reals)) then
+            call require(.false., 'pFUnit has no such assert of ' // trim(value%type_name), location, message)
+            return
+        end if
+        select case (name)
+        case ('True', 'All')
+            call require(all(value%truths), 'not true', location, message)
+        case ('False')
+            call require(.not. any(value%truths), 'not false', location, message)
+        case ('Any')
+            call require(any(value%truths), 'none is true', location, message)
+        case ('IsNaN')
+            call require(all(ieee_is_nan(value%reals)), element(value, 1) // ' is not NaN', location, message)
+        case default
+            call require(all(ieee_is_finite(value%reals)), element(value, 1) // ' is not finite', location, message)
+        end select
+    end subroutine assertOne
 
     !> Require `left relation right` of every element. `left` may be a scalar beside an array.
-    subroutine compare(left, relation, right, location, tolerance, message)
+    subroutine assertTwo(relation, left, right, tolerance, message, location)
         type(box_t), intent(in) :: left, right
         character(*), intent(in) :: relation
         type(SourceLocation), intent(in) :: location
@@ -262,7 +164,7 @@ contains
             call require(.false., what, location, message)
             return
         end do
-    end subroutine compare
+    end subroutine assertTwo
 
     !> Does pFUnit have an assert for these types?
     pure function comparable(left, relation, right, has_tolerance) result(yes)

@@ -1,17 +1,21 @@
-!> Jobs for suites: inputs of the folder `input`, with overrides, prepared as the program prepares them.
+!> Jobs for suites: inputs of the folder `input`, with overrides, prepared as the program prepares them, and the rows of their
+!> cases.
 module prepared_jobs
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_job, only: job_t
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t
     use spintop_row_block, only: row_block_t
-    use spintop_resumable_table, only: resumable_table_t
+    use spintop_row_table, only: row_table_t
     use spintop_sweep_table, only: describe_table
+    use spintop_sweep_worker, only: sweep_worker_t
     use spintop_text, only: split
     implicit none
     private
-    public :: prepare, quiet_options, cell, scratch_folder
+    public :: prepare, quiet_options, compute_rows, prepare_rows, cell, differ, scratch_folder
 
     character(*), parameter :: scratch_folder = 'build/scratch/studies'
 
@@ -25,12 +29,12 @@ contains
         allocate (options%overrides(0))
     end subroutine quiet_options
 
-    !> Prepares input/NAME.nml; `message` is what is wrong, or ''.
+    !> Prepares input/NAME.nml; `message` is what is wrong, or ''. Without it nothing may be wrong.
     subroutine prepare(name, overrides, prepared, message)
         character(*), intent(in) :: name
         character(*), intent(in) :: overrides !! `group.key=value`, separated by semicolons
         type(prepared_t), allocatable, target, intent(inout) :: prepared(:)
-        character(:), allocatable, intent(out) :: message
+        character(:), allocatable, intent(out), optional :: message
         type(options_t) :: options
         type(error_t), allocatable :: error
 
@@ -38,8 +42,12 @@ contains
         call quiet_options(options)
         call split(overrides, ';', options%overrides)
         call prepare_jobs([string_of('input/' // name // '.nml')], options, prepared, error)
-        message = ''
-        if (allocated(error)) message = error%message
+        if (present(message)) then
+            message = ''
+            if (allocated(error)) message = error%message
+        else if (allocated(error)) then
+            error stop 'prepared_jobs: ' // name // ' with ' // overrides // ': ' // error%message
+        end if
 
     contains
 
@@ -52,6 +60,33 @@ contains
 
     end subroutine prepare
 
+    !> Computes the cases of a job from `first` to `last`, if there are so many, in one block.
+    subroutine compute_rows(job, first, last, rows)
+        type(job_t), target, intent(in) :: job
+        integer, intent(in) :: first, last
+        type(row_block_t), intent(inout) :: rows
+        type(sweep_worker_t), allocatable, target :: worker
+        allocate (worker)
+        call worker%prepare(job)
+        call worker%compute_rows(job, int(first, int64), min(int(last, int64), job%axes%cases), rows)
+    end subroutine compute_rows
+
+    !> The same of an input, in which nothing may be wrong.
+    subroutine prepare_rows(name, overrides, first, last, prepared, rows)
+        character(*), intent(in) :: name, overrides
+        integer, intent(in) :: first, last
+        type(prepared_t), allocatable, target, intent(inout) :: prepared(:)
+        type(row_block_t), intent(inout) :: rows
+        call prepare(name, overrides, prepared)
+        call compute_rows(prepared(1)%job, first, last, rows)
+    end subroutine prepare_rows
+
+    !> Whether two cells differ; what does not exist is not a number in both.
+    elemental logical function differ(one, other)
+        real(dp), intent(in) :: one, other
+        differ = abs(one - other) > 0 .or. (ieee_is_nan(one) .neqv. ieee_is_nan(other))
+    end function differ
+
     !> The cell of a column of the sweep of a job in the k-th row of a block.
     function cell(job, rows, column, k)
         type(job_t), intent(in) :: job
@@ -60,7 +95,7 @@ contains
         integer, intent(in) :: k
         real(dp) :: cell
         type(options_t) :: options
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         character(:), allocatable :: head
         integer :: i
 

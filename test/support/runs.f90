@@ -3,18 +3,19 @@ module runs
     use spintop_kinds, only: dp
     use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
+    use spintop_events, only: event_search_t
     use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_integration, only: integrate, outcome_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_status, only: status_ok
-    use spintop_stepper, only: counts_t, stepper_t
+    use spintop_stepper, only: controls_t, counts_t, stepper_t
     use recorder, only: recorder_t
     implicit none
     private
-    public :: observe_motion, unit_body, run_t, propagate, propagate_from, reference_state, smooth_body, smooth_start, &
-        prepare_smooth
+    public :: controls_at, make_stepper, observe_motion, set_out, unit_body, run_t, propagate, propagate_from, reference_state
+    public :: smooth_body, smooth_start, prepare_smooth
     public :: attitude_error, observed_order, flow, formulations_for
 
     !> How a run ended.
@@ -28,24 +29,75 @@ module runs
 
 contains
 
-    !> Follows any body from its start by a method at a tolerance, and keeps what is seen at times;
-    !> returns how the run ended.
-    integer function observe_motion(method, body, start, times, tolerance, seen) result(status)
+    !> Follows any body from its start by a method, at a tolerance or with so many steps, under a formulation
+    !> (`rigid_body`), and keeps what is seen at times; returns how the run ended.
+    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search) &
+        result(status)
         character(*), intent(in) :: method
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         type(recorder_t), intent(out) :: seen
+        character(*), intent(in), optional :: form
+        integer, intent(in), optional :: steps, project
+        class(event_search_t), intent(inout), optional :: search
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(outcome_t) :: outcome
-        call create_formulation('rigid_body', formulation, body=body)
+        if (present(form)) then
+            call create_formulation(form, formulation, body=body)
+        else
+            call create_formulation('rigid_body', formulation, body=body)
+        end if
         call create_stepper(method, stepper)
         stepper%controls%relative_tolerance = tolerance
         stepper%controls%absolute_tolerance = tolerance
-        call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome)
+        if (present(steps)) stepper%controls%steps = steps
+        if (present(project)) stepper%controls%project = project
+        call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome, search)
         status = outcome%status
     end function observe_motion
+
+    !> The method of that name, with its settings changed; `tolerance` is the relative and the absolute one.
+    subroutine make_stepper(name, stepper, steps, tolerance, relative, absolute, max_steps, project, fixed_point, table)
+        character(*), intent(in) :: name
+        class(stepper_t), allocatable, intent(out) :: stepper
+        integer, intent(in), optional :: steps, max_steps, project
+        real(dp), intent(in), optional :: tolerance, relative, absolute
+        logical, intent(in), optional :: fixed_point
+        character(*), intent(in), optional :: table
+        call create_stepper(name, stepper)
+        if (present(steps)) stepper%controls%steps = steps
+        if (present(tolerance)) stepper%controls%relative_tolerance = tolerance
+        if (present(tolerance)) stepper%controls%absolute_tolerance = tolerance
+        if (present(relative)) stepper%controls%relative_tolerance = relative
+        if (present(absolute)) stepper%controls%absolute_tolerance = absolute
+        if (present(max_steps)) stepper%controls%max_steps = max_steps
+        if (present(project)) stepper%controls%project = project
+        if (present(fixed_point)) stepper%controls%fixed_point = fixed_point
+        if (present(table)) stepper%controls%table = table
+    end subroutine make_stepper
+
+    !> A copy of a method that has begun a run from a state.
+    subroutine set_out(stepper, formulation, y, t_end, running, status)
+        class(stepper_t), intent(in) :: stepper
+        class(formulation_t), target, intent(in) :: formulation
+        real(dp), intent(in) :: y(max_states), t_end
+        class(stepper_t), allocatable, intent(out) :: running
+        integer, intent(out) :: status
+        allocate (running, source=stepper)
+        running%y = y
+        running%t_end = t_end
+        running%formulation => formulation
+        call running%begin(status)
+    end subroutine set_out
+
+    !> Controls at a tolerance.
+    pure type(controls_t) function controls_at(tolerance) result(controls)
+        real(dp), intent(in) :: tolerance
+        controls%relative_tolerance = tolerance
+        controls%absolute_tolerance = tolerance
+    end function controls_at
 
     !> A body of unit mass in unit gravity.
     pure type(body_t) function unit_body(inertia, centre_of_mass) result(body)

@@ -1,7 +1,9 @@
 !> Scenes for suites, and what the checks say of them.
 module scene_reports
     use spintop_case, only: case_t, make_case
+    use spintop_comparison, only: make_scene_of_settings
     use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t
     use spintop_plan, only: plan_t
@@ -11,7 +13,11 @@ module scene_reports
     use known_tops, only: upright_theta
     implicit none
     private
-    public :: slow_scene, report_on
+    public :: slow_scene, scene_of, report_on, report_of
+
+    !> Example 1 in parts, as settings of an input: its body, its start, and one nutation.
+    character(*), parameter, public :: slow_body = 'top.mass=1;top.inertia=0.875,0.875,0.25;top.length=0.8660254037844386;', &
+        slow_settings = slow_body // 'initial.theta=0.19634954084936207;initial.psi_rate=1;span.nutations=1;'
 
 contains
 
@@ -24,6 +30,42 @@ contains
         scene%rate(3) = 1
         scene%nutations = 1
     end function slow_scene
+
+    !> The scene of settings as in an input: `group.key=value`, separated by semicolons.
+    type(scene_t) function scene_of(settings) result(scene)
+        character(*), intent(in) :: settings
+        type(error_t), allocatable :: error
+        call read_settings(settings, scene, error)
+        if (allocated(error)) error stop 'scene_reports: ' // settings // ': ' // error%message
+    end function scene_of
+
+    !> What the checks say of settings.
+    function report_of(settings) result(report)
+        character(*), intent(in) :: settings
+        character(:), allocatable :: report
+        type(scene_t) :: scene
+        type(error_t), allocatable :: error
+        call read_settings(settings, scene, error)
+        if (allocated(error)) then
+            report = error%message
+        else
+            call report_on(scene, report)
+        end if
+    end function report_of
+
+    !> Reads settings; a semicolon may end them.
+    subroutine read_settings(settings, scene, error)
+        character(*), intent(in) :: settings
+        type(scene_t), intent(out) :: scene
+        type(error_t), allocatable, intent(out) :: error
+        type(scene_t), allocatable, target :: own
+        integer :: last
+        last = len_trim(settings)
+        if (settings(last:last) == ';') last = last - 1
+        allocate (own)
+        call make_scene_of_settings(settings(:last), own, error)
+        scene = own
+    end subroutine read_settings
 
     !> Makes the case and the plan of a scene; returns the errors and warnings, with what would be
     !> right, or nothing.

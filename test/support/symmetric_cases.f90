@@ -2,11 +2,13 @@
 module symmetric_cases
     use spintop_kinds, only: dp
     use spintop_body, only: body_t
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_status, only: is_ok
     use reference_rows, only: reference_t, read_reference
     implicit none
     private
-    public :: symmetric_case_t, read_symmetric_case, case_names
+    public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, random_top
 
     !> All the reference cases: to 30 digits, by elliptic functions and by Taylor series.
     character(*), parameter :: case_names(*) = [character(24) :: 'a1_slow_top', &
@@ -80,6 +82,35 @@ contains
         known%start = motion_from_angles(0.0_dp, angle, rate)
         call read_reference(trim(name), known%table)
     end subroutine read_symmetric_case
+
+    !> The exact motion of a body, with a rotor on its axis or not, where it must exist.
+    type(exact_motion_t) function exact_of(body, start, rotor) result(exact)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        real(dp), intent(in), optional :: rotor
+        integer :: status
+        if (present(rotor)) then
+            call prepare_exact_motion(body, start, exact, status, [0.0_dp, 0.0_dp, rotor])
+        else
+            call prepare_exact_motion(body, start, exact, status)
+        end if
+        if (.not. is_ok(status)) error stop 'symmetric_cases: there is no exact motion'
+    end function exact_of
+
+    !> Body, start, and the time and attitude known of the top in a row of test/reference/random_tops.csv: time, quaternion,
+    !> omega1, omega2.
+    subroutine random_top(table, i, body, start, known)
+        type(reference_t), intent(in) :: table
+        integer, intent(in) :: i
+        type(body_t), intent(out) :: body
+        type(motion_t), intent(out) :: start
+        real(dp), intent(out), optional :: known(7)
+        real(dp) :: v(16)
+        v = table%values(i, :)
+        body = body_t(mass=v(3), inertia=v([1, 1, 2]), centre_of_mass=[0.0_dp, 0.0_dp, v(5)], gravity=v(4))
+        start = motion_from_angles(0.0_dp, [0.3_dp, v(6), -0.9_dp], v(7:9))
+        if (present(known)) known = v(10:16)
+    end subroutine random_top
 
     !> The motion of a row; accelerations are left zero.
     type(motion_t) function row(self, i)

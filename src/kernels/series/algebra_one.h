@@ -1,9 +1,6 @@
 // The algebra of one body for motion_series.h: a vector of the body is one of four numbers, with a number to spare, kept with
 // its cyclic permutations, as a load costs less than a permutation. The attitude is the quaternion.
 
-#define NAME(name) one_##name
-#define element double
-
 #define stride 1
 #define at_once 1
 #define room (3 * half)
@@ -43,7 +40,6 @@ inlined num sum_of(vec a) { return a[0] + (a[1] + a[2]); }
 
 inlined num power_of(num s, num b) { return b < 0.5 || b > 0.5 ? pow(s, b) : sqrt(s); }
 inlined void find_circle(num x, num *cosine, num *sine) { *cosine = cos(x), *sine = sin(x); }
-#include "one_body_start.h"
 
 // q' = q (0, w)/2. The spare numbers of the products sum up to -2 q0'.
 inlined void store_attitude(double *row, num real, vec q) {
@@ -58,7 +54,8 @@ inlined void add_attitude(attitude_sums *s, const double *older, const double *n
     s->last += get_half(q + 2 * half) * get_half(newer + half);
 }
 inlined void append_attitude(const attitude_sums *sum, num inverse, struct share s, double *now, double *next) {
-    const vec q = scaled_half((vec){0.5, 0.5, 0.5, -0.5} * (sum->first + (sum->next - sum->last)), s);
+    const vec rate = (vec){0.5, 0.5, 0.5, -0.5} * (sum->first + (sum->next - sum->last)), value = s.first * rate;
+    const vec q = s.is_sum ? value + s.rest * rate : value;
     (void)inverse, (void)now;
     store_attitude(next + 2 * room, q[3], q);
 }

@@ -15,10 +15,10 @@ module spintop_sweep_lanes
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: find_free_constants, set_azimuth, set_end, set_fast_top, set_measured, watched_for
+    use spintop_sweep_quantities, only: compute_stability, find_free_constants, set_azimuth, set_end, set_fast_top, set_measured, &
+        watched_for
     use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_fast_top, of_fastest, of_force, &
         of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
-    use spintop_sweep_stability, only: compute_stability
     use spintop_sweep_monitors, only: create_monitors
     use spintop_sweep_stop, only: ends_in_lanes
     use spintop_taylor_lanes, only: integrate_many, monitor_slot_t

@@ -22,12 +22,11 @@ module spintop_sweep_one_by_one
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
-        set_end, set_details, precession_period, watched_for
+        set_end, set_details, precession_period, watched_for, compute_stability
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
         of_energy, of_fast_top, of_fastest, of_growth, of_inherent, of_lyapunov, of_measured, of_multiplier, &
         of_nutation, of_oracle, of_period, of_singular, of_turns, sweep_result_t
-    use spintop_sweep_stability, only: compute_stability
     implicit none
     private
     public :: sweep_stepping_t, perturbations_t
@@ -310,30 +309,27 @@ contains
         shares_lanes = a%max_steps == b%max_steps
     end function shares_lanes
 
-    !> Computes what perturbations of the cases have to tell.
+    !> Computes what perturbations of the cases have to tell: their growth. A status reports work that was not finished, or
+    !> overflow.
     subroutine compute_perturbations(self, slots, list, task)
         class(perturbations_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
-        call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
-    end subroutine compute_perturbations
-
-    !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
-    subroutine compute_growths(slots, list, wanted)
-        type(slot_t), intent(inout) :: slots(:)
-        integer, intent(in) :: list(:)
-        logical, intent(in) :: wanted(kinds_of_work)
         type(growth_t), allocatable :: growth(:)
+        integer, allocatable :: places(:)
         integer :: i
 
-        if (size(list) == 0) return
-        allocate (growth(size(list)))
-        call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
-                         wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
-        do i = 1, size(list)
-            call slots(list(i))%store_growth(growth(i), wanted)
-        end do
-    end subroutine compute_growths
+        places = pack(list, slots(list)%growth_until > 0)
+        if (size(places) == 0) return
+        allocate (growth(size(places)))
+        associate (wanted => task%wanted)
+            call find_growth(slots(places)%case%body, slots(places)%case%start, slots(places)%growth_until, &
+                             wanted(of_lyapunov), wanted(of_singular), max(slots(places(1))%max_steps, 1_int64), growth)
+            do i = 1, size(places)
+                call slots(places(i))%store_growth(growth(i), wanted)
+            end do
+        end associate
+    end subroutine compute_perturbations
 
 end module spintop_sweep_one_by_one

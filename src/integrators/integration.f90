@@ -428,8 +428,8 @@ contains
             outcome%doubtful_passages = merge(follower%given_passed%doubtful, follower%passed%doubtful, body%given%differ)
         end associate
         if (allocated(run%segments)) then
-            if (run%segments%rest%is_resting) then
-                outcome%t_stuck = run%segments%rest%t_stuck
+            if (run%segments%is_resting) then
+                outcome%t_stuck = run%segments%t_stuck
                 if (is_ok(status) .and. .not. ends) outcome%status = status_at_rest
             end if
         end if

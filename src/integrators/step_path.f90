@@ -59,7 +59,6 @@ module spintop_step_path
         type(follower_t) :: seen(3)
     contains
         procedure :: at => motion_in_step
-        procedure :: at_without_angles => attitude_in_step
         procedure :: at_several => attitudes_in_step
         procedure :: begin_step
         procedure :: work_until => work_in_step
@@ -94,28 +93,29 @@ contains
         self%t = t
     end subroutine count_until
 
-    !> The motion at a time within the last step.
-    subroutine motion_in_step(self, t, motion)
+    !> The motion at a time within the last step. Without angles nothing is followed.
+    subroutine motion_in_step(self, t, motion, with_angles)
         class(step_path_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time within the last step, s
         type(motion_t), intent(out) :: motion !! at that time
+        logical, intent(in), optional :: with_angles !! whether angles are needed
         type(follower_t) :: follower
-        follower = self%seen(max(1, count(self%seen%t <= t)))
+        real(dp) :: y(max_states)
+        logical :: follows
+        follows = .true.
+        if (present(with_angles)) follows = with_angles
         self%stepper%counts%looks = self%stepper%counts%looks + 1
-        call walk_to(follower, self%stepper, t, self%stepper%interpolate(t))
-        motion = motion_of_follower(follower)
-        if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
+        y = self%stepper%interpolate(t)
+        if (follows) then
+            follower = self%seen(max(1, count(self%seen%t <= t)))
+            call walk_to(follower, self%stepper, t, y)
+            motion = motion_of_follower(follower)
+            if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
+        else
+            motion = self%stepper%formulation%motion_without_angles(t, y)
+            motion%given_angle = self%seen(1)%given_angle
+        end if
     end subroutine motion_in_step
-
-    !> The same without angles: nothing is followed.
-    subroutine attitude_in_step(self, t, motion)
-        class(step_path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time within the last step, s
-        type(motion_t), intent(out) :: motion !! the motion at that time
-        self%stepper%counts%looks = self%stepper%counts%looks + 1
-        motion = self%stepper%formulation%motion_without_angles(t, self%stepper%interpolate(t))
-        motion%given_angle = self%seen(1)%given_angle
-    end subroutine attitude_in_step
 
     !> The same at several instants.
     subroutine attitudes_in_step(self, t, used, motions)

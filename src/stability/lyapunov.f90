@@ -12,6 +12,7 @@ module spintop_lyapunov
     use spintop_kinds, only: dp
     use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t, lane_order, lanes, taylor_lanes_t, integrate_many
     use spintop_lapack, only: dgesvd
+    use spintop_measures, only: growth_t, measures_t
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: controls_t
@@ -31,19 +32,9 @@ module spintop_lyapunov
     !> Tolerance of motions that are integrated for the growth alone.
     real(dp), parameter :: own_tolerance = 1.0e-14_dp
 
-    !> The growth along a motion: the Lyapunov exponent, 1/s, and the largest singular value, each with its status.
-    type :: growth_t
-        real(dp) :: exponent = 0, singular = 0
-        integer :: exponent_status = status_bad_input, singular_status = status_bad_input
-        !> Number of steps of the motion.
-        integer(int64) :: steps = 0
-    end type growth_t
-
     !> Monitors perturbations: one that has no special direction, for the exponent; or all that keep the length of the
     !> vertical, for the singular value: `tangents`. `set`, then hand it over.
     type, extends(lane_monitor_t) :: growth_lanes_t
-        !> What is found for each case.
-        type(growth_t), allocatable :: growth(:)
         !> Whether the singular value is found; whether the exponent is.
         logical :: is_singular = .false., has_exponent = .true.
         !> The perturbation of the exponent is the sum of all times this.
@@ -52,7 +43,6 @@ module spintop_lyapunov
         real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
     contains
         procedure :: set
-        procedure :: prepare
         procedure :: begin
         procedure :: observe
         procedure :: finish
@@ -73,14 +63,6 @@ contains
         tolerance = slack * max(controls%relative_tolerance, least_tolerance)
         call self%tangents%set(merge(5, 1, is_singular), tolerance, lane_order(tolerance), controls%max_steps)
     end subroutine set
-
-    !> Makes room for so many cases.
-    subroutine prepare(self, cases)
-        class(growth_lanes_t), intent(inout) :: self
-        integer, intent(in) :: cases !! number of cases
-        if (allocated(self%growth)) deallocate (self%growth)
-        allocate (self%growth(cases))
-    end subroutine prepare
 
     !> A case begins in a lane.
     subroutine begin(self, run, lane, body, start)
@@ -121,15 +103,17 @@ contains
     end subroutine observe
 
     !> The case in a lane is at its end.
-    subroutine finish(self, run, lane, case)
+    subroutine finish(self, run, lane, last, found)
         class(growth_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
-        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        integer, intent(in) :: lane !! index of the lane
+        type(motion_t), intent(in) :: last !! the motion at the end
+        type(measures_t), intent(inout) :: found !! what is measured of the case
         real(dp) :: vectors(6, size(self%tangents%z, 3)), z(components), growth
         integer :: v
 
         if (.not. run%now%t(lane) > 0) return
-        associate (found => self%growth(case))
+        associate (found => found%growth)
             found%exponent_status = self%tangents%status(lane)
             found%singular_status = found%exponent_status
             if (.not. is_ok(found%exponent_status)) return
@@ -159,6 +143,7 @@ contains
         type(growth_t), intent(out) :: growth(:) !! what was found, one for each case
         type(monitor_slot_t) :: monitors(1)
         type(growth_lanes_t) :: monitor
+        type(measures_t), allocatable :: measures(:)
         type(motion_t), allocatable :: ends(:)
         type(outcome_t), allocatable :: outcomes(:)
         type(controls_t) :: controls
@@ -168,12 +153,9 @@ contains
         controls%max_steps = max_steps
         call monitor%set(controls, with_singular, with_exponent)
         allocate (monitors(1)%monitor, source=monitor)
-        allocate (ends(size(bodies)), outcomes(size(bodies)))
-        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
-        select type (found => monitors(1)%monitor)
-        type is (growth_lanes_t)
-            growth = found%growth
-        end select
+        allocate (ends(size(bodies)), outcomes(size(bodies)), measures(size(bodies)))
+        call integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors, measures)
+        growth = measures%growth
         growth%steps = outcomes%counts%steps
         where (.not. is_ok(outcomes%status))
             growth%exponent_status = outcomes%status

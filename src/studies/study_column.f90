@@ -31,7 +31,7 @@ module spintop_study_column
         !> Where its value comes from: the number of a vector of the motion (spintop_trajectory_columns), of which it is a
         !> component, or a place among the quantities of a case (spintop_sweep_result). What it is: a sum of the numbers above.
         integer :: source = 0, traits = 0, component = 1
-        !> Of a trajectory: what passes a value of it in a polynomial of each step, if anything does (spintop_watched_quantities).
+        !> Of a trajectory: what passes a value of it in a polynomial of each step, if anything does (spintop_measures).
         integer :: passing = 0
         !> Of a sweep: what is to be computed for it, a bit for each kind of work; the note on a case that lacks it, where nothing
         !> else that comes with it does; and the quantity (spintop_certificate) that it contains, or whose bound it is.

@@ -57,10 +57,12 @@ contains
         self%evaluations = self%evaluations + 1
     end subroutine quantities
 
-    subroutine handle_event(self, number, motion)
+    subroutine handle_event(self, number, motion, is_noise)
         class(event_log_t), intent(inout) :: self
         integer, intent(in) :: number
         type(motion_t), intent(in) :: motion
+        logical, intent(in) :: is_noise
+        if (is_noise) return
         self%n = self%n + 1
         self%met(self%n) = number
         self%motions(self%n) = motion
@@ -75,17 +77,19 @@ contains
         times = pack(self%motions(:self%n)%t, self%met(:self%n) == number)
     end function times_of
 
-    subroutine exactly_at(self, t, motion)
+    subroutine exactly_at(self, t, motion, with_angles)
         class(exact_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
+        logical, intent(in), optional :: with_angles
         motion = self%exact%at(t)
     end subroutine exactly_at
 
-    subroutine made_up_at(self, t, motion)
+    subroutine made_up_at(self, t, motion, with_angles)
         class(made_up_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
+        logical, intent(in), optional :: with_angles
         motion%t = t
         motion%angle = [sin(t), 1 + t, 7 * t]
         motion%quaternion = quaternion_from_angles(motion%angle)

@@ -63,20 +63,19 @@ module spintop_event
         integer(int64) :: looks = 0, most_looks = huge(1_int64)
     contains
         procedure(at), deferred :: at
-        procedure :: at_without_angles
-        procedure :: motion_at
         procedure :: at_several
         procedure :: work_until
         procedure :: is_spent
     end type path_t
 
     abstract interface
-        !> The motion at a time.
-        subroutine at(self, t, motion)
+        !> The motion at a time, with angles and their rates unless they are not needed and it is cheaper without.
+        subroutine at(self, t, motion, with_angles)
             import :: path_t, motion_t, dp
             class(path_t), intent(inout) :: self
             real(dp), intent(in) :: t !! time, s
             type(motion_t), intent(out) :: motion !! the motion at that time
+            logical, intent(in), optional :: with_angles !! whether they are needed, which is so without it
         end subroutine at
     end interface
 
@@ -95,27 +94,6 @@ contains
         end do
     end subroutine quantities_of_several
 
-    !> The motion at a time; its angles and their rates need not be set. By default the whole motion.
-    subroutine at_without_angles(self, t, motion)
-        class(path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        type(motion_t), intent(out) :: motion !! the motion at that time
-        call self%at(t, motion)
-    end subroutine at_without_angles
-
-    !> The motion at a time, with angles and their rates or, where it is cheaper, without.
-    subroutine motion_at(self, t, with_angles, motion)
-        class(path_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        logical, intent(in) :: with_angles !! whether they are needed
-        type(motion_t), intent(out) :: motion !! the motion at that time
-        if (with_angles) then
-            call self%at(t, motion)
-        else
-            call self%at_without_angles(t, motion)
-        end if
-    end subroutine motion_at
-
     !> The motion, without angles, at several instants. By default one after the other.
     subroutine at_several(self, t, used, motions)
         class(path_t), intent(inout) :: self
@@ -125,7 +103,7 @@ contains
         type(motion_t) :: motion
         integer :: i
         do i = 1, instants
-            if (i <= used) call self%at_without_angles(t(i), motion)
+            if (i <= used) call self%at(t(i), motion, with_angles=.false.)
             call motions%set_motion(i, motion)
         end do
     end subroutine at_several

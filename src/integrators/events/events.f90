@@ -82,7 +82,6 @@ module spintop_events
         real(dp), private :: t_begin = 0, fall_rate = 0, soon = 0
     contains
         procedure(handle_event), deferred :: handle_event
-        procedure :: handle_doubtful_event
         procedure :: check
         procedure :: begin
         procedure :: judge
@@ -92,12 +91,14 @@ module spintop_events
     end type event_search_t
 
     abstract interface
-        !> Called at event `number` of the list, in increasing order of time.
-        subroutine handle_event(self, number, motion)
+        !> Called at event `number` of the list, in increasing order of time; and at a passage that does not count, because the
+        !> quantity was within its noise since the one before.
+        subroutine handle_event(self, number, motion, is_noise)
             import :: event_search_t, motion_t
             class(event_search_t), intent(inout) :: self
             integer, intent(in) :: number !! index of the event in `events`
             type(motion_t), intent(in) :: motion !! the motion at the event
+            logical, intent(in) :: is_noise !! whether it is one that does not count
         end subroutine handle_event
     end interface
 
@@ -135,13 +136,6 @@ contains
         if (.not. allocated(self%events)) return
         if (.not. all(abs(self%events%direction) <= 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
-
-    !> Called at a passage that does not count, because the quantity was within its noise since the one before.
-    subroutine handle_doubtful_event(self, number, motion)
-        class(event_search_t), intent(inout) :: self
-        integer, intent(in) :: number !! index of the event in `events`
-        type(motion_t), intent(in) :: motion !! the motion at the passage
-    end subroutine handle_doubtful_event
 
     !> Begins at a motion of the body.
     subroutine begin(self, body, motion)
@@ -189,7 +183,7 @@ contains
         pace = path%greatest_rate
         knows_last = .not. pace > 0
         if (knows_last) then
-            call path%motion_at(t, self%needs_angles, last)
+            call path%at(t, last, self%needs_angles)
             ! A body that rotates slowly at both ends may have fallen and risen in between.
             pace = max(norm2(self%here%omega), norm2(last%omega)) + self%fall_rate * min(2.0_dp, self%fall_rate * (t - self%t))
         end if
@@ -275,7 +269,7 @@ contains
         self%is_full = self%events(k)%count >= self%most_events
         if (self%is_full) return
         self%events(k)%count = self%events(k)%count + 1
-        call self%handle_event(k, motion)
+        call self%handle_event(k, motion, is_noise=.false.)
     end subroutine count_event
 
     !> Searches for passages from the last instant to the next one, `next` or earlier, and handles them in order. An event very
@@ -308,7 +302,7 @@ contains
                     call path%at(t, motion)
                     self%work = path%work_until(t)
                     if (k > 0) call count_event(self, k, motion)
-                    if (k < 0) call self%handle_doubtful_event(-k, motion)
+                    if (k < 0) call self%handle_event(-k, motion, is_noise=.true.)
                     if (self%is_full) return
                     if (self%has_enough) then
                         self%t = t
@@ -409,7 +403,7 @@ contains
             if (i == n .and. present(last)) then
                 there = last
             else
-                call path%motion_at(t(i), self%needs_angles, there)
+                call path%at(t(i), there, self%needs_angles)
             end if
             call self%quantities(there, values(:, i))
         end do
@@ -424,7 +418,7 @@ contains
         real(dp), intent(out) :: g(0:fine), error
         real(dp) :: values(size(self%events), 0:fine)
         type(motion_t) :: there
-        call path%motion_at(a, self%needs_angles, there)
+        call path%at(a, there, self%needs_angles)
         call self%quantities(there, values(:, 0))
         call look(self, path, a, b, self%proxies(2), values, there)
         call self%proxies(2)%find_polynomial(values(k, :) - self%sides(k)%level, g, error)
@@ -571,7 +565,7 @@ contains
             end if
             do while (.not. bracket%found)
                 t = bracket%trial
-                call path%motion_at(t, self%needs_angles, motion)
+                call path%at(t, motion, self%needs_angles)
                 call self%quantities(motion, values)
                 call bracket%add_value(values(k) - side%level)
                 ! It would go on with one that differs by the tolerance at least.
@@ -606,7 +600,7 @@ contains
             self%knows_noise = .true.
             side%is_clear = far(i) > factor * self%noise(k)
             if (side%was_ever_clear .or. .not. side%is_clear) return
-            call path%motion_at(a + (b - a) * (i - 1) / 2, self%needs_angles, motion)
+            call path%at(a + (b - a) * (i - 1) / 2, motion, self%needs_angles)
             call find_noise(self, self%fall_rate, motion, self%noise)
             self%knows_noise = .false.
             side%is_clear = far(i) > margin * factor * self%noise(k)

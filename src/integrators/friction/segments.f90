@@ -23,24 +23,6 @@ module spintop_segments
     private
     public :: segments_t
 
-    !> Whether the body rests, and how near it is to rest.
-    type :: rest_t
-        !> Whether the body is at rest, since the time `t_stuck`, s.
-        logical :: is_resting = .false.
-        real(dp) :: t_stuck = 0
-        !> Whether the method steps by series, which end where a motion reverses without dry friction, too.
-        logical :: has_series = .false.
-        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where they were computed.
-        real(dp), private :: largest = 0, steepest = 0
-        !> What was seen last: the end of a step is the beginning of the next. A deceleration that does not matter is zero.
-        type(turning_t), private :: seen
-    contains
-        procedure :: begin => examine_start
-        procedure :: latest_end => half_way
-        procedure :: note_turning
-        procedure :: detect_rest
-    end type rest_t
-
     !> A body whose angular velocity is below this share of its largest value comes to rest.
     real(dp), parameter :: nearly_still = 1.0e-8_dp
     !> The same share of what remains of an angular velocity in a plane motion that reverses.
@@ -64,7 +46,9 @@ module spintop_segments
 
     !> The segment of a run, and what leads through others.
     type :: segments_t
-        type(rest_t) :: rest
+        !> Whether the body is at rest, since the time `t_stuck`, s.
+        logical :: is_resting = .false.
+        real(dp) :: t_stuck = 0
         !> What happened at the end of the last step: the body came to rest, or began to move.
         integer :: occasion = occasion_none
         !> Whether the torques jumped at the end of the last step, whose time is that of the jump.
@@ -74,13 +58,18 @@ module spintop_segments
         logical, private :: must_cross = .false.
         !> Whether the angular velocity surely kept its direction, and more than half of its magnitude, in the last step.
         logical, private :: keeps_direction = .false.
+        !> Whether the method steps by series, which end where a motion reverses without dry friction, too.
+        logical, private :: has_series = .false.
+        !> Largest angular velocity so far, rad/s, and deceleration, rad/s^2, where they were computed.
+        real(dp), private :: largest = 0, steepest = 0
+        !> What was seen last: the end of a step is the beginning of the next. A deceleration that does not matter is zero.
+        type(turning_t), private :: seen
         type(resting_t), private :: lying
         type(dop853_t), private :: crossing
     contains
         procedure :: begin
         procedure :: advance
         procedure :: end_step
-        procedure, private :: latest_end
     end type segments_t
 
     !> Tolerance of the steps where there is no series, if that of the method is not smaller; and the smallest, for steps in
@@ -91,22 +80,10 @@ module spintop_segments
 
 contains
 
-    !> Examines the start.
-    subroutine examine_start(self, stepper, has_series)
-        class(rest_t), intent(inout) :: self
-        class(stepper_t), intent(in) :: stepper !! the method, at the start
-        logical, intent(in) :: has_series !! whether the method steps by series
-        type(turning_t) :: start
-        self%has_series = has_series
-        start = stepper%formulation%action%turning_at(stepper%t, stepper%y)
-        self%largest = start%speed
-        if (.not. start%speed > 0) call check_rest(self, stepper%formulation, stepper%t, stepper%y)
-    end subroutine examine_start
-
     !> Looks at the angular velocity. How fast it decreases is zero where nothing depends on its direction: without dry
     !> friction, but for series under a drag, which end near where the motion turns.
     subroutine set_motion(self, formulation, t, y)
-        class(rest_t), intent(inout) :: self
+        class(segments_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
         if (.not. abs(t - self%seen%t) > 0) return
@@ -119,7 +96,7 @@ contains
 
     !> The time up to which a step from a state may reach: half of that to rest.
     real(dp) function half_way(self, formulation, t, y)
-        class(rest_t), intent(inout) :: self
+        class(segments_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         half_way = huge(t)
@@ -127,17 +104,9 @@ contains
         if (self%seen%slowing > 0 .and. self%seen%speed > 0) half_way = t + share * self%seen%speed / self%seen%slowing
     end function half_way
 
-    !> Notes the angular velocity at the ends of a step that was not looked at otherwise.
-    pure subroutine note_turning(self, speed, span)
-        class(rest_t), intent(inout) :: self
-        real(dp), intent(in) :: speed(2), span !! magnitudes of the angular velocity, rad/s; length of the step, s
-        self%largest = max(self%largest, speed(1), speed(2))
-        self%steepest = max(self%steepest, (speed(1) - speed(2)) / span)
-    end subroutine note_turning
-
     !> Notes whether friction holds a body that is at rest.
     subroutine check_rest(self, formulation, t, y)
-        class(rest_t), intent(inout) :: self
+        class(segments_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states)
         logical :: was_resting
@@ -150,7 +119,7 @@ contains
     !> Finds out at the end of a step whether the body is at rest. Where it is nearly, it is brought to rest: then `is_stopped`,
     !> and the time is the later one of rest. With a fixed step size that happens only where friction holds it, at that time.
     subroutine detect_rest(self, stepper, t_end, is_stopped)
-        class(rest_t), intent(inout) :: self
+        class(segments_t), intent(inout) :: self
         class(stepper_t), intent(inout) :: stepper !! what took the step
         real(dp), intent(in) :: t_end !! end of the span, s
         logical, intent(out) :: is_stopped !! whether the time and the state were changed
@@ -285,16 +254,18 @@ contains
         class(stepper_t), target, intent(inout) :: method !! the method, at the start
         class(stepper_t), pointer, intent(inout) :: stepper !! what takes the first step: the method, unless the body rests
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        logical :: has_series
+        type(turning_t) :: start
         status = status_ok
-        has_series = method%info%needs /= structure_none .and. method%controls%steps == 0
-        call self%rest%begin(method, has_series)
+        self%has_series = method%info%needs /= structure_none .and. method%controls%steps == 0
+        start = method%formulation%action%turning_at(method%t, method%y)
+        self%largest = start%speed
+        if (.not. start%speed > 0) call check_rest(self, method%formulation, method%t, method%y)
         self%lying%formulation => method%formulation
         self%lying%controls = method%controls
         self%lying%t_begin = method%t_begin
         self%lying%t_end = method%t_end
-        if (self%rest%is_resting) call go_over(self, by_rest, method, stepper, status)
-        if (.not. has_series) return
+        if (self%is_resting) call go_over(self, by_rest, method, stepper, status)
+        if (.not. self%has_series) return
         self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'))
         associate (own => self%crossing%controls, given => method%controls)
             own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
@@ -324,7 +295,7 @@ contains
             call next%go_on_from(stepper)
             stepper => next
         end if
-        if (kind == by_runge_kutta) stepper%t_end = self%latest_end(stepper, method%t_end)
+        if (kind == by_runge_kutta) stepper%t_end = latest_end(self, stepper, method%t_end)
         call stepper%begin(status)
         if (kind == by_runge_kutta) stepper%h = first_part * stepper%h
     end subroutine go_over
@@ -335,8 +306,8 @@ contains
         class(stepper_t), intent(in) :: stepper
         real(dp), intent(in) :: t_end
         latest_end = min(t_end, stepper%formulation%action%smooth_until(stepper%t))
-        if (stepper%formulation%action%may_stick .or. (stepper%formulation%action%may_turn .and. self%rest%has_series)) then
-            latest_end = min(latest_end, self%rest%latest_end(stepper%formulation, stepper%t, stepper%y))
+        if (stepper%formulation%action%may_stick .or. (stepper%formulation%action%may_turn .and. self%has_series)) then
+            latest_end = min(latest_end, half_way(self, stepper%formulation, stepper%t, stepper%y))
         end if
     end function latest_end
 
@@ -353,7 +324,7 @@ contains
             return
         end if
         call limit_step(self, method, status)
-        if (.not. (self%rest%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
+        if (.not. (self%has_series .and. (status == status_non_finite .or. status == status_step_too_small))) return
         call go_over(self, by_runge_kutta, method, stepper, status)
         if (is_ok(status)) call stepper%advance(status)
     end subroutine advance
@@ -373,25 +344,26 @@ contains
             if (looks_back) then
                 method%t_end = min(t_end, action%smooth_until(method%t))
             else
-                method%t_end = self%latest_end(method, t_end)
+                method%t_end = latest_end(self, method, t_end)
             end if
         end associate
         call method%advance(status)
         if (is_ok(status) .and. looks_back) then
             call check_direction(method, self%keeps_direction, speed)
             if (self%keeps_direction) then
-                call self%rest%note_turning(speed, method%t - method%t_last)
+                self%largest = max(self%largest, speed(1), speed(2))
+                self%steepest = max(self%steepest, (speed(1) - speed(2)) / (method%t - method%t_last))
             else
-                latest = self%rest%latest_end(method%formulation, method%t_last, method%y_last)
+                latest = half_way(self, method%formulation, method%t_last, method%y_last)
                 if (latest < method%t) then
                     call end_step_at(method, latest, method%state_within(latest), status)
                 end if
             end if
         end if
-        if (is_ok(status) .and. self%rest%has_series .and. .not. self%keeps_direction) then
+        if (is_ok(status) .and. self%has_series .and. .not. self%keeps_direction) then
             if (may_reverse(method)) call end_before_reversal(method, self%must_cross, status)
         end if
-        if (is_ok(status) .and. method%formulation%action%has_rows) call end_at_row(method, self%rest%has_series, status)
+        if (is_ok(status) .and. method%formulation%action%has_rows) call end_at_row(method, self%has_series, status)
         method%t_end = t_end
     end subroutine limit_step
 
@@ -407,21 +379,21 @@ contains
         integer :: next
 
         status = status_ok
-        was_resting = self%rest%is_resting
+        was_resting = self%is_resting
         jump = stepper%t
         if (method%controls%steps == 0) jump = min(stepper%formulation%action%after_jump(stepper%t), method%t_end)
         self%passes_jump = jump > stepper%t
         if (self%passes_jump) stepper%t = jump
         is_stopped = .false.
         if (stepper%formulation%action%may_stick .or. &
-            (stepper%formulation%action%may_turn .and. self%rest%has_series .and. .not. self%keeps_direction)) then
-            call self%rest%detect_rest(stepper, method%t_end, is_stopped)
+            (stepper%formulation%action%may_turn .and. self%has_series .and. .not. self%keeps_direction)) then
+            call detect_rest(self, stepper, method%t_end, is_stopped)
         end if
         self%occasion = occasion_none
-        if (self%rest%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
-        if (was_resting .and. .not. self%rest%is_resting) self%occasion = occasion_slip
+        if (self%is_resting .and. .not. was_resting) self%occasion = occasion_stuck
+        if (was_resting .and. .not. self%is_resting) self%occasion = occasion_slip
         next = merge(by_runge_kutta, by_method, self%must_cross)
-        if (self%rest%is_resting) next = by_rest
+        if (self%is_resting) next = by_rest
         if (next == self%kind .and. .not. (self%passes_jump .or. (is_stopped .and. next == by_method))) return
         if (stepper%t < method%t_end) call go_over(self, next, method, stepper, status)
     end subroutine end_step

@@ -7,7 +7,8 @@ module spintop_energy_lanes
     use spintop_body_numbers, only: has_drag_moment, numbers_of
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: body_numbers_t, more_rows, most_drags, motion_kinds_t
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp
+    use spintop_measures, only: measures_t
     use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
     use spintop_bernstein, only: multiply, square
     use spintop_lane_series, only: row_drags, row_frame, row_moment, row_push, row_torque, rows, rows_of_drag
@@ -27,9 +28,8 @@ module spintop_energy_lanes
     integer, private :: k
     real(dp), parameter :: of_power(0:max_series_order + further) = [(1.0_dp / (k + 1), k=0, max_series_order + further)]
 
-    !> Watches the energy, of bodies with effects less their work; `error_max` is the largest relative error of each case.
+    !> Watches the energy, of bodies with effects less their work.
     type, extends(lane_monitor_t) :: energy_lanes_t
-        real(dp), allocatable :: error_max(:)
         !> Half the moments of inertia, and the torque of gravity, both over the scale of the energy; the energy at the start,
         !> and 1, likewise.
         real(dp), dimension(lanes, 3), private :: half_inertia = 0, moment = 0
@@ -41,20 +41,12 @@ module spintop_energy_lanes
         !> The work so far by its parts, likewise.
         real(dp), private :: done(lanes, works) = 0
     contains
-        procedure :: prepare
         procedure :: begin
         procedure :: observe
         procedure :: finish
     end type energy_lanes_t
 
 contains
-
-    !> Makes room for so many cases.
-    subroutine prepare(self, cases)
-        class(energy_lanes_t), intent(inout) :: self
-        integer, intent(in) :: cases !! number of cases
-        self%error_max = spread(no_number, 1, cases)
-    end subroutine prepare
 
     !> A case begins in a lane.
     subroutine begin(self, run, lane, body, start)
@@ -239,11 +231,13 @@ contains
     end subroutine add_frame
 
     !> The case in a lane is at its end.
-    subroutine finish(self, run, lane, case)
+    subroutine finish(self, run, lane, last, found)
         class(energy_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
-        integer, intent(in) :: lane, case !! index of the lane, and of its case
-        self%error_max(case) = self%largest(lane)
+        integer, intent(in) :: lane !! index of the lane
+        type(motion_t), intent(in) :: last !! the motion at the end
+        type(measures_t), intent(inout) :: found !! what is measured of the case
+        found%energy_error = self%largest(lane)
     end subroutine finish
 
 end module spintop_energy_lanes

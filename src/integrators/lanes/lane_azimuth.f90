@@ -11,7 +11,7 @@ module spintop_lane_azimuth
     use spintop_pole_passages, only: settle_passage, way_t
     implicit none
     private
-    public :: lane_step_t, follow, watch_poles, changes_to, turns_far, border, largest_turn, sharp
+    public :: lane_step_t, follow, watch_poles, turns_far, border, largest_turn, sharp
 
     !> A step of one lane. Its procedures take the Taylor coefficients of the lane.
     type :: lane_step_t

@@ -5,24 +5,22 @@
 !> all lanes at once, several in the lanes that have them. A root at the end of a step is found once: the sign there is carried
 !> to the next.
 module spintop_lane_watch
-    use spintop_attitude, only: nearest_turn
+    use spintop_bernstein, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_body, only: body_t
     use spintop_compare, only: is_finite
     use spintop_constancy, only: margin, time_of_start
     use spintop_formulation, only: max_series_order
+    use spintop_kernel_types, only: per_binomial
     use spintop_kinds, only: dp, pi
-    use spintop_lane_azimuth, only: changes_to, largest_turn, sharp
-    use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
-    use spintop_bernstein, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: states_at
+    use spintop_measures, only: lower, measures_t, upper, watch_phi, watch_precession_rate, watch_psi
     use spintop_motion, only: motion_t, passages_t
     use spintop_pole_passages, only: half_turns, through_pole
-    use spintop_poles, only: polar_precession_rate, precession_is_lost
+    use spintop_poles, only: polar_precession_rate
     use spintop_quantities, only: angular_acceleration
-    use spintop_kernel_types, only: per_binomial
-    use spintop_turning_record, only: interrupt, lower, turning_points_t, turns_at, upper
-    use spintop_watched_quantities, only: watch_nutation_rate, watch_phi, watch_precession_rate, watch_psi, watched_t
+    use spintop_taylor_lanes, only: lane_monitor_t, lanes, taylor_lanes_t
+    use spintop_watched_quantities, only: watched_t
     implicit none
     private
     public :: lane_watch_t
@@ -31,8 +29,6 @@ module spintop_lane_watch
     !> points, those of `watch_turning`, are counted.
     integer, parameter, public :: stop_motion = 1, keep_extremes = 2, count_turns = 3
 
-    !> Rates of angles: of these the largest value in magnitude is kept.
-    integer, parameter :: rates(2) = [watch_precession_rate, watch_nutation_rate]
     !> Newton's iterations in lanes, and the length of the last from which on the root is right to rounding.
     integer, parameter :: iterations = 3
     real(dp), parameter :: still = 1.0e-6_dp
@@ -51,48 +47,26 @@ module spintop_lane_watch
         integer :: wanted = 1
         !> An angle in any turn; full turns from the start instead of the angle, each of which is met once, either way.
         logical :: every_turn = .false., turn_by_turn = .false.
-        !> Of each case: whether the n-th passage occurred; the least and the largest value, rad/s, m or N, of rates of angles only
-        !> `largest`, in magnitude, with its sign; the turning points of each kind.
-        logical, allocatable :: event_occurred(:)
-        real(dp), allocatable :: least(:), largest(:)
-        type(turning_points_t), allocatable :: turns(:, :)
         !> Passages up to the end; times up to which a passage is the start itself, s; the level, which full turns count from the
         !> start, and the full turns so far.
         integer, private :: left(lanes) = 0
         real(dp), dimension(lanes), private :: started = 0, goal = 0, full_turns = 0
-        !> Extremes up to now, of the case in each lane.
-        real(dp), dimension(lanes), private :: low = 0, high = 0
-        !> Turning points up to now, with a measure in place of theta: tan(theta/2) up to a right angle, and then 2 - cot(theta/2).
-        !> Whether the start is one, and what it was.
-        type(turning_points_t), private :: counted(upper:lower, lanes) = turning_points_t()
-        logical, private :: starts_turning(lanes) = .false.
-        type(motion_t), private :: start(lanes) = motion_t()
-        !> Sign of the polynomial at the end of the last step, or at the start; 0 where it is none.
+        !> What is measured up to now of the case in each lane. Turning points have a measure in place of theta: tan(theta/2) up to
+        !> a right angle, and then 2 - cot(theta/2).
+        type(measures_t), private :: found(lanes) = measures_t()
+        !> Sign of the polynomial at the end of the last step; 0 where it is none, as at the start.
         real(dp), private :: sign(lanes) = 0
         !> How large the polynomial was since the last root, where it was seen; whether it was within its noise before that root;
         !> whether it is zero to rounding.
         real(dp), private :: far(lanes) = 0
         logical, private :: was_noise(lanes) = .false., is_constant(lanes) = .false.
     contains
-        procedure :: prepare
         procedure :: begin
         procedure :: observe
         procedure :: finish
     end type lane_watch_t
 
 contains
-
-    !> Makes room for so many cases.
-    subroutine prepare(self, cases)
-        class(lane_watch_t), intent(inout) :: self
-        integer, intent(in) :: cases !! number of cases
-        if (allocated(self%turns)) deallocate (self%turns)
-        if (self%action == count_turns) allocate (self%turns(upper:lower, cases))
-        self%event_occurred = spread(.false., 1, cases)
-        self%least = spread(0.0_dp, 1, cases)
-        self%largest = self%least
-        self%sign = 0
-    end subroutine prepare
 
     !> A case begins in a lane. The start itself is no passage.
     subroutine begin(self, run, lane, body, start)
@@ -107,25 +81,25 @@ contains
 
         self%goal(lane) = self%of%level
         if (self%turn_by_turn) self%goal(lane) = start%angle(merge(1, 3, self%of%quantity == watch_phi))
-        call self%of%set_lane(lane, body, start, run%now%state(lane, :), self%goal(lane), value)
-        self%sign(lane) = merge(sign(1.0_dp, value), 0.0_dp, abs(value) > 0 .and. self%action /= keep_extremes)
+        call self%of%set_lane(lane, body, start%omega, self%goal(lane))
+        self%sign(lane) = 0
+        self%found(lane) = measures_t()
         select case (self%action)
         case (stop_motion)
             self%left(lane) = self%wanted
             self%started(lane) = start%t + time_of_start(body, start)
             self%full_turns(lane) = 0
         case (count_turns)
-            self%counted(:, lane) = turning_points_t()
-            self%starts_turning(lane) = turns_at(start, angular_acceleration(body, start))
-            self%start(lane) = start
+            associate (turns => self%found(lane)%turns)
+                call turns%begin(start, angular_acceleration(body, start))
+                turns%start(4) = measure_of(run%now%state(lane, 4:6))
+            end associate
         case (keep_extremes)
-            self%low(lane) = huge(value)
-            self%high(lane) = merge(0.0_dp, -huge(value), any(self%of%quantity == rates))
             if (self%of%quantity == watch_precession_rate .and. norm2(run%now%state(lane, 4:5)) <= through_pole) then
                 here = start
                 here%omega_rate = angular_acceleration(body, start)
                 value = polar_precession_rate(here)
-                if (is_finite(value)) self%high(lane) = value
+                if (is_finite(value)) self%found(lane)%largest(watch_precession_rate) = value
             else
                 call keep(self, run, run%now%state, no_slope, [(i == lane, i=1, lanes)])
             end if
@@ -313,8 +287,7 @@ contains
         call keep(self, run, x, slope, is_near)
     end subroutine keep_roots
 
-    !> Keeps the values at states, in the lanes where they are wanted, if they are the least or the largest up to now: where the
-    !> slope rises the least, where it falls the largest, at an end of the motion, which has none, either.
+    !> Keeps the values at states, in the lanes where they are wanted.
     pure subroutine keep(self, run, x, slope, is_wanted)
         class(lane_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
@@ -324,143 +297,69 @@ contains
         integer :: i
         call self%of%find_values(run%now%body, x, value)
         do i = 1, lanes
-            if (.not. is_wanted(i)) cycle
-            if (all(self%of%quantity /= rates)) then
-                if (value(i) < self%low(i) .and. slope(i) >= 0) self%low(i) = value(i)
-                if (value(i) > self%high(i) .and. slope(i) <= 0) self%high(i) = value(i)
-            else if (abs(value(i)) > abs(self%high(i)) .and. abs(value(i)) <= huge(value)) then
-                if (self%of%quantity == watch_precession_rate) then
-                    if (precession_is_lost(x(i, 4:5), x(i, 1:2))) cycle
-                end if
-                self%high(i) = value(i)
-            end if
+            if (is_wanted(i)) call self%found(i)%keep(self%of%quantity, value(i), slope(i), x(i, 4:5), x(i, 1:2))
         end do
     end subroutine keep
 
-    !> Counts turning points: a lower one where Gamma3' rises, an upper one where it falls. One of noise interrupts the count.
+    !> Counts turning points: a lower one where Gamma3' rises, an upper one where it falls.
     pure subroutine count_roots(self, run, u, slope, is_noise)
         class(lane_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run
         real(dp), intent(in) :: u(lanes), slope(lanes)
         logical, intent(in) :: is_noise(lanes)
-        real(dp) :: t(lanes), other(lanes), x(lanes, parts), across, measure
-        type(passages_t) :: passed(lanes)
+        real(dp) :: h(lanes), x(lanes, parts), angles(2), rate
+        type(passages_t) :: passed
         integer :: i
 
-        t = u * (run%now%t - run%now%t_last)
-        call states_at(run%order, run%c, t, x)
-        call find_other(run, t, slope, x, other, passed)
+        h = u * (run%now%t - run%now%t_last)
+        call states_at(run%order, run%c, h, x)
         do i = 1, lanes
             if (.not. abs(slope(i)) > 0) cycle
-            associate (turns => self%counted(merge(lower, upper, slope(i) > 0), i))
-                across = x(i, 4)**2 + x(i, 5)**2
-                measure = sqrt(across) / (1 + abs(x(i, 6)))
-                call widen(turns%theta, merge(measure, 2 - measure, x(i, 6) >= 0))
-                call widen(turns%rate, (x(i, 1) * x(i, 4) + x(i, 2) * x(i, 5)) / across)
-                if (is_noise(i)) then
-                    self%starts_turning(i) = .false.
-                    call interrupt(self%counted(:, i))
-                else if (.not. turns%has_ended) then
-                    turns%last = time_and_angles(run%now%t_last(i) + t(i), run%now%side_last(i), x(i, :), other(i), passed(i))
-                    if (turns%n == 0) turns%first = turns%last
-                    turns%n = turns%n + 1
-                end if
-            end associate
+            call run%find_angles(i, h(i), x(i, 4:), angles, passed)
+            rate = (x(i, 1) * x(i, 4) + x(i, 2) * x(i, 5)) / (x(i, 4)**2 + x(i, 5)**2)
+            call self%found(i)%turns%add(merge(lower, upper, slope(i) > 0), [run%now%t_last(i) + h(i), &
+                angles - pi * half_turns(passed), measure_of(x(i, 4:6)), rate], is_noise(i))
         end do
     end subroutine count_roots
 
-    !> Widens a range to a value; what is not finite and comes first stays.
-    pure subroutine widen(range, value)
-        real(dp), intent(inout) :: range(2)
-        real(dp), intent(in) :: value
-        logical :: is_first
-        is_first = range(1) > range(2)
-        if (is_first .or. value < range(1)) range(1) = value
-        if (is_first .or. value > range(2)) range(2) = value
-    end subroutine widen
+    !> The measure that stands for theta, as an arc tangent would take as long as the rest; and theta of it.
+    pure real(dp) function measure_of(gamma) result(measure)
+        real(dp), intent(in) :: gamma(3)
+        measure = sqrt(gamma(1)**2 + gamma(2)**2) / (1 + abs(gamma(3)))
+        measure = merge(measure, 2 - measure, gamma(3) >= 0)
+    end function measure_of
 
-    !> Time, phi and psi without the half turns at poles. Where a state is in a pole, only the other angle is known.
-    pure function time_and_angles(t, side, state, other, passed) result(values)
-        real(dp), intent(in) :: t, side, state(parts), other
-        type(passages_t), intent(in) :: passed
-        real(dp) :: values(3), half, known
-        half = state(7) / 2
-        known = other
-        if (.not. passed%arrived) known = nearest_turn(half - atan2(state(4), state(5)), other)
-        values = [t, [side * (half + known), half - known] - pi * half_turns(passed)]
-    end function time_and_angles
-
-    !> The other angle and the passages through poles at the times t after the beginning of the step, where they are wanted:
-    !> from the nearer end that it is followed from with certainty, or else by a walk.
-    pure subroutine find_other(run, t, wanted, state, other, passed)
-        type(taylor_lanes_t), intent(in) :: run
-        real(dp), intent(in) :: t(lanes), wanted(lanes), state(lanes, parts)
-        real(dp), intent(out) :: other(lanes)
-        type(passages_t), intent(out) :: passed(lanes)
-        real(dp), dimension(lanes) :: from_last, from_then, doubt
-        integer :: i
-
-        associate (now => run%now)
-            call changes_to(state, now%other_last, from_last)
-            call changes_to(state, now%other_then, from_then)
-            !$omp simd
-            do i = 1, lanes
-                other(i) = now%other_then(i) + from_then(i)
-                doubt(i) = merge(0.0_dp, 1.0_dp, .not. abs(wanted(i)) > 0 .or. (abs(from_then(i)) <= sharp &
-                                 .and. (now%t(i) - now%t_last(i) - t(i))**2 * now%rate(i) <= largest_turn**2))
-                other(i) = merge(other(i), now%other_last(i) + from_last(i), doubt(i) < 1)
-                doubt(i) = merge(0.0_dp, doubt(i), abs(from_last(i)) <= sharp &
-                                 .and. t(i)**2 * now%rate(i) <= largest_turn**2)
-            end do
-            passed = run%passed
-            do i = 1, lanes
-                if (.not. abs(wanted(i)) > 0) cycle
-                if (doubt(i) > 0 .or. run%is_in_pole(i, state(i, 4:5))) then
-                    call run%find_other_angle(i, now%t_last(i) + t(i), other(i), passed(i))
-                end if
-            end do
-        end associate
-    end subroutine find_other
-
-    !> The turning points of the case in a lane, which is at its end.
-    pure function turning_points(self, lane) result(turns)
-        class(lane_watch_t), intent(in) :: self
-        integer, intent(in) :: lane
-        type(turning_points_t) :: turns(upper:lower)
-        integer :: kind
-        turns = self%counted(:, lane)
-        do kind = upper, lower
-            if (.not. turns(kind)%theta(1) > turns(kind)%theta(2)) turns(kind)%theta = inclined(turns(kind)%theta)
-        end do
-        ! A start at a turning point is one of the other kind than the first.
-        if (.not. self%starts_turning(lane) .or. all(turns%n == 0)) return
-        kind = merge(lower, upper, turns(upper)%n == 0)
-        if (all(turns%n > 0) .and. turns(lower)%first(1) < turns(upper)%first(1)) kind = lower
-        call turns(upper + lower - kind)%add_before(self%start(lane))
-    end function turning_points
-
-    !> theta of the measure of it.
     elemental real(dp) function inclined(measure) result(theta)
         real(dp), intent(in) :: measure
         theta = merge(2 * atan(measure), pi - 2 * atan(2 - measure), measure <= 1)
     end function inclined
 
     !> The case in a lane is at its end.
-    subroutine finish(self, run, lane, case)
+    subroutine finish(self, run, lane, last, found)
         class(lane_watch_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes
-        integer, intent(in) :: lane, case !! index of the lane, and of its case
+        integer, intent(in) :: lane !! index of the lane
+        type(motion_t), intent(in) :: last !! the motion at the end
+        type(measures_t), intent(inout) :: found !! what is measured of the case
         integer :: i
         select case (self%action)
         case (stop_motion)
-            self%event_occurred(case) = self%left(lane) <= 0
+            found%event_occurred = self%left(lane) <= 0
         case (keep_extremes)
             call keep(self, run, run%now%state, no_slope, [(i == lane, i=1, lanes)])
-            self%least(case) = self%low(lane)
-            self%largest(case) = self%high(lane)
+            found%least(self%of%quantity) = self%found(lane)%least(self%of%quantity)
+            found%largest(self%of%quantity) = self%found(lane)%largest(self%of%quantity)
         case (count_turns)
-            self%turns(:, case) = turning_points(self, lane)
+            found%turns = self%found(lane)%turns
+            associate (turns => found%turns)
+                turns%start(4) = inclined(turns%start(4))
+                do i = upper, lower
+                    if (.not. turns%of(i)%theta(1) > turns%of(i)%theta(2)) turns%of(i)%theta = inclined(turns%of(i)%theta)
+                end do
+                call turns%count_end(last, last%omega_rate)
+            end associate
         end select
+        self%sign(lane) = 0
     end subroutine finish
 
 end module spintop_lane_watch

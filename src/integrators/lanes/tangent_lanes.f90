@@ -71,7 +71,7 @@ contains
         self%status(lane) = status_ok
     end subroutine load
 
-    !> Propagates all perturbations over the last step.
+    !> Propagates all perturbations over the last step, in parts where it is too long for them.
     subroutine propagate(self, run)
         class(tangent_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(in) :: run !! the lanes

@@ -9,8 +9,8 @@
 !>     if (is_ok(outcomes(i)%status)) then; ... = ends(i)%quaternion
 !>
 !> A monitor exists for each quantity of a motion that is needed between the ends of its steps. It keeps its own
-!> numbers for each lane, and at the end of a case stores its result. The numbers of a lane do not depend on
-!> the other lanes.
+!> numbers for each lane, and at the end of a case stores its result in the measures of that. The numbers of a lane do not
+!> depend on the other lanes.
 module spintop_taylor_lanes
     use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_intptr_t, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
@@ -26,9 +26,10 @@ module spintop_taylor_lanes
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
     use spintop_kinds, only: dp, pi, qp
-    use spintop_lane_azimuth, only: border, follow, lane_step_t, turns_far, watch_poles
+    use spintop_lane_azimuth, only: border, follow, lane_step_t, largest_turn, sharp, turns_far, watch_poles
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
     use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite
+    use spintop_measures, only: measures_t
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
@@ -41,7 +42,7 @@ module spintop_taylor_lanes
     use spintop_validity, only: body_status, motion_status
     implicit none
     private
-    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t, integrate_many
+    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t, integrate_many, set_body
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share_of_tolerance = 0.004_dp
@@ -108,7 +109,7 @@ module spintop_taylor_lanes
         procedure :: find_powers
         procedure :: motion
         procedure :: find_other_angle
-        procedure :: is_in_pole
+        procedure :: find_angles
         procedure :: angles_at
     end type taylor_lanes_t
 
@@ -119,7 +120,6 @@ module spintop_taylor_lanes
     !> Monitors one family of quantities in all lanes.
     type, abstract :: lane_monitor_t
     contains
-        procedure(prepare), deferred :: prepare
         procedure(begin), deferred :: begin
         procedure(observe), deferred :: observe
         procedure(finish), deferred :: finish
@@ -131,13 +131,6 @@ module spintop_taylor_lanes
     end type monitor_slot_t
 
     abstract interface
-        !> Makes room for so many cases, of which nothing is known yet.
-        subroutine prepare(self, cases)
-            import :: lane_monitor_t
-            class(lane_monitor_t), intent(inout) :: self
-            integer, intent(in) :: cases !! number of cases
-        end subroutine prepare
-
         !> A case begins in a lane.
         subroutine begin(self, run, lane, body, start)
             import :: body_t, lane_monitor_t, motion_t, taylor_lanes_t
@@ -157,11 +150,13 @@ module spintop_taylor_lanes
         end subroutine observe
 
         !> The case in a lane is at its end.
-        subroutine finish(self, run, lane, case)
-            import :: lane_monitor_t, taylor_lanes_t
+        subroutine finish(self, run, lane, last, found)
+            import :: lane_monitor_t, measures_t, motion_t, taylor_lanes_t
             class(lane_monitor_t), intent(inout) :: self
             type(taylor_lanes_t), intent(in) :: run !! the lanes
-            integer, intent(in) :: lane, case !! index of the lane, and of its case
+            integer, intent(in) :: lane !! index of the lane
+            type(motion_t), intent(in) :: last !! the motion at the end
+            type(measures_t), intent(inout) :: found !! what is measured of the case
         end subroutine finish
     end interface
 
@@ -232,7 +227,7 @@ contains
         half = merge(atan2(q(4), q(1)), atan2(q(3), q(2)), side > 0)
         turns = anint((half - (start%angle(1) + side * start%angle(3)) / 2) / pi)
         half = side * (half - pi * turns)
-        associate (now => self%now, inertia => body%inertia, moment => body%weight_moment())
+        associate (now => self%now)
             now%scale(lane) = scales%rate
             now%t(lane) = 0
             now%t_last(lane) = 0
@@ -243,11 +238,7 @@ contains
             now%state(lane, :) = [start%omega, vertical, 2 * half]
             now%other(lane) = half - start%angle(3)
             now%rest(lane, :) = 0
-            ! Exactly zero for equal moments, so that a symmetric body keeps its spin to the last digit.
-            now%body%coupling(lane, :) = (cshift(inertia, 1) - cshift(inertia, 2)) / inertia
-            now%body%decay(lane, :) = body%damping / inertia
-            now%body%pull(lane, :) = cshift(moment, -1) / inertia
-            now%body%swing(lane, :) = cshift(moment, 1) / inertia
+            call set_body(now%body, lane, body)
         end associate
         if (allocated(self%effects)) then
             call self%effects%set_lane(lane, body)
@@ -263,6 +254,20 @@ contains
         self%steps(lane) = 0
         self%status(lane) = status_ok
     end subroutine load
+
+    !> Puts the constants of a body into a lane.
+    pure subroutine set_body(of, lane, body)
+        type(lane_body_t), intent(inout) :: of !! the bodies
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        associate (inertia => body%inertia, moment => body%weight_moment())
+            ! Exactly zero for equal moments, so that a symmetric body keeps its spin to the last digit.
+            of%coupling(lane, :) = (cshift(inertia, 1) - cshift(inertia, 2)) / inertia
+            of%decay(lane, :) = body%damping / inertia
+            of%pull(lane, :) = cshift(moment, -1) / inertia
+            of%swing(lane, :) = cshift(moment, 1) / inertia
+        end associate
+    end subroutine set_body
 
     !> One step in every lane, as long as the last terms of its series allow. A lane that can take
     !> none gets a status that says why, and an end where it is.
@@ -319,17 +324,11 @@ contains
         class(taylor_lanes_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
-        real(dp) :: change(parts)
-        integer :: k
         associate (now => self%now)
             call self%find_other_angle(lane, t, now%other_then(lane), self%passed(lane))
             now%other(lane) = now%other_then(lane)
             now%side(lane) = now%side_last(lane)
-            change = 0
-            do k = self%order, 1, -1
-                change = (change + self%c(lane, :parts, k)) * (t - now%t_last(lane))
-            end do
-            now%state(lane, :) = self%c(lane, :parts, 0) + change
+            now%state(lane, :) = state_at(self, lane, t - now%t_last(lane))
             now%rest(lane, :) = 0
             now%t(lane) = t
             now%t_end(lane) = t
@@ -389,33 +388,64 @@ contains
         if (present(is_known)) is_known = step%looks > 0
     end subroutine find_other_angle
 
-    !> Whether body z may be in a pole at a place (Gamma1, Gamma2), or was in the last step.
-    pure logical function is_in_pole(self, lane, gamma)
+    !> phi and psi in a lane at a time h after the beginning of the last step, with all their turns, and the passages through poles
+    !> up to there: from the nearer end of the step if it is followed from there with certainty, or else by a walk. In a pole only
+    !> the other angle is known.
+    pure subroutine find_angles(self, lane, h, place, angles, passed)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
-        real(dp), intent(in) :: gamma(2) !! Gamma1, Gamma2
-        associate (now => self%passed(lane), last => self%passed_last(lane))
-            is_in_pole = sum(gamma**2) <= self%in_pole2(lane) .or. now%arrived .or. last%arrived &
-                .or. any(now%odd .neqv. last%odd)
+        real(dp), intent(in) :: h, place(4) !! time, s; (Gamma, xi) then
+        real(dp), intent(out) :: angles(2) !! phi and psi, rad
+        type(passages_t), intent(out) :: passed !! the passages
+        real(dp) :: other, near(2), away(2)
+        logical :: is_known
+        integer :: i
+
+        passed = self%passed(lane)
+        is_known = sum(place(1:2)**2) > self%in_pole2(lane) .and. .not. (passed%arrived .or. self%passed_last(lane)%arrived &
+            .or. any(passed%odd .neqv. self%passed_last(lane)%odd))
+        associate (now => self%now)
+            near = [now%other_last(lane), now%other_then(lane)]
+            away = [h, now%t(lane) - now%t_last(lane) - h]
+            do i = 1, merge(2, 0, is_known)
+                other = nearest_turn(place(4) / 2 - atan2(place(1), place(2)), near(i))
+                is_known = abs(other - near(i)) <= sharp .and. away(i)**2 * now%rate(lane) <= largest_turn**2
+                if (is_known) exit
+            end do
+            if (.not. is_known) then
+                call self%find_other_angle(lane, now%t_last(lane) + h, other, passed)
+                if (any(abs(place(1:2)) > 0) .and. .not. passed%arrived) then
+                    other = nearest_turn(place(4) / 2 - atan2(place(1), place(2)), other)
+                end if
+            end if
+            angles = [now%side_last(lane) * (place(4) / 2 + other), place(4) / 2 - other]
         end associate
-    end function is_in_pole
+    end subroutine find_angles
 
     !> phi and psi in a lane at a time within the last step, with all their turns.
     pure function angles_at(self, lane, t) result(angles)
         class(taylor_lanes_t), intent(in) :: self
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: t !! time within the last step, s
-        real(dp) :: angles(2), now(4), other
+        real(dp) :: angles(2), state(parts)
         type(passages_t) :: passed
-        integer :: k
-        now = 0
-        do k = self%order, 0, -1
-            now = now * (t - self%now%t_last(lane)) + self%c(lane, 4:parts, k)
-        end do
-        call self%find_other_angle(lane, t, other, passed)
-        if (any(abs(now(1:2)) > 0) .and. .not. passed%arrived) other = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
-        angles = [self%now%side_last(lane) * (now(4) / 2 + other), now(4) / 2 - other]
+        state = state_at(self, lane, t - self%now%t_last(lane))
+        call self%find_angles(lane, t - self%now%t_last(lane), state(4:), angles, passed)
     end function angles_at
+
+    !> The state in a lane at a time h after the beginning of the last step.
+    pure function state_at(self, lane, h) result(state)
+        class(taylor_lanes_t), intent(in) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: h
+        real(dp) :: state(parts)
+        integer :: k
+        state = 0
+        do k = self%order, 1, -1
+            state = (state + self%c(lane, :parts, k)) * h
+        end do
+        state = self%c(lane, :parts, 0) + state
+    end function state_at
 
     !> Describes the attitude in a lane by the angle of the other side.
     pure subroutine change_side(self, lane)
@@ -470,7 +500,7 @@ contains
     !> body reverses (`status_non_finite`, `status_step_too_small`); a case that is refused (`status_non_finite`, `status_bad_body`,
     !> `status_bad_start`, `status_bad_span`) returns its start. All cases are refused if the settings are not valid, or if
     !> the sizes of the arrays differ.
-    recursive subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors)
+    subroutine integrate_many(controls, bodies, starts, t_end, ends, outcomes, monitors, measures)
         type(controls_t), intent(in) :: controls !! settings of the method
         type(body_t), intent(in) :: bodies(:) !! mass properties, one for each case
         type(motion_t), intent(in) :: starts(:) !! starts, one for each case
@@ -478,22 +508,15 @@ contains
         type(motion_t), intent(out) :: ends(:) !! motions at the end of the span, one for each case
         type(outcome_t), intent(out) :: outcomes(:) !! status, time reached and cost of each case
         type(monitor_slot_t), intent(inout), optional :: monitors(:) !! measure quantities along the motions
-        type(monitor_slot_t) :: nobody(0)
+        type(measures_t), intent(out), optional :: measures(:) !! what they measure, one for each case
         integer :: kind(size(bodies)), i
 
-        if (.not. present(monitors)) then
-            call integrate_many(controls, bodies, starts, t_end, ends, outcomes, nobody)
-            return
-        end if
         outcomes%status = controls_status(taylor_info, controls)
         if (any([size(starts), size(t_end), size(ends), size(outcomes)] /= size(bodies))) then
             outcomes%status = status_bad_input
             return
         end if
         if (any(.not. is_ok(outcomes%status))) return
-        do i = 1, size(monitors)
-            call monitors(i)%monitor%prepare(size(bodies))
-        end do
         do i = 1, size(bodies)
             outcomes(i)%status = case_status(bodies(i), starts(i), t_end(i))
             kind(i) = kind_of(bodies(i))
@@ -504,7 +527,7 @@ contains
         do while (any(kind /= refused))
             i = maxval(kind)
             call integrate_kind(controls, pack([(i, i=1, size(kind))], kind == i), bodies, starts, t_end, ends, &
-                                outcomes, monitors)
+                                outcomes, monitors, measures)
             where (kind == i) kind = refused
         end do
     end subroutine integrate_many
@@ -534,7 +557,7 @@ contains
     end function kind_of
 
     !> Integrates the cases with the same effects.
-    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, monitors)
+    subroutine integrate_kind(controls, cases, bodies, starts, t_end, ends, outcomes, monitors, measures)
         type(controls_t), intent(in) :: controls
         integer, intent(in) :: cases(:) !! their numbers
         type(body_t), intent(in) :: bodies(:)
@@ -542,15 +565,18 @@ contains
         real(dp), intent(in) :: t_end(:)
         type(motion_t), intent(inout) :: ends(:)
         type(outcome_t), intent(inout) :: outcomes(:)
-        type(monitor_slot_t), intent(inout) :: monitors(:)
+        type(monitor_slot_t), intent(inout), optional :: monitors(:)
+        type(measures_t), intent(inout), optional :: measures(:)
         type(taylor_lanes_t), target :: run
-        integer :: case_in(lanes), next, lane, i
+        integer :: case_in(lanes), number, next, lane, i
 
         if (allocated(bodies(cases(1))%effects)) then
             call run%set(controls, kinds_of(bodies(cases(1))))
         else
             call run%set(controls)
         end if
+        number = 0
+        if (present(monitors)) number = size(monitors)
         case_in = 0
         next = 1
         do
@@ -558,15 +584,15 @@ contains
                 do while (.not. run%now%t(lane) < run%now%t_end(lane))
                     if (case_in(lane) > 0) then
                         call unload(run, lane, bodies(case_in(lane)), ends(case_in(lane)), outcomes(case_in(lane)))
-                        do i = 1, size(monitors)
-                            call monitors(i)%monitor%finish(run, lane, case_in(lane))
+                        do i = 1, number
+                            call monitors(i)%monitor%finish(run, lane, ends(case_in(lane)), measures(case_in(lane)))
                         end do
                     end if
                     case_in(lane) = 0
                     if (next > size(cases)) exit
                     associate (case => cases(next))
                         call run%load(lane, bodies(case), starts(case), t_end(case))
-                        do i = 1, size(monitors)
+                        do i = 1, number
                             call monitors(i)%monitor%begin(run, lane, bodies(case), starts(case))
                         end do
                         case_in(lane) = case
@@ -580,8 +606,8 @@ contains
                 cycle
             end if
             call run%advance()
-            if (size(monitors) > 0) call run%find_powers()
-            do i = 1, size(monitors)
+            if (number > 0) call run%find_powers()
+            do i = 1, number
                 call monitors(i)%monitor%observe(run)
             end do
         end do

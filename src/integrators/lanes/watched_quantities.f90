@@ -1,35 +1,24 @@
-!> Quantities that are watched along the motions in lanes: polynomials of each step that pass zero where a quantity passes its
-!> level, or where its slope passes zero, and values at states.
+!> The quantities of `spintop_measures` along motions: polynomials of each step in lanes that pass zero where a quantity passes its
+!> level, or where its slope passes zero, and values at states, of single motions as well.
 module spintop_watched_quantities
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_body, only: body_t
     use spintop_constancy, only: driven_rate, greatest_fall_rate
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp
     use spintop_bernstein, only: multiply, multiply_slopes, rounding, square
     use spintop_lane_series, only: numerator, parts, rows
-    use spintop_motion, only: motion_t
+    use spintop_measures, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, watch_nutation_rate, &
+        watch_omega, watch_phi, watch_potential_energy, watch_precession_rate, watch_psi, watch_spin_momentum, watch_theta, &
+        watch_total_force, watch_turning, watch_vertical, watch_vertical_force, watch_vertical_momentum
     use spintop_pole_passages, only: through_pole
-    use spintop_quantities, only: axis_height_rate
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
     use spintop_vectors, only: cross
     implicit none
     private
     public :: watched_t
 
-    !> The quantities: none; phi and psi, in the order of `angles_at`; the rate of Gamma3, whose level is zero; theta; components
-    !> of the angular velocity and of the vertical in body axes; the height of the centre of mass; energies and momenta. The
-    !> last ones, from `watch_spin_momentum` on, are those of a body without effects.
-    integer, parameter, public :: watch_nothing = 0, watch_phi = 1, watch_psi = 2, watch_turning = 3, watch_theta = 4, &
-        watch_omega = 5, watch_vertical = 6, watch_centre_height = 7, watch_kinetic_energy = 8, watch_spin_momentum = 9, &
-        watch_vertical_momentum = 10, watch_potential_energy = 11, watch_energy = 12
-    !> The rates of phi and theta, and the support force: only their extremes are watched.
-    integer, parameter, public :: watch_precession_rate = 13, watch_nutation_rate = 14, watch_vertical_force = 15, &
-        watch_total_force = 16
-
-    !> A value so close to its level at the start, relatively, is at the level.
-    real(dp), parameter :: start_rounding = 16 * epsilon(1.0_dp)
     !> Degree of the slope of the squared force, as a share of the order of the states, and at least: the products cost as
     !> the square of it. Where the slope is off by e, relative to its size, an extreme is off by e^2 only. Not so for
     !> rates of angles, which peak next to a pole.
@@ -70,15 +59,12 @@ module spintop_watched_quantities
 
 contains
 
-    !> The quantity of a body in a lane. `value` is that at the start above the level, or has its sign; zero where it is at the
-    !> level.
-    pure subroutine set_lane(self, lane, body, start, state, level, value)
+    !> The quantity of a body in a lane, and its level.
+    pure subroutine set_lane(self, lane, body, omega, level)
         class(watched_t), intent(inout) :: self
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties of the body
-        type(motion_t), intent(in) :: start !! the motion at the start
-        real(dp), intent(in) :: state(parts), level !! its state in the lane, and the level
-        real(dp), intent(out) :: value !! the value above the level
+        real(dp), intent(in) :: omega(3), level !! angular velocity at the start, rad/s, and the level
         real(dp) :: linear(3), squares(3), products(3)
 
         linear = 0
@@ -92,7 +78,7 @@ contains
             self%threshold(lane) = 0
         case (watch_turning)
             linear(3) = 1
-            self%driven(lane) = driven_rate(greatest_fall_rate(body), start%omega)
+            self%driven(lane) = driven_rate(greatest_fall_rate(body), omega)
         case (watch_theta)
             ! Where theta rises, -Gamma3 does.
             linear(3) = -1
@@ -125,34 +111,7 @@ contains
             self%axes(lane, :, :) = axes_along(body%centre_of_mass)
             self%arm(lane) = norm2(body%centre_of_mass)
         end if
-
-        select case (self%quantity)
-        case (watch_phi, watch_psi)
-            value = 0
-            if (sum(abs(state(4:5))) > 0) value = sine_sign(start%angle(merge(1, 3, self%quantity == watch_phi)), level)
-        case (watch_turning)
-            value = axis_height_rate(start)
-        case default
-            associate (w => state(1:3), g => state(4:6), sizes => self%sizes(lane, :))
-                value = sum(linear * state(self%row:self%row + 2)) + sum(squares * w**2) + sum(products * w * g) &
-                    - self%threshold(lane)
-                if (abs(value) <= start_rounding * (sizes(1) + sizes(3) * sum(w**2) + sizes(2) * sqrt(sum(w**2)))) value = 0
-            end associate
-        end select
     end subroutine set_lane
-
-    !> The sign of the sine of the distance of an angle from its level, zero where it is at the level.
-    pure real(dp) function sine_sign(angle, level)
-        real(dp), intent(in) :: angle, level
-        real(dp) :: half_turns
-        half_turns = anint((angle - level) / pi)
-        sine_sign = angle - level - half_turns * pi
-        if (abs(sine_sign) <= start_rounding * (abs(angle) + abs(level))) then
-            sine_sign = 0
-        else
-            sine_sign = sign(1.0_dp, sine_sign) * (1 - 2 * modulo(half_turns, 2.0_dp))
-        end if
-    end function sine_sign
 
     !> Two unit vectors and that along a vector, at right angles and right-handed.
     pure function axes_along(r) result(axes)
@@ -232,18 +191,17 @@ contains
         integer, intent(in) :: order, degree
         real(dp), intent(in) :: c(lanes, rows, 0:order), power(lanes, 0:order)
         real(dp), intent(out) :: a(lanes, 0:max_series_order)
-        real(dp), parameter :: ones(lanes, 0:max_series_order) = 1
-        integer :: m
-        if (self%is_linear) then
-            call find_linear(order, c, self%row, self%linear, degree, power, a)
-        else
-            call find_linear(order, c, self%row, self%linear, order, ones, a)
-            do m = 1, 3
-                call add_product(order, self%squares(:, m), c, m, m, a)
-                call add_product(order, self%products(:, m), c, m, 3 + m, a)
+        real(dp), dimension(lanes, 0:max_series_order) :: w, x, product
+        integer :: i, m
+        call find_linear(order, c, self%row, self%linear, degree, power, a)
+        do m = 1, merge(0, 3, self%is_linear)
+            w(:, :order) = c(:, m, :) * power
+            do i = 0, order
+                x(:, i) = self%squares(:, m) * w(:, i) + self%products(:, m) * c(:, 3 + m, i) * power(:, i)
             end do
-            a(:, :order) = a(:, :order) * power
-        end if
+            call multiply(order, w, x, product)
+            a(:, :order) = a(:, :order) + product(:, :order)
+        end do
         if (degree == order) a(:, 0) = a(:, 0) - self%threshold
     end subroutine find_form
 
@@ -269,45 +227,23 @@ contains
         end do
     end subroutine find_linear
 
-    !> Adds the product of two rows of series.
-    pure subroutine add_product(degree, factor, c, x, y, a)
-        integer, intent(in) :: degree, x, y
-        real(dp), intent(in) :: factor(lanes), c(lanes, rows, 0:degree)
-        real(dp), intent(inout) :: a(lanes, 0:max_series_order)
-        real(dp) :: total
-        integer :: i, j, k
-        if (.not. any(abs(factor) > 0)) return
-        do k = 0, degree
-            !$omp simd private(total, j)
-            do i = 1, lanes
-                total = 0
-                do j = 0, max(k, 0)
-                    total = total + c(i, x, j) * c(i, y, k - j)
-                end do
-                a(i, k) = a(i, k) + factor(i) * total
-            end do
-        end do
-    end subroutine add_product
-
     !> Of phi = s (xi - psi) at the level l, with the series of cos(xi) and sin(xi): s cos(l) (Gamma2 sin(xi) - Gamma1 cos(xi))
     !> - sin(l) (Gamma2 cos(xi) + Gamma1 sin(xi)), of which `cosine` is s cos(l) and `sine` is sin(l).
     pure subroutine find_azimuth(order, c, cosine, sine, power, a)
         integer, intent(in) :: order
         real(dp), intent(in) :: c(lanes, rows, 0:order), cosine(lanes), sine(lanes), power(lanes, 0:order)
         real(dp), intent(out) :: a(lanes, 0:max_series_order)
-        !> The rows of factors: xi', cos(xi), sin(xi), and what they are multiplied with.
-        integer, parameter :: xi_rate = 1, with_cosine = 2, with_sine = 3, of_cosine = 4, of_sine = 5
-        real(dp) :: z(lanes, rows, 0:max_series_order), first, second, one(lanes)
+        real(dp), dimension(lanes, 0:max_series_order) :: xi_rate, cosines, sines, x, y
+        real(dp) :: first, second
         integer :: i, j, k
-        one = 1
-        z(:, with_cosine, 0) = cos(c(:, 7, 0))
-        z(:, with_sine, 0) = sin(c(:, 7, 0))
+        cosines(:, 0) = cos(c(:, 7, 0))
+        sines(:, 0) = sin(c(:, 7, 0))
         do k = 0, order
             !$omp simd
             do i = 1, lanes
-                z(i, xi_rate, k) = k * c(i, 7, k)
-                z(i, of_cosine, k) = -cosine(i) * c(i, 4, k) - sine(i) * c(i, 5, k)
-                z(i, of_sine, k) = cosine(i) * c(i, 5, k) - sine(i) * c(i, 4, k)
+                xi_rate(i, k) = k * c(i, 7, k) * power(i, k)
+                x(i, k) = (-cosine(i) * c(i, 4, k) - sine(i) * c(i, 5, k)) * power(i, k)
+                y(i, k) = (cosine(i) * c(i, 5, k) - sine(i) * c(i, 4, k)) * power(i, k)
             end do
         end do
         do k = 1, order
@@ -316,17 +252,16 @@ contains
                 first = 0
                 second = 0
                 do j = 1, max(k, 1)
-                    first = first + z(i, xi_rate, j) * z(i, with_sine, k - j)
-                    second = second + z(i, xi_rate, j) * z(i, with_cosine, k - j)
+                    first = first + xi_rate(i, j) * sines(i, k - j)
+                    second = second + xi_rate(i, j) * cosines(i, k - j)
                 end do
-                z(i, with_cosine, k) = -first / k
-                z(i, with_sine, k) = second / k
+                cosines(i, k) = -first / k
+                sines(i, k) = second / k
             end do
         end do
-        a(:, :order) = 0
-        call add_product(order, one, z, with_cosine, of_cosine, a)
-        call add_product(order, one, z, with_sine, of_sine, a)
-        a(:, :order) = a(:, :order) * power
+        call multiply(order, cosines, x, a)
+        call multiply(order, sines, y, x)
+        a(:, :order) = a(:, :order) + x(:, :order)
     end subroutine find_azimuth
 
     !> Of phi' = n/d, where n = Gamma1 omega1 + Gamma2 omega2 and d = Gamma1^2 + Gamma2^2, the slope times d^2: smooth at the

@@ -142,12 +142,14 @@ contains
     end subroutine quantities
 
     !> Writes an event, and ends the motion if this is the event that ends it.
-    subroutine handle_event(self, number, motion)
+    subroutine handle_event(self, number, motion, is_noise)
         class(event_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
+        logical, intent(in) :: is_noise !! whether it is none that counts
         type(text_buffer_t) :: line
 
+        if (is_noise) return
         if (self%is_listed(number) .and. allocated(self%kept)) then
             call keep_row([real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)], &
                           self%rows, self%kept)
@@ -204,10 +206,11 @@ contains
     end subroutine restart
 
     !> The exact solution at a time. A step that only counts turns is a step of the case.
-    subroutine at(self, t, motion)
+    subroutine at(self, t, motion, with_angles)
         class(exact_path_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         type(motion_t), intent(out) :: motion !! the motion at that time
+        logical, intent(in), optional :: with_angles !! they are there in any case
         integer(int64) :: steps, most_steps
         self%looks = self%looks + 1
         if (self%counts_turns) then

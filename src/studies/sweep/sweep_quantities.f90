@@ -9,10 +9,11 @@ module spintop_sweep_quantities
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
     use spintop_kinds, only: dp, pi, degree
+    use spintop_measures, only: measures_t, no_class, watch_centre_height, watch_nutation_rate, watch_precession_rate, &
+        watch_total_force, watch_turning, watch_vertical_force
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_recorder, only: nutation_recorder_t, no_class
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_status, only: is_ok, status_meanings, status_non_finite, status_unsuitable
     use spintop_steady_motion, only: fast_top_t, fast_top, critical_omega3
@@ -26,28 +27,53 @@ module spintop_sweep_quantities
         at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, note_no_period, note_no_turns, &
         note_no_nutation, note_no_class, note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, &
         note_no_momentum_period, note_no_precession_period, note_not_free, note_no_threshold, note_nothing_to_bound, &
-        kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, sweep_result_t, &
+        kinds_of_work, of_class, of_fastest, of_force, of_free, of_geometric, of_lowest, of_nutation_rate, of_range, &
+        of_vertical_force, of_whole, sweep_result_t, &
         at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, note_no_growth, note_no_lyapunov, &
         note_no_multiplier, note_no_singular, only_without_effects, of_growth, of_lyapunov, of_multiplier, of_singular
     use spintop_tangent_flow, only: drive_period
     use spintop_vectors, only: cross
     implicit none
     private
-    public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
-        precession_period, lowest_height, explain_missing, find_free_constants, compute_stability, set_threshold
+    public :: extremes, watched_for, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, set_details, &
+        precession_period, explain_missing, find_free_constants, compute_stability, set_threshold
 
     real(dp), parameter :: no_angles(3) = 0
 
+    !> A column that is the extreme of a quantity that is watched: its place, its work, the quantity, and whether it is the largest.
+    type :: extreme_t
+        integer :: place, work, watch
+        logical :: is_largest
+    end type extreme_t
+
+    type(extreme_t), parameter :: extremes(*) = [ &
+        extreme_t(at_com_z_min, of_lowest, watch_centre_height, .false.), &
+        extreme_t(at_theta_rate_max, of_nutation_rate, watch_nutation_rate, .true.), &
+        extreme_t(at_force_z_min, of_vertical_force, watch_vertical_force, .false.), &
+        extreme_t(at_force_z_max, of_vertical_force, watch_vertical_force, .true.), &
+        extreme_t(at_force_max, of_force, watch_total_force, .true.)]
+
 contains
 
-    !> The whole nutation of a closed form, without the height of the centre of mass.
-    subroutine set_nutation(slot, nutation)
+    !> The whole nutation of a closed form.
+    subroutine set_nutation(slot, nutation, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (wanted(of_lowest)) slot%result%of(at_com_z_min) = height_at(nutation%theta_max)
         associate (seen => as_given(slot%case, nutation))
             call set_extremes(seen, slot%result)
             call set_means(slot, seen)
         end associate
+
+    contains
+
+        !> The height of the centre of mass of a top at an inclination, m.
+        pure real(dp) function height_at(theta)
+            real(dp), intent(in) :: theta
+            height_at = slot%case%body%centre_of_mass(3) * cos(theta)
+        end function height_at
+
     end subroutine set_nutation
 
     !> A nutation in the axes, and relative to the frame, of the input.
@@ -130,44 +156,37 @@ contains
         end associate
     end subroutine set_means
 
-    !> The minimum height of the centre of mass of a top, whose largest inclination is known, m.
-    pure real(dp) function lowest_height(case, theta_max)
-        type(case_t), intent(in) :: case !! the case of a top, for its centre of mass
-        real(dp), intent(in) :: theta_max !! in the axes of the computation, rad
-        lowest_height = case%body%centre_of_mass(3) * cos(theta_max)
-    end function lowest_height
+    !> The quantities that are watched along a motion for what is wanted.
+    pure function watched_for(wanted) result(of)
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        integer, allocatable :: of(:)
+        integer :: i
+        of = pack([watch_turning], [wanted(of_whole) .or. wanted(of_range)])
+        if (wanted(of_class) .or. wanted(of_fastest)) of = [of, watch_precession_rate]
+        do i = 1, size(extremes)
+            if (wanted(extremes(i)%work) .and. all(of /= extremes(i)%watch)) of = [of, extremes(i)%watch]
+        end do
+    end function watched_for
 
-    !> What was measured along the motion.
-    subroutine set_measured(slot, recorder, wanted)
+    !> What was measured along the motion: extremes over the span, and what needs a whole nutation.
+    subroutine set_measured(slot, found, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        type(nutation_recorder_t), intent(in) :: recorder !! the measured nutation
+        type(measures_t), intent(in) :: found !! what was measured
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(nutation_t) :: nutation
+        type(extreme_t) :: of
         logical :: is_whole
+        integer :: i
 
-        associate (values => slot%result)
-            if (recorder%measures%nutation_rate) values%of(at_theta_rate_max) = recorder%theta_rate_max
-            if (recorder%measures%force) values%of(at_force_max) = recorder%force_max
-            if (recorder%measures%vertical_force) then
-                values%of(at_force_z_min) = recorder%force_z_min
-                values%of(at_force_z_max) = recorder%force_z_max
-            end if
-            if (recorder%measures%lowest) values%of(at_com_z_min) = recorder%com_z_min
-        end associate
-        call recorder%nutation(nutation, is_whole)
-        call set_measured_nutation(slot, wanted, nutation, is_whole, recorder%is_noisy())
-    end subroutine set_measured
-
-    !> A measured nutation: extremes over the span, and what needs a whole nutation.
-    subroutine set_measured_nutation(slot, wanted, nutation, is_whole, is_noisy)
-        type(slot_t), intent(inout) :: slot !! the case whose motion was measured
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        type(nutation_t), intent(in) :: nutation !! quantities of the nutation, and of theta in the span
-        logical, intent(in) :: is_whole, is_noisy !! whether there was a whole nutation; whether one was within the noise
+        do i = 1, size(extremes)
+            of = extremes(i)
+            if (wanted(of%work)) slot%result%of(of%place) = merge(found%largest(of%watch), found%least(of%watch), of%is_largest)
+        end do
+        call found%find_nutation(nutation, is_whole)
         call set_extremes(nutation, slot%result)
         if (.not. wanted(of_whole)) return
         if (.not. is_whole) then
-            if (is_noisy) then
+            if (found%turns%is_interrupted) then
                 call slot%note%add(note_no_nutation, 'its turning points are within the error of the method')
             else
                 call slot%note%add(note_no_nutation)
@@ -180,7 +199,7 @@ contains
         if ((wanted(of_fastest) .or. wanted(of_class)) .and. nutation%class == no_class) then
             call slot%note%add(note_no_class, 'it changes from nutation to nutation')
         end if
-    end subroutine set_measured_nutation
+    end subroutine set_measured
 
     !> The formulas of the paper for a fast top.
     subroutine set_fast_top(slot)

@@ -22,7 +22,7 @@ module spintop_trajectory_columns
         needs_effects, needs_exact, needs_work, off_poles, proof_group, study_column_t
     use spintop_text_buffer, only: text_buffer_t
     use spintop_uncertainties, only: data_radii
-    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_omega, watch_phi, &
+    use spintop_measures, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_omega, watch_phi, &
         watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, watch_turning, watch_vertical, &
         watch_vertical_momentum
     implicit none

@@ -7,9 +7,11 @@ module spintop_sweep_engine
     use spintop_case, only: case_t
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
+    use spintop_measures, only: growth_t
     use spintop_plan, only: plan_t
     use spintop_status, only: is_good_end, is_ok, status_meanings, status_non_finite, status_ok, status_step_limit
-    use spintop_sweep_result, only: note_no_turns_known, note_t, kinds_of_work, of_turns, of_whole, sweep_result_t
+    use spintop_sweep_result, only: at_largest_singular_value, at_lyapunov_exponent, kinds_of_work, note_no_lyapunov, &
+        note_no_singular, note_no_turns_known, note_t, of_lyapunov, of_singular, of_turns, of_whole, sweep_result_t
     implicit none
     private
     public :: task_t, slot_t, engine_t, engine_entry_t, run_engines
@@ -44,7 +46,7 @@ module spintop_sweep_engine
     contains
         procedure :: fail
         procedure :: explain_turns
-        procedure :: store_or_explain
+        procedure :: store_growth
     end type slot_t
 
     !> A way to compute cases.
@@ -127,20 +129,29 @@ contains
         call self%note%add(note_no_turns_known, 'the motion passes a pole within its error')
     end subroutine explain_turns
 
-    !> Stores a value of perturbations, or notes the reason why there is none. Work that was not finished, or overflow, is a
-    !> failure of the case.
-    subroutine store_or_explain(self, place, value, how, reason)
+    !> Stores what perturbations tell, or notes the reasons why they do not. Work that was not finished, or overflow, is a failure
+    !> of the case.
+    subroutine store_growth(self, found, wanted)
         class(slot_t), intent(inout) :: self
-        integer, intent(in) :: place !! of the quantity
-        real(dp), intent(in) :: value !! its value
-        integer, intent(in) :: how, reason !! how its computation ended; the note if that failed
-        if (is_ok(how)) then
-            self%result%of(place) = value
-        else
-            call self%note%add(reason, trim(status_meanings(how)))
-            if (how == status_step_limit .or. how == status_non_finite) self%status = how
-        end if
-    end subroutine store_or_explain
+        type(growth_t), intent(in) :: found !! the growth
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (wanted(of_lyapunov)) call store(at_lyapunov_exponent, found%exponent, found%exponent_status, note_no_lyapunov)
+        if (wanted(of_singular)) call store(at_largest_singular_value, found%singular, found%singular_status, note_no_singular)
+
+    contains
+
+        subroutine store(place, value, how, reason)
+            integer, intent(in) :: place, how, reason
+            real(dp), intent(in) :: value
+            if (is_ok(how)) then
+                self%result%of(place) = value
+            else
+                call self%note%add(reason, trim(status_meanings(how)))
+                if (how == status_step_limit .or. how == status_non_finite) self%status = how
+            end if
+        end subroutine store
+
+    end subroutine store_growth
 
     !> Ends a case without success.
     subroutine fail(self, status)

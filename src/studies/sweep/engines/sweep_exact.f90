@@ -12,11 +12,11 @@ module spintop_sweep_exact
     use spintop_regular_start, only: rates_describe
     use spintop_status, only: is_ok, status_step_limit
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, &
-        note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_lowest, &
-        of_nutation, of_period, of_turns
+    use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, &
+        note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_nutation, &
+        of_period, of_turns
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
-        set_details, precession_period, lowest_height, compute_stability
+        set_details, precession_period, compute_stability
     use spintop_sweep_stop, only: stop_exactly
     implicit none
     private
@@ -155,8 +155,7 @@ contains
             nutation%precession_rate = nutation%precession / nutation%period
         end if
         nutation%phi_rate_max = block%phi_rate_max(lane)
-        if (wanted(of_lowest)) slot%result%of(at_com_z_min) = lowest_height(slot%case, nutation%theta_max)
-        call set_nutation(slot, nutation)
+        call set_nutation(slot, nutation, wanted)
     end subroutine unload_nutation
 
     !> The end of the span, as far as a sweep table needs it. Angles about another axis need the whole attitude; counting

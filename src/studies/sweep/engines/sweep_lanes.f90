@@ -3,11 +3,11 @@
 module spintop_sweep_lanes
     use spintop_kinds, only: dp
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_compare, only: is_equal, is_zero
+    use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_effects, only: kernel_effects
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
-    use spintop_taylor_lanes, only: integrate_many
+    use spintop_measures, only: measures_t, quantities
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: nearly_plane, swings_over_poles
@@ -15,12 +15,13 @@ module spintop_sweep_lanes
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end, compute_stability
-    use spintop_sweep_result, only: at_energy_error_max, at_evaluations, kinds_of_work, of_class, of_fast_top, &
-        of_fastest, of_force, of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, &
-        of_vertical_force
-    use spintop_sweep_monitors, only: sweep_monitors_t
+    use spintop_sweep_quantities, only: compute_stability, find_free_constants, set_azimuth, set_end, set_fast_top, set_measured, &
+        watched_for
+    use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_fast_top, of_fastest, of_force, &
+        of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
+    use spintop_sweep_monitors, only: create_monitors
     use spintop_sweep_stop, only: ends_in_lanes
+    use spintop_taylor_lanes, only: integrate_many, monitor_slot_t
     implicit none
     private
     public :: sweep_lanes_t
@@ -28,7 +29,7 @@ module spintop_sweep_lanes
     !> The engine for bodies without a closed form, with Taylor's method for the equations of any body, with effects that have
     !> series and without, and with no event before the end that the monitors in lanes do not find.
     type, extends(engine_t) :: sweep_lanes_t
-        type(sweep_monitors_t), private :: monitors
+        type(monitor_slot_t), allocatable, private :: monitors(:)
         !> The settings for which the monitors were made.
         type(controls_t), private :: monitored
     contains
@@ -79,8 +80,7 @@ contains
     !> Whether monitors in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
         logical, intent(in) :: wanted(kinds_of_work)
-        needs_plain_body = wanted(of_lyapunov) .or. wanted(of_singular) .or. wanted(of_nutation_rate) &
-            .or. wanted(of_vertical_force) .or. wanted(of_force)
+        needs_plain_body = wanted(of_lyapunov) .or. wanted(of_singular) .or. any(quantities(watched_for(wanted))%needs_plain_body)
     end function needs_plain_body
 
     !> Cases with the same settings share lanes.
@@ -105,6 +105,7 @@ contains
         logical, dimension(kinds_of_work) :: in_lanes, alone
         type(motion_t), allocatable :: ends(:)
         type(outcome_t), allocatable :: outcomes(:)
+        type(measures_t), allocatable :: measures(:)
         logical :: is_new
         integer :: i
 
@@ -117,27 +118,27 @@ contains
             alone([of_lyapunov, of_singular]) = .false.
         end if
         associate (controls => slots(list(1))%plan%stepper%controls)
-            is_new = .not. allocated(self%monitors%slots)
+            is_new = .not. allocated(self%monitors)
             if (.not. is_new) is_new = .not. are_like(self%monitored, controls)
-            if (is_new) call self%monitors%create(in_lanes, controls, task%events, task%stop_after)
+            if (is_new) call create_monitors(in_lanes, controls, task%events, task%stop_after, self%monitors)
             self%monitored = controls
-            allocate (ends(size(list)), outcomes(size(list)))
+            allocate (ends(size(list)), outcomes(size(list)), measures(size(list)))
             call integrate_many(controls, slots(list)%case%body, slots(list)%case%start, slots(list)%case%t_end, ends, outcomes, &
-                                self%monitors%slots)
+                                self%monitors, measures)
         end associate
         do i = 1, size(list)
-            call set_quantities(self, i, ends(i), outcomes(i), task%wanted, alone, slots(list(i)))
+            measures(i)%ends = [slots(list(i))%case%start%angle(2), ends(i)%angle(2)]
+            call set_quantities(ends(i), outcomes(i), measures(i), task, alone, slots(list(i)))
         end do
     end subroutine compute
 
-    !> Stores the quantities of case `i` of those integrated. A motion with effects that came to a point where it has no series
-    !> is left to others.
-    subroutine set_quantities(self, i, last, outcome, wanted, alone, slot)
-        type(sweep_lanes_t), intent(in) :: self
-        integer, intent(in) :: i
+    !> Stores the quantities of a case. A motion with effects that came to a point where it has no series is left to others.
+    subroutine set_quantities(last, outcome, found, task, alone, slot)
         type(motion_t), intent(in) :: last
         type(outcome_t), intent(in) :: outcome
-        logical, intent(in), dimension(kinds_of_work) :: wanted, alone
+        type(measures_t), intent(in) :: found
+        type(task_t), intent(in) :: task
+        logical, intent(in) :: alone(kinds_of_work)
         type(slot_t), intent(inout) :: slot
 
         if (allocated(slot%case%body%effects) .and. any(outcome%status == [status_non_finite, status_step_too_small])) then
@@ -145,18 +146,22 @@ contains
             return
         end if
         slot%status = outcome%status
-        if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
-        if (wanted(of_fast_top)) call set_fast_top(slot)
-        slot%result%of(at_evaluations) = real(outcome%counts%evaluations, dp)
-        if (is_good_end(slot%status)) then
-            ! Without an energy error, which a monitor measures if it is wanted.
-            call set_end(slot, last, (slot%result%of(at_energy_error_max)))
+        associate (wanted => task%wanted)
+            if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
+            if (wanted(of_fast_top)) call set_fast_top(slot)
+            slot%result%of(at_evaluations) = real(outcome%counts%evaluations, dp)
+            if (.not. is_good_end(slot%status)) then
+                call slot%fail(slot%status)
+                return
+            end if
+            call set_end(slot, last, found%energy_error)
             call slot%explain_turns(outcome%doubtful_passages, wanted)
-            call self%monitors%store_quantities(wanted, i, last, slot)
+            if (size(task%events) == 0) call slot%store_growth(found%growth, wanted)
+            if (wanted(of_period)) call set_azimuth(slot, is_finite(found%azimuth), found%azimuth)
+            if (size(task%events) > 0 .and. .not. found%event_occurred) call slot%note%add(note_no_stop)
+            call set_measured(slot, found, wanted)
             call find_free_constants(slot, wanted)
-        else
-            call slot%fail(slot%status)
-        end if
+        end associate
     end subroutine set_quantities
 
 end module spintop_sweep_lanes

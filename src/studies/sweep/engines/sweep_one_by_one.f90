@@ -11,23 +11,22 @@ module spintop_sweep_one_by_one
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_kinds, only: dp
-    use spintop_lyapunov, only: find_growth, growth_t
+    use spintop_lyapunov, only: find_growth
+    use spintop_measures, only: growth_t, quantities, watch_nutation_rate, watch_precession_rate, watch_turning
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_nutation_recorder, only: measures_t, nutation_recorder_t
+    use spintop_nutation_recorder, only: nutation_recorder_t
     use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events, status_meanings
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
-        set_end, set_details, precession_period, lowest_height, compute_stability
-    use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
+        set_end, set_details, precession_period, watched_for, compute_stability
+    use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
-        of_energy, of_fast_top, of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, &
-        of_nutation, of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, &
-        sweep_result_t, at_lyapunov_exponent, at_largest_singular_value, note_no_lyapunov, note_no_singular, &
-        of_lyapunov, of_singular
+        of_energy, of_fast_top, of_fastest, of_growth, of_inherent, of_lyapunov, of_measured, of_multiplier, &
+        of_nutation, of_oracle, of_period, of_singular, of_turns, sweep_result_t
     implicit none
     private
     public :: sweep_stepping_t, perturbations_t
@@ -81,7 +80,7 @@ contains
         type(task_t), intent(in) :: task
         type(nutation_recorder_t), allocatable :: recorder
         type(nutation_t) :: nutation
-        type(measures_t) :: which
+        integer, allocatable :: which(:)
         type(note_t) :: before
         logical :: measures, for_class
         integer :: status
@@ -91,8 +90,7 @@ contains
                 if (wanted(of_nutation)) then
                     call find_nutation(case%body, case%start, nutation, status)
                     if (is_ok(status)) then
-                        call set_nutation(slot, nutation)
-                        slot%result%of(at_com_z_min) = lowest_height(case, nutation%theta_max)
+                        call set_nutation(slot, nutation, wanted)
                     else
                         call slot%note%explain(trim(status_meanings(status)))
                     end if
@@ -110,13 +108,19 @@ contains
                 call find_free_constants(slot, wanted)
                 return
             end if
-            if (measures .and. has_extremes(wanted) .and. allocated(case%body%effects)) call slot%note%add(note_no_details, &
-                'extremes of the nutation rate and of the support force are not measured for bodies with effects')
-            which = measures_of(wanted, case)
+            which = watched_for(wanted)
+            if (allocated(case%body%effects)) then
+                if (measures .and. any(quantities(which)%needs_plain_body)) call slot%note%add(note_no_details, &
+                    'extremes of the nutation rate and of the support force are not measured for bodies with effects')
+                which = pack(which, .not. quantities(which)%needs_plain_body)
+            end if
+            if (any(which == watch_nutation_rate) .and. all(which /= watch_turning)) then
+                if (swings_over_poles(case%body, case%start, nearly_plane)) which = [watch_turning, which]
+            end if
             ! The search for the largest precession rate costs more than the motion. For the class the turning points suffice,
             ! unless there may be a cusp.
             for_class = wanted(of_class) .and. .not. wanted(of_fastest)
-            which%fastest = which%fastest .and. .not. for_class
+            if (for_class) which = pack(which, which /= watch_precession_rate)
             before = slot%note
             do
                 if (measures .or. stops) then
@@ -128,39 +132,19 @@ contains
                 call follow(slot, wanted, recorder)
                 if (.not. is_good_end(slot%status)) return
                 if (measures) call recorder%include_end()
-                if (.not. (measures .and. for_class) .or. which%fastest) exit
+                if (.not. (measures .and. for_class)) exit
                 if (recorder%knows_class()) exit
-                which%fastest = .true.
+                which = [which, watch_precession_rate]
                 slot%note = before
             end do
             call compute_stability(slot, slot%result%of(at_t_end), wanted)
-            if (measures) call set_measured(slot, recorder, wanted)
+            if (measures) call set_measured(slot, recorder%found, wanted)
             call find_free_constants(slot, wanted)
             if (stops) then
                 if (recorder%ended_by == 0) call slot%note%add(note_no_stop)
             end if
         end associate
     end subroutine compute_alone
-
-    !> Whether extremes of the nutation rate or of the support force are wanted.
-    pure logical function has_extremes(wanted)
-        logical, intent(in) :: wanted(kinds_of_work)
-        has_extremes = wanted(of_nutation_rate) .or. wanted(of_vertical_force) .or. wanted(of_force)
-    end function has_extremes
-
-    !> What is to be measured of the nutation. The nutation rate and the support force are not, with effects.
-    pure type(measures_t) function measures_of(wanted, case) result(measures)
-        logical, intent(in) :: wanted(kinds_of_work)
-        type(case_t), intent(in) :: case
-        measures = measures_t(wanted(of_whole) .or. wanted(of_range), wanted(of_lowest), &
-                              wanted(of_fastest) .or. wanted(of_class))
-        if (allocated(case%body%effects)) return
-        if (wanted(of_nutation_rate)) measures%turning = measures%turning .or. &
-            swings_over_poles(case%body, case%start, nearly_plane)
-        measures%nutation_rate = wanted(of_nutation_rate)
-        measures%vertical_force = wanted(of_vertical_force)
-        measures%force = wanted(of_force)
-    end function measures_of
 
     !> Integrates the motion to the end of its span, or to the event that ends it, within the remaining work.
     subroutine follow(slot, wanted, recorder)
@@ -343,12 +327,7 @@ contains
             call find_growth(slots(places)%case%body, slots(places)%case%start, slots(places)%growth_until, &
                              wanted(of_lyapunov), wanted(of_singular), max(slots(places(1))%max_steps, 1_int64), growth)
             do i = 1, size(places)
-                associate (found => growth(i), slot => slots(places(i)))
-                    if (wanted(of_lyapunov)) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
-                                                                        found%exponent_status, note_no_lyapunov)
-                    if (wanted(of_singular)) call slot%store_or_explain(at_largest_singular_value, found%singular, &
-                                                                        found%singular_status, note_no_singular)
-                end associate
+                call slots(places(i))%store_growth(growth(i), wanted)
             end do
         end associate
     end subroutine compute_perturbations

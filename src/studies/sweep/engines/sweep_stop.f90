@@ -8,9 +8,10 @@ module spintop_sweep_stop
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: pi, dp
     use spintop_lane_watch, only: lane_watch_t
+    use spintop_measures, only: quantities, watch_nothing, watch_theta, watch_turning
     use spintop_status, only: is_ok, status_ok, status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
-    use spintop_watched_quantities, only: watch_nothing, watch_spin_momentum, watch_theta, watch_turning, watched_t
+    use spintop_watched_quantities, only: watched_t
     implicit none
     private
     public :: stop_exactly, ends_in_lanes, stop_monitor
@@ -75,9 +76,8 @@ contains
                     if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
                 case (watch_turning)
                     if (.not. is_zero(event%level)) return
-                case (watch_spin_momentum:)
-                    if (allocated(case%body%effects)) return
                 end select
+                if (allocated(case%body%effects) .and. quantities(events(i)%column%passing)%needs_plain_body) return
             end associate
         end do
         ends_in_lanes = .true.

@@ -10,7 +10,7 @@ module spintop_nutation
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_theta_functions, only: quotient
     use spintop_turning_points, only: turning_points_t, find_checked_points
-    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
+    use spintop_theta_motion, only: theta_motion_t, regime_resting
     implicit none
     private
     public :: nutation_t, find_nutation, describe_nutation, is_defined, whole_half_turns, class_name, class_meaning, class_names
@@ -73,10 +73,11 @@ contains
         type(nutation_t), intent(out) :: nutation !! quantities of the nutation
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        type(turning_points_t) :: points
-        call find_checked_points(body, start, points, status, rotor)
+        type(theta_motion_t) :: motion
+        call find_checked_points(body, start, motion%turning_points_t, status, rotor)
         if (.not. is_ok(status)) return
-        nutation = describe_nutation(prepare_theta_motion(points))
+        call motion%set_form()
+        nutation = describe_nutation(motion)
         if (.not. is_defined(nutation)) status = status_non_finite
     end subroutine find_nutation
 

@@ -16,9 +16,9 @@ module spintop_symmetric_motion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_scalar_functions, only: argument
-    use spintop_turning_points, only: turning_points_t, find_checked_points
+    use spintop_turning_points, only: find_checked_points
     use spintop_theta_functions, only: theta_values_t
-    use spintop_theta_motion, only: prepare_theta_motion, regime_resting
+    use spintop_theta_motion, only: regime_resting
     use spintop_nutation, only: describe_nutation, is_defined
     use spintop_symmetric_attitude, only: attitude_t, find_angles_of_attitude, find_attitude, find_thetas, symmetric_motion_t
     implicit none
@@ -38,37 +38,37 @@ contains
         type(symmetric_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        type(turning_points_t) :: points
 
-        call find_checked_points(body, start, points, status, rotor)
+        call find_checked_points(body, start, exact%theta%turning_points_t, status, rotor)
         if (.not. is_ok(status)) return
-        exact%theta = prepare_theta_motion(points)
+        call exact%theta%set_form()
         exact%nutation = describe_nutation(exact%theta)
         exact%passes_pole = exact%nutation%passes_top .or. exact%nutation%passes_bottom
-        exact%upper = cmplx(points%upper, kind=dp)
-        exact%lower = cmplx(points%lower, kind=dp)
-        exact%omega3 = real(points%omega3, dp)
-        exact%upper_phase = points%upper_phase
-        exact%lower_phase = points%lower_phase
-        ! An axis at rest: the body spins about it.
-        exact%upper_rate = points%omega3 / 2
-        exact%lower_rate = -points%omega3 / 2
-        exact%difference_rate = points%omega3
-        if (exact%theta%regime /= regime_resting) call set_phases(points, exact)
+        associate (points => exact%theta)
+            exact%upper = cmplx(points%upper, kind=dp)
+            exact%lower = cmplx(points%lower, kind=dp)
+            exact%omega3 = real(points%omega3, dp)
+            exact%upper_phase = points%upper_phase
+            exact%lower_phase = points%lower_phase
+            ! An axis at rest: the body spins about it.
+            exact%upper_rate = points%omega3 / 2
+            exact%lower_rate = -points%omega3 / 2
+            exact%difference_rate = points%omega3
+        end associate
+        if (exact%theta%regime /= regime_resting) call set_phases(exact)
         if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
         status = status_non_finite
         exact = symmetric_motion_t()
     end subroutine prepare_symmetric_motion
 
     !> Rates of the phases, and the constants that make the motion pass through the start.
-    pure subroutine set_phases(start, exact)
-        type(turning_points_t), intent(in) :: start
+    pure subroutine set_phases(exact)
         type(symmetric_motion_t), intent(inout) :: exact
         real(dp) :: z, from_top
         real(xp) :: nutations, upper_then, lower_then
         type(theta_values_t) :: theta
 
-        associate (clock => exact%theta%clock)
+        associate (start => exact%theta, clock => exact%theta%clock)
             exact%upper_rate = start%half() + clock%upper_rate
             exact%lower_rate = -start%half() + clock%lower_rate
             exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
@@ -105,7 +105,7 @@ contains
             formula = value / theta%divisor
             formula_rate = i * real(rate, dp) * formula + z_rate &
                 * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
-            phase_constant = argument(real(start%frequency, dp)**2 * conjg(formula) * cmplx(x, kind=dp) &
+            phase_constant = argument(real(exact%theta%frequency, dp)**2 * conjg(formula) * cmplx(x, kind=dp) &
                                       + conjg(formula_rate) * cmplx(x_rate, kind=dp))
         end function phase_constant
 

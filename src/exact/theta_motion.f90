@@ -30,6 +30,7 @@ module spintop_theta_motion
         type(circular_form_t), private :: circular
         type(hyperbolic_form_t), private :: hyperbolic
     contains
+        procedure :: set_form
         procedure :: locate
         procedure :: evaluate
     end type theta_motion_t
@@ -55,14 +56,20 @@ contains
     pure type(theta_motion_t) function prepare_theta_motion(points) result(motion)
         type(turning_points_t), intent(in) :: points !! turning points of the motion
         motion%turning_points_t = points
-        motion%regime = choose_regime(points)
+        call motion%set_form()
+    end function prepare_theta_motion
+
+    !> The same in place, for turning points that are set.
+    pure subroutine set_form(motion)
+        class(theta_motion_t), intent(inout) :: motion
+        motion%regime = choose_regime(motion%turning_points_t)
         select case (motion%regime)
         case (regime_circular)
-            call prepare_circular_form(points, motion%clock, motion%circular)
+            call prepare_circular_form(motion%turning_points_t, motion%clock, motion%circular)
         case (regime_hyperbolic)
-            call prepare_hyperbolic_form(points, motion%clock, motion%hyperbolic)
+            call prepare_hyperbolic_form(motion%turning_points_t, motion%clock, motion%hyperbolic)
         end select
-    end function prepare_theta_motion
+    end subroutine set_form
 
     !> The argument at a time `elapsed` (s) after the start, reduced by whole nutations.
     pure subroutine locate(self, elapsed, z, from_top, nutations)

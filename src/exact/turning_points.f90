@@ -43,18 +43,24 @@ contains
         call find_regular_start(body, start, points%regular_start_t, status, rotor)
         if (is_ok(status)) status = body_status(body)
         if (is_ok(status)) status = start_status(start, body)
-        if (is_ok(status)) points = find_turning_points(points%regular_start_t)
+        if (is_ok(status)) call set_turning_points(points)
     end subroutine find_checked_points
 
     !> Finds the turning points of a start.
     pure type(turning_points_t) function find_turning_points(start) result(points)
         type(regular_start_t), intent(in) :: start !! the start in regular quantities
-
         points%regular_start_t = start
-        associate (u0 => start%u, a => start%a, beta => start%beta, s2 => start%sine_squared, &
-                   k0 => start%swing_squared, g0 => points%g0, g1 => points%g1, g2 => points%g2)
-            g0 = start%u_rate**2
-            g1 = -2 * u0 * k0 - beta * s2 + 2 * a * start%turn
+        call set_turning_points(points)
+    end function find_turning_points
+
+    !> Sets the turning points of the start. In place: a copy of numbers that were just stored in extended precision waits for
+    !> each of them.
+    pure subroutine set_turning_points(points)
+        type(turning_points_t), intent(inout) :: points
+        associate (u0 => points%u, a => points%a, beta => points%beta, s2 => points%sine_squared, &
+                   k0 => points%swing_squared, g0 => points%g0, g1 => points%g1, g2 => points%g2)
+            g0 = points%u_rate**2
+            g1 = -2 * u0 * k0 - beta * s2 + 2 * a * points%turn
             g2 = 2 * beta * u0 - k0 - a**2
             if (upper_roots_are_close(points)) then
                 call start_from_lowest(points)
@@ -62,7 +68,7 @@ contains
                 call start_from_highest(points)
             end if
 
-            points%one_plus_u1 = quotient(start%b_plus_a**2, &
+            points%one_plus_u1 = quotient(points%b_plus_a**2, &
                                           points%one_plus_u2 * points%beta_u3_plus_1)
             points%k_squared = quotient(beta * points%u2_minus_u1, points%beta_u3_minus_u1)
             points%complement_squared = quotient(beta * points%one_minus_u2 &
@@ -70,7 +76,7 @@ contains
             points%complement = sqrt(points%complement_squared)
             points%frequency = sqrt(points%beta_u3_minus_u1) / 2
         end associate
-    end function find_turning_points
+    end subroutine set_turning_points
 
     !> Whether the two upper roots are close together, so that an iteration for the highest one would be slow:
     !> the cubic is positive at its inflection, and the start is not itself a root.

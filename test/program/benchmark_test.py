@@ -13,7 +13,7 @@ TIPS = {
     "com_y": -0.72416559163689565075,
     "com_z": -0.67302226956044409605,
 }
-"""The tip of the heavy top at t = 2, with twenty digits (test/integrators/known_motions_test.pf)."""
+"""The tip of the heavy top at t = 2 in twenty digits (test/integrators/known_motions_test.pf)."""
 
 
 def study(spin, cases):

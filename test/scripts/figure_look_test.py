@@ -247,7 +247,7 @@ class FigureLookTest(TableCase):
 
     def test_columns(self) -> None:
         """Columns of choice of two tables, each with a line and a name, in ranges, on log axes."""
-        tables = [self.motion(), self.read(a_trajectory(theta=0.7))]
+        tables = [self.motion(), read_table(self.put("b.csv", a_trajectory(theta=0.7)))]
         figure = draw(tables, y=["theta", "phi"], range={"y": (0.1, None)})
         assert problems_of(figure) == []
         upper, lower = figure.axes

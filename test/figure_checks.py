@@ -26,6 +26,11 @@ LETTERS = 6.5
 """The smallest letters that can be read, in points."""
 
 
+def texts(figure: Figure) -> list[str]:
+    """All texts of a figure."""
+    return sorted(text.get_text() for text in figure.findobj(Text))
+
+
 def problems_of(figure: Figure) -> list[str]:
     """What is wrong with a figure; its line below is the title of a table, and may say anything."""
     with the_look(getattr(figure, "options", DEFAULT)):

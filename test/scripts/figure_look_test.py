@@ -23,7 +23,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from conftest import listed
-from figure_checks import problems_of
+from figure_checks import problems_of, texts
 from plot_case import (
     TRAJECTORY,
     TRIALS,
@@ -34,6 +34,7 @@ from plot_case import (
     a_sweep,
     a_table,
     a_trajectory,
+    computed,
     some_events,
 )
 from spintop_figures import draw, read_table, save_as
@@ -103,8 +104,7 @@ class FigureLookTest(TableCase):
         for name, text in made_up().items():
             yield read_table(self.put(f"{name}.csv", text))
         for name, settings in RUNS.items():
-            self.compute(name, *settings)
-            for path in sorted(self.folder.glob(f"{name}*.csv")):
+            for path in sorted(computed(name, *settings).glob(f"{name}*.csv")):
                 if "histogram" not in path.name:
                     yield read_table(path)
 
@@ -525,11 +525,6 @@ def labels(figure: Figure, name: str) -> set[str]:
     """The labels along x or y."""
     found = (getattr(axes, f"get_{name}label")() for axes in figure.axes if axes.get_subplotspec())
     return {" ".join(text.split()) for text in found} - {""}
-
-
-def texts(figure: Figure) -> list[str]:
-    """All texts of a figure."""
-    return sorted(text.get_text() for text in figure.findobj(Text))
 
 
 class OtherUnitsTest(TableCase):

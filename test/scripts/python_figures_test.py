@@ -9,12 +9,11 @@ from unittest import mock
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 import python_library  # noqa: F401
 import spintop
 from conftest import MISSING, ROOT
+from figure_checks import texts
 from spintop import animation
 from spintop.library import library
 from spintop_figures.tables.table import TableError, read_table
@@ -57,11 +56,6 @@ def calls() -> Iterator[list[str]]:
 
     with counted("spintop_run"), counted("spintop_sweep"):
         yield made
-
-
-def texts(figure: Figure) -> list[str]:
-    """All texts of a figure."""
-    return sorted(text.get_text() for text in figure.findobj(Text))
 
 
 def changed(name: str, folder: Path) -> Path:

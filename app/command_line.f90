@@ -48,6 +48,7 @@ module spintop_command_line
         option_t('--restart', '', '', 'discard an interrupted run and start anew'), &
         option_t('--shard', '', 'I/N', 'compute part I of N of a study; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &
+        option_t('--verbose', '-v', '', 'all that a run says: model, constants, cost, memory'), &
         option_t('--progress', '', '', 'progress even when standard error is no terminal'), &
         option_t('--written', '', 'FILE', 'names of the written tables to FILE, each with a null character behind'), &
         option_t('--help', '-h', '', 'this text'), &
@@ -180,6 +181,8 @@ contains
                                             to_text(most_shards) // ", not '" // value // "'")
         case ('--quiet')
             request%options%quiet = .true.
+        case ('--verbose')
+            request%options%verbose = .true.
         case ('--progress')
             request%options%progress = .true.
         case ('--written')

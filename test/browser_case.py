@@ -7,7 +7,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -16,21 +15,13 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
+from conftest import EXE, ROOT
+from reporting.packages import PackageError, esbuild_package, need
+from reporting.page import make_alone, make_page, write_page
+from reporting.study import read_study
 
-from reporting.packages import PackageError, esbuild_package, need  # noqa: E402
-from reporting.page import make_alone, make_page, write_page  # noqa: E402
-from reporting.study import read_study  # noqa: E402
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BROWSER = os.environ.get("SPINTOP_BROWSER", "")
-INPUTS = (
-    "slow_top",
-    "heavy_top_benchmark",
-    "spinning_wheel_figure11",
-    "spinning_wheel_sweep",
-)
+INPUTS = ("slow_top", "heavy_top_benchmark", "spinning_wheel_figure11", "spinning_wheel_sweep")
 
 HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
 """A title that would do harm if it were taken as HTML; quotes as in a namelist."""
@@ -85,7 +76,7 @@ def make_study() -> Path:
     folder = new_scratch("report test ") / "study"
     folder.mkdir()
     inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
-    command = [PROGRAM, "--quiet", "-o", folder]
+    command = [EXE, "--quiet", "-o", folder]
     subprocess.run([*command, *inputs], check=True, capture_output=True)
     columns = "t,phi,theta,psi,phi_rate,theta_rate,psi_rate,kinetic,potential,energy"
     compared = ("--set", f"output.columns={columns}", ROOT / "input/slow_top_scenario2_rk4.nml")

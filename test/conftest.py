@@ -3,16 +3,21 @@
 A test with the argument `spin` runs an input with `spin(TEXT, "group.key=value", "--option")`.
 """
 
+import contextlib
+import io
 import json
 import os
+import re
+import resource
 import shutil
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pandas as pd
@@ -149,6 +154,36 @@ class Run:
         return self.comments[-2].removeprefix("status: ")
 
 
+def execute(
+    *words: object,
+    code: int | tuple[int, ...] | None = 0,
+    environment: dict[str, str] | None = None,
+    **options: object,
+) -> subprocess.CompletedProcess[str]:
+    """Run a command, whose exit code is `code` or one of them, or any if that is None."""
+    given = {"env": os.environ | (environment or {}), "text": True} | options
+    done = subprocess.run(list(map(str, words)), capture_output=True, check=False, **given)
+    wanted = code if isinstance(code, tuple) else (code,)
+    assert code is None or done.returncode in wanted, (words, done.stdout + done.stderr)
+    return done
+
+
+def called(main: Callable[[], int], *words: object) -> tuple[int, str, str]:
+    """What the main procedure of a script answers: its code, and what it prints and complains."""
+    printed, complaints = io.TextIOWrapper(io.BytesIO(), encoding="utf-8"), io.StringIO()
+    with (
+        mock.patch("sys.argv", list(map(str, words))),
+        contextlib.redirect_stdout(printed),
+        contextlib.redirect_stderr(complaints),
+    ):
+        try:
+            code = main()
+        except SystemExit as end:
+            code = end.code
+    printed.seek(0)
+    return code, printed.read(), complaints.getvalue()
+
+
 class Spin:
     """Runs the program in a folder, which has its tables in the folder `output`."""
 
@@ -171,17 +206,8 @@ class Spin:
         **options: object,
     ) -> Run:
         """Call the program, whose exit code is `code` or one of them, and whose table is `path`."""
-        done = subprocess.run(
-            [*command, *words],
-            cwd=self.folder,
-            env=os.environ | (environment or {}),
-            capture_output=True,
-            text=True,
-            check=False,
-            **options,
-        )
-        wanted = code if isinstance(code, tuple) else (code,)
-        assert done.returncode in wanted, (words, done.returncode, done.stdout + done.stderr)
+        given = {"code": code, "environment": environment, "cwd": self.folder} | options
+        done = execute(*command, *words, **given)
         return Run(done.returncode, done.stdout, done.stderr, self.folder / path)
 
     def __call__(
@@ -210,26 +236,28 @@ class Spin:
         path = f"{folder}/{Path(scene).stem}.csv"
         return self.call(scene, *options, code=code, path=path, environment=environment)
 
-    @contextmanager
+    @contextlib.contextmanager
     def start(
         self,
         *words: str | Path,
         command: tuple[str | Path, ...] = (EXE,),
         environment: dict[str, str] | None = None,
-    ) -> Iterator[subprocess.Popen]:
+        **options: object,
+    ) -> Iterator[subprocess.Popen[str]]:
         """Start the program, and do not wait for it; at the end it is killed."""
-        run = subprocess.Popen(
+        with subprocess.Popen(
             [*command, *words],
             cwd=self.folder,
             env=os.environ | (environment or {}),
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        try:
-            yield run
-        finally:
-            run.kill()
-            run.wait()
+            stderr=subprocess.PIPE,
+            text=True,
+            **options,
+        ) as run:
+            try:
+                yield run
+            finally:
+                run.kill()
 
     def journalled(self, table: str) -> int:
         """The rows that the journal of a table has; -1 if there is no journal."""
@@ -261,6 +289,66 @@ class Spin:
 def spin(folder: Path) -> Spin:
     """The program in a new folder."""
     return Spin(folder)
+
+
+def merge(spin: Spin, *names: str, code: int = 0) -> str:
+    """Merge parts of a study into the first of these tables; what is said of it."""
+    run = spin.call("merge", *names, code=code)
+    return run.out + run.stderr
+
+
+@cache
+def netcdf_is_missing(*settings: str) -> str:
+    """Why this build writes no NetCDF with these settings, or nothing."""
+    words = (f"--set={setting}" for setting in ("output.format=netcdf", *settings))
+    said = Spin(ROOT).call("--check", "input/slow_top.nml", *words, code=(0, 2)).stderr
+    return "no NetCDF" if re.search("has no NetCDF|no format NetCDF-4", said) else ""
+
+
+def files_of(size: int) -> Callable[[], None]:
+    """Prepares a process whose files may have so many bytes."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    return limit
+
+
+@pytest.fixture
+def disk(spin: Spin) -> Iterator[Callable[[str], Path]]:
+    """The folder `disk`, which is a disk of the size that is asked for; a later size changes it."""
+    path = spin.folder / "disk"
+    path.mkdir()
+
+    def resize(size: str) -> Path:
+        new = ("-t", "tmpfs", "-o", f"size={size}", "none")
+        how = ("-o", f"remount,size={size}") if path.is_mount() else new
+        if os.geteuid() or subprocess.run(["mount", *how, path], capture_output=True).returncode:
+            pytest.skip("takes root")
+        return path
+
+    yield resize
+    if path.is_mount():
+        subprocess.run(["umount", path], check=True)
+
+
+@pytest.fixture(scope="session")
+def preload(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], dict[str, str]]:
+    """Makes a library of a source in C; gives the environment that loads it with a program."""
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler is found")
+    folder = tmp_path_factory.mktemp("libraries")
+
+    @cache
+    def build(source: str) -> dict[str, str]:
+        library = folder / f"{len(list(folder.iterdir()))}.so"
+        command = [compiler, "-O1", "-shared", "-fPIC", "-o", library, "-x", "c", "-", "-ldl"]
+        subprocess.run(command, input=source, text=True, check=True)
+        return {"LD_PRELOAD": str(library)}
+
+    return build
 
 
 def wait_until(seen: Callable[[], bool], limit: float = 300) -> None:

@@ -1,10 +1,10 @@
 """Shared by the tests of scripts/plot: artificial tables, a folder, calls of the script."""
 
-import contextlib
-import io
+import atexit
 import math
 import os
 import runpy
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -12,8 +12,12 @@ import unittest
 import unittest.mock
 import warnings
 import xml.etree.ElementTree
+from functools import cache
 from pathlib import Path
 
+import pytest
+
+from conftest import Spin, called
 from figure_checks import problems_of
 from spintop_figures import draw
 from spintop_figures.registry import FIGURES
@@ -211,14 +215,20 @@ def some_events(count: int = 25, swing: float = 0.1) -> str:
     )
 
 
+@cache
+def computed(name: str, *settings: str) -> Path:
+    """A folder with the tables of an input, which is run once for all tests of a process."""
+    folder = Path(tempfile.mkdtemp(prefix="spintop tables "))
+    atexit.register(shutil.rmtree, folder)
+    Spin(folder)(name, *settings, "--quiet", "--output=.", code=(0, 3))
+    return folder
+
+
+@pytest.mark.usefixtures("folder")
 class TableCase(unittest.TestCase):
     """Works in a folder that goes away, whose name has a space."""
 
-    def setUp(self) -> None:
-        """Make the folder."""
-        folder = tempfile.TemporaryDirectory(prefix="plot test ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def assert_good_look(self, table: Table, name: str, names: tuple[str, ...] = ()) -> None:
         """A reader of a figure has nothing to complain of, on a page and in a column.
@@ -237,6 +247,19 @@ class TableCase(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
+    def read(self, text: str) -> Table:
+        """A made-up table."""
+        return read_table(self.put("a.csv", text))
+
+    def compute(self, name: str, *settings: str) -> Table:
+        """The table of an input with settings."""
+        shutil.copytree(computed(name, *settings), self.folder, dirs_exist_ok=True)
+        return read_table(self.folder / f"{name}.csv")
+
+    def refusal(self, name: str, table: Table) -> str:
+        """Why a table has no figure of this name."""
+        return next(kind for kind in FIGURES if kind.name == name).refusal(table)
+
     def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
         """Run scripts/plot."""
         command = [sys.executable, SCRIPTS / "plot", *arguments]
@@ -249,22 +272,22 @@ class TableCase(unittest.TestCase):
         script = str(SCRIPTS / "plot")
         with unittest.mock.patch("gc.disable"), unittest.mock.patch("atexit.register"):
             main = runpy.run_path(script)["main"]
-        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            try:
-                code = main()
-            except SystemExit as end:
-                code = end.code
-        return code, complaints.getvalue()
+        code, _, complaints = called(main, script, *arguments)
+        return code, complaints
 
     def figures_of(self, text: str) -> str:
         """Names of the figures that belong to a table."""
         table = read_table(self.put("table1_path.csv", text))
         return " ".join(kind.name for kind in FIGURES if not kind.refusal(table))
+
+    def check_drawn(self, tables: dict[str, tuple[str, set[str]]]) -> None:
+        """The script draws these figures of tables, without a warning of the layout."""
+        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            assert self.call(*paths) == (0, "")
+        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
+        self.check_pictures(self.folder, expected)
 
     def check_pictures(self, folder: Path, expected: set[str]) -> None:
         """The folder holds these figures, as PNG and SVG with something on them."""

@@ -12,25 +12,7 @@ import subprocess
 from dataclasses import dataclass
 from functools import cache
 
-SYMMETRIC_ONLY = (
-    "euler",
-    "lagrange",
-    "energy_rate",
-    "lagrange_energy",
-    "space_frame",
-)
-PAPER = SYMMETRIC_ONLY[:4]
-NEEDS = {
-    "taylor": ("rigid_body", "space_frame"),
-    "taylor_quadruple": ("rigid_body", "space_frame"),
-    "rkmk_4": ("rigid_body", "space_frame"),
-    "commutator_free_4": ("rigid_body", "space_frame"),
-    "splitting_2": ("rigid_body", "space_frame"),
-    "splitting_4": ("rigid_body", "space_frame"),
-    "splitting_6": ("rigid_body", "space_frame"),
-    "splitting_8": ("rigid_body", "space_frame"),
-}
-"""Formulations that a method runs under, where those are not all."""
+PAPER = ("euler", "lagrange", "energy_rate", "lagrange_energy")
 SHAPES = {
     "spinning_wheel": "radius thickness rod_length",
     "ring": "radius inner_radius thickness rod_length",
@@ -64,6 +46,7 @@ class Vocabulary:
     fixed: list[str]
     adaptive: list[str]
     tables: dict[str, list[str]]
+    formulations: dict[str, list[str]]
     columns: list[str]
     quantities: list[str]
 
@@ -83,11 +66,14 @@ def vocabulary(program: str) -> Vocabulary:
     fixed = [entry["name"] for entry in methods if entry["kind"] in ("fixed", "both")]
     adaptive = [entry["name"] for entry in methods if entry["kind"] in ("adaptive", "both")]
     tables = {entry["name"]: entry["tables"] for entry in methods if entry["tables"]}
+    formulations = {entry["name"]: entry["formulations"] for entry in methods}
     columns, quantities = (
         [entry["name"] for entry in known["columns"] if entry["study"] == study]
         for study in ("trajectory", "sweep")
     )
-    return Vocabulary(parameters, choices, fixed, adaptive, tables, columns, quantities)
+    return Vocabulary(
+        parameters, choices, fixed, adaptive, tables, formulations, columns, quantities
+    )
 
 
 Groups = dict[str, dict[str, str]]
@@ -260,7 +246,7 @@ class Writer:
     def method(self) -> tuple[str, str]:
         """A method, and a formulation that it runs under."""
         method = self.pick((*self.words.fixed, *self.words.adaptive, "auto", "exact"))
-        allowed = NEEDS.get(method, ("rigid_body", *SYMMETRIC_ONLY))
+        allowed = self.words.formulations.get(method) or ("rigid_body", "space_frame", *PAPER)
         if self.general:
             allowed = ("rigid_body",)
         if self.general and method == "exact":

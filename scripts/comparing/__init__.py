@@ -29,7 +29,6 @@ SOLVERS = (
     Program("SciPy", "scipy", ("scipy==1.17.1",)),
     Program("heyoka", "heyoka", ("heyoka==7.13.2", "numpy")),
     Program("Boost.odeint", "odeint", (), ("g++", "libboost-dev")),
-    Program("GNU Octave", "octave", (), ("octave",)),
     Program("SUNDIALS", "sundials", (), ("gcc", "libsundials-dev")),
     Program("MuJoCo", "mujoco", ("mujoco==4.0.0",)),
 )

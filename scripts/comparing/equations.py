@@ -1,8 +1,8 @@
 """The equations of motion that peers integrate, written once for all their languages.
 
-Sums and products look the same in Python, C, C++ and Octave, so the equations stand here as
-text. `python_rates` makes a Python function of them (of floats, or of heyoka's expressions),
-`c_header` a header for C and C++, `octave_rates` an Octave function.
+Sums and products look the same in Python, C and C++, so the equations stand here as text.
+`python_rates` makes a Python function of them (of floats, or of heyoka's expressions), `c_header` a
+header for C and C++.
 
 They are those of spintop's formulations of the same names, which have no singular attitude and end
 in the full attitude. The axis and the momentum, with psi by quadrature, are as many states as
@@ -170,12 +170,3 @@ def c_header() -> str:
         lines += ["}"]
     entries = (f"X({f.name}, {len(f.states)}, {len(f.constants)})" for f in EQUATIONS.values())
     return "\n".join([*lines, f"#define FORMULATIONS(X) {' '.join(entries)}", ""])
-
-
-def octave_rates(form: Equations) -> str:
-    """f(t, y, c) as an Octave function of the name `rates`."""
-    lines = ["function dy = rates(t, y, c)"]
-    for array, names in (("c", form.constants), ("y", form.states)):
-        lines += [f"  {name} = {array}({i});" for i, name in enumerate(names, 1)]
-    lines += [f"  {name} = {text};" for name, text in form.terms.items()]
-    return "\n".join([*lines, f"  dy = [{'; '.join(form.rates)}];", "endfunction", ""])

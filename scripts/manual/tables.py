@@ -99,8 +99,8 @@ _PARTS = {"columns": "study", "parameters": "group"}
 
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
     """A table in Markdown."""
-    lines = [head, tuple("---" for _ in head), *rows]
-    return ["| " + " | ".join(line) + " |" for line in lines]
+    lines = ["| " + " | ".join(line) + " |" for line in (head, *rows)]
+    return [lines[0], "|" + "---|" * len(head), *lines[1:]]
 
 
 def _listed(program: Path, topic: str, part: str) -> list[str]:

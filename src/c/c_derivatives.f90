@@ -10,8 +10,8 @@ module spintop_c_derivatives
     use spintop_plan, only: plan_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: other_accuracies, sensitive_key_t, sensitivities_t, varied_motions_t
+    use spintop_study_column, only: study_column_t
     use spintop_text, only: escaped
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
     public :: asked_derivatives_t
@@ -58,7 +58,7 @@ contains
             allocate (self%nodes(size(keys)), self%keys(size(keys)))
             do i = 1, size(keys)
                 call prepare_key(self%keys(i), self%nodes(i), job, keys(i), &
-                                 trajectory_columns_at(job%sensitivities%columns()), error)
+                                 job%sensitivities%columns(), error)
                 if (allocated(error)) return
             end do
         end associate
@@ -70,7 +70,7 @@ contains
         type(nodes_t), intent(out) :: nodes
         type(job_t), target, intent(in) :: job
         type(sensitive_key_t), intent(in) :: key
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(error_t), allocatable, intent(out) :: error
         logical :: exists(node_count)
         integer :: i, k
@@ -105,7 +105,7 @@ contains
         type(job_t), target, intent(in) :: job
         type(sensitive_key_t), intent(in) :: key
         real(dp), intent(in) :: value
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         logical, intent(out) :: exists
         integer, intent(in), optional :: accuracy !! the number of another accuracy
         type(scene_t), allocatable, target :: scene

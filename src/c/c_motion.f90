@@ -7,10 +7,10 @@ module spintop_c_motion
     use spintop_kinds, only: dp, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_plan, only: plan_t
-    use spintop_row_maker, only: row_maker_t
+    use spintop_trajectory_columns, only: row_maker_t
     use spintop_status, only: is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_study_column, only: study_column_t
     implicit none
     private
     public :: asked_motion_t
@@ -40,7 +40,7 @@ contains
         class(asked_motion_t), intent(inout) :: self
         type(case_t), intent(in) :: case !! body and start
         type(plan_t), intent(in) :: plan !! model and method
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         self%case = case
         self%plan = plan
         self%columns = size(columns)

@@ -23,8 +23,8 @@ module spintop_c_top
     use spintop_preparation, only: prepare_job, prepared_t
     use spintop_scene_words, only: kind_trajectory, study_kinds
     use spintop_status, only: code_of
+    use spintop_study_column, only: study_column_t
     use spintop_table_column, only: column_t
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
     implicit none
     private
 
@@ -38,7 +38,7 @@ module spintop_c_top
         type(c_text_t) :: warnings
         !> The input, if it has events; and the columns of their table.
         class(prepared_t), allocatable :: prepared
-        type(trajectory_column_t), allocatable :: chosen(:)
+        type(study_column_t), allocatable :: chosen(:)
     end type top_t
 
     !> Most times of a call.
@@ -97,12 +97,12 @@ contains
                 return
             end if
             call top%warnings%set(job%warnings)
-            top%chosen = trajectory_columns_at(job%columns)
+            top%chosen = job%columns
             ! The motion itself is also asked for the columns of which there are derivatives.
             call top%derivatives%prepare(job, error)
             if (allocated(error)) return
             call top%motion%prepare(job%case, job%plan, [top%chosen, &
-                                    trajectory_columns_at(job%sensitivities%columns())])
+                                    job%sensitivities%columns()])
             allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
         end associate
         allocate (top%described(size(shown)), top%columns(size(shown)))
@@ -239,7 +239,7 @@ contains
     !> Makes the table of events: their names are words.
     subroutine make_event_table(recorder, columns, table)
         type(event_recorder_t), intent(inout) :: recorder
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(data_table_t), intent(inout) :: table
         type(column_t), allocatable :: shown(:)
         integer :: i

@@ -9,7 +9,6 @@ module spintop_circular_form
     use spintop_kinds, only: dp, xp, pi_xp
     use spintop_theta_functions, only: linear_chain, nome, theta3_constant, quotient, theta_clock_t, theta_values_t
     use spintop_scalar_functions, only: find_sine_and_cosine
-    use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     implicit none
     private
@@ -51,8 +50,7 @@ module spintop_circular_form
 contains
 
     !> Prepares clock and series of a motion with k^2 <= 1/2.
-    pure subroutine prepare_circular_form(start, points, clock, form)
-        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+    pure subroutine prepare_circular_form(points, clock, form)
         type(turning_points_t), intent(in) :: points !! turning points of the motion
         type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
         type(circular_form_t), intent(out) :: form !! the theta functions of the motion
@@ -80,22 +78,22 @@ contains
             top = pole_at(q, x, sqrt(kc) * sqrt(quotient(beta_d3, &
                                                          points%complement_squared * beta_u)))
 
-            upper_sign = sign(1.0_xp, start%b_plus_a)
-            lower_sign = sign(1.0_xp, start%b_minus_a)
-            clock%upper_rate = quotient(start%b_plus_a, 2 * p2) &
+            upper_sign = sign(1.0_xp, points%b_plus_a)
+            lower_sign = sign(1.0_xp, points%b_minus_a)
+            clock%upper_rate = quotient(points%b_plus_a, 2 * p2) &
                                + upper_sign * clock%rate * bottom%slope
-            clock%lower_rate = quotient(start%b_minus_a, 2 * m1) &
+            clock%lower_rate = quotient(points%b_minus_a, 2 * m1) &
                                + lower_sign * clock%rate * top%slope
             clock%sum_rate = clock%upper_rate + clock%lower_rate
             ! A fast top precesses slowly: the two rates nearly cancel.
-            if (d2 > m1 / 4) clock%sum_rate = (start%turn - start%a * points%y2) / (p2 * d2) &
+            if (d2 > m1 / 4) clock%sum_rate = (points%turn - points%a * points%y2) / (p2 * d2) &
                 + clock%rate * (upper_sign * bottom%slope - lower_sign * slope_at_top(q, top))
 
             clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
             clock%lower_amplitude = real(sqrt(m1 / 2) * theta4 / top%norm, dp)
             form%upper_least = real(sqrt(quotient(p1 * kc, p2)) * bottom%norm, dp)
             form%lower_least = real(quotient(sqrt(d2) * top%norm, sqrt(m1 * kc)), dp)
-            clock%start = start_argument(start, points, q)
+            clock%start = start_argument(points, q)
         end associate
 
         call tabulate(q, bottom, top, upper_sign, lower_sign, theta3, theta4, form%powers)
@@ -167,8 +165,7 @@ contains
 
     !> z at the start: 0 at the lower turning point u1, pi/2 at the upper one, negative on the way
     !> down.
-    pure real(xp) function start_argument(start, points, q) result(z)
-        type(regular_start_t), intent(in) :: start
+    pure real(xp) function start_argument(points, q) result(z)
         type(turning_points_t), intent(in) :: points
         real(xp), intent(in) :: q
         real(xp) :: sn2, dn, x, kc
@@ -185,7 +182,7 @@ contains
             x = solve_position(q, points%k_squared * (1 / (1 + kc) - sn2) / (dn + sqrt(kc))**2)
             z = atan(sqrt(kc) * sqrt(-points%y1 / points%y2) * ratio_of_thetas(q, x))
         end if
-        if (start%u_rate < 0) z = -z
+        if (points%u_rate < 0) z = -z
     end function start_argument
 
     !> Solves sum_{n odd} q^(n^2-n) h_n = excess (1 + sum_{n even} q^(n^2-n) h_n) for X = h_1,

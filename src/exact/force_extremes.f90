@@ -12,8 +12,7 @@ module spintop_force_extremes
     use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_regular_start, only: regular_start_t, find_checked_start
-    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_turning_points, only: turning_points_t, find_checked_points
     implicit none
     private
     public :: force_extremes_t, find_force_extremes
@@ -34,28 +33,26 @@ contains
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(force_extremes_t), intent(out) :: extremes !! extremes of the support force, N
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(regular_start_t) :: regular
         type(turning_points_t) :: points
         real(xp) :: vertical(3), turning_y
 
-        call find_checked_start(body, start, regular, status)
+        call find_checked_points(body, start, points, status)
         if (.not. is_ok(status)) return
-        points = find_turning_points(regular)
         associate (y1 => points%y1, y2 => points%y2)
-            vertical(1:2) = [vertical_force(body, regular, y1), vertical_force(body, regular, y2)]
+            vertical(1:2) = [vertical_force(body, points, y1), vertical_force(body, points, y2)]
             vertical(3) = vertical(1)
             ! u'' = f'(u)/2 has its minimum where f'' = 0, if the motion reaches that point.
-            if (regular%beta > 0) then
-                turning_y = -g2(regular) / (3 * regular%beta)
+            if (points%beta > 0) then
+                turning_y = -g2(points) / (3 * points%beta)
                 if (turning_y > y1 .and. turning_y < y2) then
-                    vertical(3) = vertical_force(body, regular, turning_y)
+                    vertical(3) = vertical_force(body, points, turning_y)
                 end if
             end if
             extremes%lowest_vertical = real(minval(vertical), dp)
             extremes%highest_vertical = real(maxval(vertical), dp)
             ! The square of the force is convex in u, so its maximum is at a turning point.
-            extremes%largest = real(max(total_force(body, regular, y1), &
-                                        total_force(body, regular, y2)), dp)
+            extremes%largest = real(max(total_force(body, points, y1), &
+                                        total_force(body, points, y2)), dp)
         end associate
         if (.not. is_finite(extremes%lowest_vertical + extremes%highest_vertical + extremes%largest)) then
             status = status_non_finite
@@ -65,7 +62,7 @@ contains
     !> Upward force at u = u0 + y, N: m (g + l u''), u'' = f'(u)/2.
     pure real(xp) function vertical_force(body, start, y) result(force)
         type(body_t), intent(in) :: body
-        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: start
         real(xp), intent(in) :: y
         real(xp) :: g1
         g1 = -2 * start%u * start%swing_squared - start%beta * start%sine_squared &
@@ -77,7 +74,7 @@ contains
     !> Magnitude of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.
     pure real(xp) function total_force(body, start, y) result(force)
         type(body_t), intent(in) :: body
-        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: start
         real(xp), intent(in) :: y
         real(xp) :: u, sine_squared, swing_squared, turn, length, along, weight, lift
         length = body%centre_of_mass(3)
@@ -95,7 +92,7 @@ contains
 
     !> Coefficient of y^2 of the cubic f.
     pure real(xp) function g2(start)
-        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: start
         g2 = 2 * start%beta * start%u - start%swing_squared - start%a**2
     end function g2
 

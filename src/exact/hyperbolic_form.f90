@@ -7,7 +7,6 @@
 module spintop_hyperbolic_form
     use spintop_kinds, only: dp, xp
     use spintop_theta_functions, only: inverse_sc, nome, series_b, theta3_constant, theta_clock_t, theta_values_t
-    use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     implicit none
     private
@@ -61,8 +60,7 @@ module spintop_hyperbolic_form
 contains
 
     !> Sets up clock and series of a motion with k^2 > 1/2.
-    pure subroutine prepare_hyperbolic_form(start, points, clock, form)
-        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+    pure subroutine prepare_hyperbolic_form(points, clock, form)
         type(turning_points_t), intent(in) :: points !! turning points of the motion
         type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
         type(hyperbolic_form_t), intent(out) :: form !! the theta functions of the motion
@@ -83,22 +81,22 @@ contains
             end if
 
             bottom = pole_at(q, sqrt(k * points%beta_u3_minus_u1), &
-                             sqrt(start%beta * points%one_plus_u1))
+                             sqrt(points%beta * points%one_plus_u1))
             top = pole_at(q, sqrt(k * points%beta_u3_minus_1), &
-                          sqrt(start%beta * points%one_minus_u2))
+                          sqrt(points%beta * points%one_minus_u2))
 
-            upper_sign = sign(1.0_xp, start%b_plus_a)
-            lower_sign = sign(1.0_xp, start%b_minus_a)
-            clock%upper_rate = start%b_plus_a / (2 * p2) &
+            upper_sign = sign(1.0_xp, points%b_plus_a)
+            lower_sign = sign(1.0_xp, points%b_minus_a)
+            clock%upper_rate = points%b_plus_a / (2 * p2) &
                                + upper_sign * clock%rate * bottom%slope
-            clock%lower_rate = start%b_minus_a / (2 * m1) &
+            clock%lower_rate = points%b_minus_a / (2 * m1) &
                                + lower_sign * clock%rate * top%slope
             clock%sum_rate = clock%upper_rate + clock%lower_rate
             clock%upper_step = 2 * upper_sign * bottom%v
             clock%lower_step = 2 * lower_sign * top%v
             clock%upper_amplitude = real(sqrt(p2 / 2) * theta3 / bottom%norm, dp)
             clock%lower_amplitude = real(sqrt(m1 / 2) * cosh_sum_at_0 / top%norm, dp)
-            clock%start = start_argument(start, points, q, clock%half_period)
+            clock%start = start_argument(points, q, clock%half_period)
         end associate
 
         form%lower_turn = cmplx(2 * top%cosines(1), 2 * lower_sign * top%sines(1), dp)
@@ -192,8 +190,7 @@ contains
 
     !> z at the start: 0 at the lower turning point u1, half a period at the upper one, negative
     !> on the way down.
-    pure real(xp) function start_argument(start, points, q, half_period) result(z)
-        type(regular_start_t), intent(in) :: start
+    pure real(xp) function start_argument(points, q, half_period) result(z)
         type(turning_points_t), intent(in) :: points
         real(xp), intent(in) :: q, half_period
 
@@ -208,7 +205,7 @@ contains
                 z = half_period - inverse_sc(q, sqrt(-y2 / y1) / kc)
             end if
         end associate
-        if (start%u_rate < 0) z = -z
+        if (points%u_rate < 0) z = -z
     end function start_argument
 
     !> The theta functions at the argument z, |z| <= H, scaled by exp(-|z|).

@@ -8,9 +8,8 @@ module spintop_nutation
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: in_pole, through_pole
-    use spintop_theta_functions, only: quotient, theta_clock_t
-    use spintop_regular_start, only: regular_start_t, find_checked_start
-    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_theta_functions, only: quotient
+    use spintop_turning_points, only: turning_points_t, find_checked_points
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     implicit none
     private
@@ -82,12 +81,10 @@ contains
         type(nutation_t), intent(out) :: nutation !! quantities of the nutation
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        type(regular_start_t) :: regular
         type(turning_points_t) :: points
-        call find_checked_start(body, start, regular, status, rotor)
+        call find_checked_points(body, start, points, status, rotor)
         if (.not. is_ok(status)) return
-        points = find_turning_points(regular)
-        nutation = describe_nutation(regular, points, prepare_theta_motion(regular, points))
+        nutation = describe_nutation(prepare_theta_motion(points))
         if (.not. is_defined(nutation)) status = status_non_finite
     end subroutine find_nutation
 
@@ -114,17 +111,15 @@ contains
     end function class_meaning
 
     !> The complete quantities of a motion whose theta functions are set up.
-    pure type(nutation_t) function describe_nutation(start, points, motion) result(nutation)
-        type(regular_start_t), intent(in) :: start !! the start in regular quantities
-        type(turning_points_t), intent(in) :: points !! turning points of the motion
-        type(theta_motion_t), intent(in) :: motion !! its theta functions
+    pure type(nutation_t) function describe_nutation(points) result(nutation)
+        type(theta_motion_t), intent(in) :: points !! the motion
         real(xp) :: rate_at_top, rate_at_bottom
 
-        nutation%class = class_of(start, points, motion%regime)
-        nutation%passes_top = motion%regime /= regime_resting .and. (reaches_top(start, points) .or. &
+        nutation%class = class_of(points)
+        nutation%passes_top = points%regime /= regime_resting .and. (reaches_top(points) .or. &
             (passes_through(points%one_minus_u2, points%one_minus_u1) &
-             .and. start%beta * points%one_minus_u2 <= points%beta_u3_minus_1))
-        nutation%passes_bottom = motion%regime /= regime_resting .and. (reaches_bottom(start) &
+             .and. points%beta * points%one_minus_u2 <= points%beta_u3_minus_1))
+        nutation%passes_bottom = points%regime /= regime_resting .and. (reaches_bottom(points) &
             .or. passes_through(points%one_plus_u1, points%one_plus_u2))
         nutation%theta_min = inclination(points%one_minus_u2, points%one_plus_u2)
         nutation%theta_max = inclination(points%one_minus_u1, points%one_plus_u1)
@@ -132,11 +127,11 @@ contains
         nutation%k_squared = real(points%k_squared, dp)
         nutation%complement_squared = real(points%complement_squared, dp)
 
-        if (motion%regime == regime_resting) then
-            nutation%theta_min = inclination(start%one_minus_u, start%one_plus_u)
+        if (points%regime == regime_resting) then
+            nutation%theta_min = inclination(points%one_minus_u, points%one_plus_u)
             nutation%theta_max = nutation%theta_min
             nutation%delta_u = 0
-            nutation%spin_rate = real(start%omega3, dp)
+            nutation%spin_rate = real(points%omega3, dp)
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
             ! Without nutation the period is that of infinitely small nutations.
             if (points%frequency > 0) nutation%period = real(pi_xp / points%frequency, dp)
@@ -144,35 +139,34 @@ contains
             return
         end if
 
-        call add_precession(start, motion%clock, nutation)
-        rate_at_top = phi_rate_at_top(start, points)
-        rate_at_bottom = phi_rate_at_bottom(start, points)
+        call add_precession(points, nutation)
+        rate_at_top = phi_rate_at_top(points)
+        rate_at_bottom = phi_rate_at_bottom(points)
         nutation%phi_rate_max = real(merge(rate_at_top, rate_at_bottom, &
                                            abs(rate_at_top) > abs(rate_at_bottom)), dp)
         nutation%theta_rate_max = largest_theta_rate(points)
     end function describe_nutation
 
     !> Period, and the change of phi and psi per period.
-    pure subroutine add_precession(start, clock, nutation)
-        type(regular_start_t), intent(in) :: start
-        type(theta_clock_t), intent(in) :: clock
+    pure subroutine add_precession(points, nutation)
+        type(theta_motion_t), intent(in) :: points
         type(nutation_t), intent(inout) :: nutation
         real(xp) :: spin_rate, precession, spin, period, top_jump, bottom_jump
 
-        spin_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
-        if (clock%period > 0) then
-            period = clock%period / clock%rate
-            precession = clock%sum_rate * period + clock%upper_step + clock%lower_step
-            spin = spin_rate * period + clock%upper_step - clock%lower_step
+        spin_rate = 2 * points%half() + points%clock%upper_rate - points%clock%lower_rate
+        if (points%clock%period > 0) then
+            period = points%clock%period / points%clock%rate
+            precession = points%clock%sum_rate * period + points%clock%upper_step + points%clock%lower_step
+            spin = spin_rate * period + points%clock%upper_step - points%clock%lower_step
             top_jump = 0
             bottom_jump = 0
-            if (nutation%passes_top) top_jump = sign(pi_xp, start%b_minus_a)
-            if (nutation%passes_bottom) bottom_jump = sign(pi_xp, start%b_plus_a)
+            if (nutation%passes_top) top_jump = sign(pi_xp, points%b_minus_a)
+            if (nutation%passes_bottom) bottom_jump = sign(pi_xp, points%b_plus_a)
             precession = precession - top_jump - bottom_jump
             spin = spin + top_jump - bottom_jump
-            if (.not. abs(start%beta) > 0) precession = whole_half_turns(real(precession, dp))
-            if (is_plane(start)) precession = 0
-            if (is_plane(start) .and. .not. abs(start%omega3) > 0) spin = 0
+            if (.not. abs(points%beta) > 0) precession = whole_half_turns(real(precession, dp))
+            if (is_plane(points)) precession = 0
+            if (is_plane(points) .and. .not. abs(points%omega3) > 0) spin = 0
             nutation%period = real(period, dp)
             nutation%precession = real(precession, dp)
             nutation%spin = real(spin, dp)
@@ -181,7 +175,7 @@ contains
         else
             ! On the separatrix the mean rates are those at the upright, reached in the limit.
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
-            nutation%precession_rate = real(clock%sum_rate, dp)
+            nutation%precession_rate = real(points%clock%sum_rate, dp)
             nutation%spin_rate = real(spin_rate, dp)
             nutation%precession = whole_turn(nutation%precession_rate, nutation%period)
             nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
@@ -204,68 +198,63 @@ contains
 
     !> The class of a motion. Classes that are limits (cusp, steady, separatrix) apply within the rounding
     !> error of data in double precision.
-    pure integer function class_of(start, points, regime) result(class)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        integer, intent(in) :: regime
+    pure integer function class_of(points) result(class)
+        type(theta_motion_t), intent(in) :: points
         real(xp) :: rates(2)
 
-        if (regime == regime_resting) then
+        if (points%regime == regime_resting) then
             class = class_steady
-            if (start%one_minus_u < 1 .and. .not. start%sine_squared > 0) class = class_sleeping
-            if (start%one_minus_u > 1 .and. .not. start%sine_squared > 0) class = class_hanging
-        else if (is_separatrix(start, points)) then
+            if (points%one_minus_u < 1 .and. .not. points%sine_squared > 0) class = class_sleeping
+            if (points%one_minus_u > 1 .and. .not. points%sine_squared > 0) class = class_hanging
+        else if (is_separatrix(points)) then
             class = class_separatrix
-        else if (is_plane(start)) then
+        else if (is_plane(points)) then
             class = merge(class_circulation, class_libration, &
-                          points%beta_u3_minus_1 > start%beta * points%one_minus_u2)
-        else if (is_steady(start, points)) then
+                          points%beta_u3_minus_1 > points%beta * points%one_minus_u2)
+        else if (is_steady(points)) then
             class = class_steady
-        else if (is_cusp(start, points)) then
+        else if (is_cusp(points)) then
             class = class_cusp
         else
-            rates = [phi_rate_at_top(start, points), phi_rate_at_bottom(start, points)]
+            rates = [phi_rate_at_top(points), phi_rate_at_bottom(points)]
             class = merge(class_wave, class_loop, all(rates > 0) .or. all(rates < 0))
         end if
     end function class_of
 
     !> Whether the motion stays in a vertical plane: a = b = 0.
-    elemental logical function is_plane(start)
-        type(regular_start_t), intent(in) :: start
-        is_plane = .not. abs(start%b_minus_a) + abs(start%b_plus_a) > 0
+    elemental logical function is_plane(points)
+        class(turning_points_t), intent(in) :: points
+        is_plane = .not. abs(points%b_minus_a) + abs(points%b_plus_a) > 0
     end function is_plane
 
     !> Whether the two upper roots coincide (at u = 1), within the rounding error of the data.
-    elemental logical function is_separatrix(start, points)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        associate (beta => start%beta)
+    elemental logical function is_separatrix(points)
+        class(turning_points_t), intent(in) :: points
+        associate (beta => points%beta)
             is_separatrix = points%k_squared > 0.5_xp .and. &
                 beta * points%one_minus_u2 + points%beta_u3_minus_1 <= data_rounding &
-                * (start%swing_squared + start%a**2 + beta * (2 + abs(points%y1)))
+                * (points%swing_squared + points%a**2 + beta * (2 + abs(points%y1)))
         end associate
     end function is_separatrix
 
     !> Whether the inclination is constant within the rounding error of the data: no torque about the line
     !> of nodes, and no rate.
-    elemental logical function is_steady(start, points)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
+    elemental logical function is_steady(points)
+        class(turning_points_t), intent(in) :: points
         real(xp) :: moment, terms
-        associate (u0 => start%u, k0 => start%swing_squared, s2 => start%sine_squared)
-            moment = -2 * u0 * k0 - start%beta * s2 + 2 * start%a * start%turn
-            terms = 2 * abs(u0) * k0 + start%beta * s2 + 2 * abs(start%a * start%turn)
+        associate (u0 => points%u, k0 => points%swing_squared, s2 => points%sine_squared)
+            moment = -2 * u0 * k0 - points%beta * s2 + 2 * points%a * points%turn
+            terms = 2 * abs(u0) * k0 + points%beta * s2 + 2 * abs(points%a * points%turn)
             is_steady = abs(moment) <= data_rounding * terms .and. &
-                4 * points%frequency * abs(start%u_rate) <= data_rounding * terms
+                4 * points%frequency * abs(points%u_rate) <= data_rounding * terms
         end associate
     end function is_steady
 
     !> Whether the precession vanishes at the upper turning angle, within the rounding error of the data.
-    elemental logical function is_cusp(start, points)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        is_cusp = .not. reaches_top(start, points) .and. abs(start%turn - start%a * points%y2) &
-            <= data_rounding * (abs(start%turn) + abs(start%a) * start%sine_squared)
+    elemental logical function is_cusp(points)
+        class(turning_points_t), intent(in) :: points
+        is_cusp = .not. reaches_top(points) .and. abs(points%turn - points%a * points%y2) &
+            <= data_rounding * (abs(points%turn) + abs(points%a) * points%sine_squared)
     end function is_cusp
 
     !> Whether the axis passes through a pole, by the convention of `spintop_pole_passages`: its way is nearly straight and
@@ -277,40 +266,37 @@ contains
 
     !> Whether the axis passes through theta = 0: b = a within the rounding error of the data, and u2 = 1 (not
     !> u3 = 1, which lies above a motion that turns earlier).
-    elemental logical function reaches_top(start, points)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        reaches_top = abs(start%b_minus_a) <= data_rounding &
-            * (abs(start%turn) + start%one_minus_u * abs(start%a)) &
-            .and. start%beta * points%one_minus_u2 <= points%beta_u3_minus_1
+    elemental logical function reaches_top(points)
+        class(turning_points_t), intent(in) :: points
+        reaches_top = abs(points%b_minus_a) <= data_rounding &
+            * (abs(points%turn) + points%one_minus_u * abs(points%a)) &
+            .and. points%beta * points%one_minus_u2 <= points%beta_u3_minus_1
     end function reaches_top
 
     !> Whether the axis passes through theta = pi: b = -a within the rounding error of the data.
-    elemental logical function reaches_bottom(start)
-        type(regular_start_t), intent(in) :: start
-        reaches_bottom = abs(start%b_plus_a) <= data_rounding &
-            * (abs(start%turn) + start%one_plus_u * abs(start%a))
+    elemental logical function reaches_bottom(points)
+        class(turning_points_t), intent(in) :: points
+        reaches_bottom = abs(points%b_plus_a) <= data_rounding &
+            * (abs(points%turn) + points%one_plus_u * abs(points%a))
     end function reaches_bottom
 
     !> phi' at u2, rad/s; through theta = 0 its limit.
-    elemental real(xp) function phi_rate_at_top(start, points) result(rate)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        if (reaches_top(start, points)) then
-            rate = quotient(start%a, points%one_plus_u2)
+    elemental real(xp) function phi_rate_at_top(points) result(rate)
+        class(turning_points_t), intent(in) :: points
+        if (reaches_top(points)) then
+            rate = quotient(points%a, points%one_plus_u2)
         else
-            rate = (start%turn - start%a * points%y2) / (points%one_minus_u2 * points%one_plus_u2)
+            rate = (points%turn - points%a * points%y2) / (points%one_minus_u2 * points%one_plus_u2)
         end if
     end function phi_rate_at_top
 
     !> phi' at u1, rad/s; through theta = pi its limit.
-    elemental real(xp) function phi_rate_at_bottom(start, points) result(rate)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        if (reaches_bottom(start)) then
-            rate = quotient(-start%a, points%one_minus_u1)
+    elemental real(xp) function phi_rate_at_bottom(points) result(rate)
+        class(turning_points_t), intent(in) :: points
+        if (reaches_bottom(points)) then
+            rate = quotient(-points%a, points%one_minus_u1)
         else
-            rate = (start%turn - start%a * points%y1) / (points%one_minus_u1 * points%one_plus_u1)
+            rate = (points%turn - points%a * points%y1) / (points%one_minus_u1 * points%one_plus_u1)
         end if
     end function phi_rate_at_bottom
 
@@ -318,7 +304,7 @@ contains
     !> proportional to x (1-x) (1 - k^2 x) / ((D + d (1-x)) (p + d x)), whose logarithm is concave:
     !> the numerator of its derivative has one zero in [0, 1]. Newton's method within a bracket.
     pure real(dp) function largest_theta_rate(points) result(rate)
-        type(turning_points_t), intent(in) :: points
+        class(turning_points_t), intent(in) :: points
         integer, parameter :: most_iterations = 60
         real(dp), parameter :: tolerance = 1e-9_dp  ! The rate depends on the square of its error.
         real(dp) :: d, top, bottom, k2, x, next, low, high, slope, value

@@ -15,10 +15,9 @@ module spintop_regular_start
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: regular_start_t, find_regular_start, find_checked_start, rates_describe
+    public :: regular_start_t, find_regular_start, rates_describe
 
     !> The data of the closed form from body and start, in extended precision.
     type :: regular_start_t
@@ -97,18 +96,6 @@ contains
         regular%upper_phase = (real(start%angle(1), xp) + start%angle(3)) / 2
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
-
-    !> The same for unchecked data: `status` may also be that of `spintop_validity`.
-    pure subroutine find_checked_start(body, start, regular, status, rotor)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        type(regular_start_t), intent(out) :: regular !! the start in regular quantities
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        call find_regular_start(body, start, regular, status, rotor)
-        if (is_ok(status)) status = body_status(body)
-        if (is_ok(status)) status = start_status(start, body)
-    end subroutine find_checked_start
 
     pure integer function status_of_data(body, start) result(status)
         type(body_t), intent(in) :: body

@@ -30,7 +30,7 @@ contains
     module procedure find_thetas
         real(dp) :: z, from_top
 
-        now%elapsed = t - self%time
+        now%elapsed = t - self%theta%time
         if (self%theta%regime == regime_resting) return
         call self%theta%locate(now%elapsed, z, from_top, now%nutations)
         call self%theta%evaluate(z, from_top, now%theta)
@@ -39,22 +39,22 @@ contains
 
     module procedure find_angles_of_attitude
         real(xp) :: total, difference
-        real(dp) :: sn2, cn2, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower, turn, phi_rate
+        real(dp) :: sn2, cn2, range, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower
 
-        total = self%upper_phase + self%lower_phase + self%sum_rate * attitude%elapsed
+        total = self%upper_phase + self%lower_phase + self%theta%clock%sum_rate * attitude%elapsed
         difference = self%upper_phase - self%lower_phase + self%difference_rate * attitude%elapsed
         if (self%theta%regime == regime_resting) then
-            angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), &
-                            real(difference, dp)]
+            angle = [real(total, dp), 2 * atan2(abs(self%lower), abs(self%upper)), real(difference, dp)]
             rate = [0.0_dp, 0.0_dp, self%omega3]
             return
         end if
 
-        associate (clock => self%theta%clock, theta => attitude%theta)
+        associate (points => self%theta, clock => self%theta%clock, theta => attitude%theta)
             sn2 = theta%sn**2
             cn2 = theta%cn**2
-            one_minus_u = self%one_minus_u2 + self%u2_minus_u1 * cn2
-            one_plus_u = self%one_plus_u1 + self%u2_minus_u1 * sn2
+            range = real(points%u2_minus_u1, dp)
+            one_minus_u = real(points%one_minus_u2, dp) + range * cn2
+            one_plus_u = real(points%one_plus_u1, dp) + range * sn2
             u = (one_plus_u - one_minus_u) / 2
             sine = sqrt(one_minus_u * one_plus_u)
 
@@ -66,37 +66,35 @@ contains
             angle = [real(total + (upper + lower), dp), argument(cmplx(u, sine, dp)), &
                             real(difference + (upper - lower), dp)]
 
-            y = merge(self%y1 + self%u2_minus_u1 * sn2, self%y2 - self%u2_minus_u1 * cn2, sn2 < cn2)
-            turn = turn_at(self, y, one_minus_u, one_plus_u)
-            if (sine > 0) then
-                dn = sqrt(self%complement_squared + self%k_squared * cn2)
-                phi_rate = turn / (one_minus_u * one_plus_u)
-                rate(2) = -2 * self%u2_minus_u1 * self%frequency * theta%sn * theta%cn &
-                                 * (dn / sine)
+            if (sn2 < cn2) then
+                y = real(points%y1, dp) + range * sn2
             else
-                phi_rate = 0
-                rate(2) = sqrt(self%swing_squared - 2 * self%half_beta * y)
+                y = real(points%y2, dp) - range * cn2
             end if
-            rate(1) = phi_rate
-            rate(3) = self%omega3 - phi_rate * u
+            if (sine > 0) then
+                dn = sqrt(real(points%complement_squared, dp) + real(points%k_squared, dp) * cn2)
+                rate(1) = turn_at(points, y, one_minus_u, one_plus_u) / (one_minus_u * one_plus_u)
+                rate(2) = -2 * range * real(points%frequency, dp) * theta%sn * theta%cn * (dn / sine)
+            else
+                rate(1) = 0
+                rate(2) = sqrt(real(points%swing_squared, dp) - real(points%beta, dp) * y)
+            end if
+            rate(3) = self%omega3 - rate(1) * u
         end associate
     end procedure find_angles_of_attitude
 
     !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
-    pure real(dp) function turn_at(self, y, one_minus_u, one_plus_u) result(turn)
-        type(symmetric_motion_t), intent(in) :: self
+    pure real(dp) function turn_at(points, y, one_minus_u, one_plus_u) result(turn)
+        type(theta_motion_t), intent(in) :: points
         real(dp), intent(in) :: y, one_minus_u, one_plus_u
-        real(dp) :: from_start, from_top, from_bottom
-        from_start = abs(self%turn) + abs(self%a * y)
-        from_top = abs(self%b_minus_a) + abs(self%a * one_minus_u)
-        from_bottom = abs(self%b_plus_a) + abs(self%a * one_plus_u)
-        if (from_start <= min(from_top, from_bottom)) then
-            turn = self%turn - self%a * y
-        else if (from_top <= from_bottom) then
-            turn = self%b_minus_a + self%a * one_minus_u
-        else
-            turn = self%b_plus_a - self%a * one_plus_u
-        end if
+        real(dp) :: a, constant(3), slope(3)
+        a = real(points%a, dp)
+        ! From the start, from the top and from the bottom.
+        constant = real([points%turn, points%b_minus_a, points%b_plus_a], dp)
+        slope = [-a * y, a * one_minus_u, -a * one_plus_u]
+        associate (form => minloc(abs(constant) + abs(slope), dim=1))
+            turn = constant(form) + slope(form)
+        end associate
     end function turn_at
 
     !> Half turns of phi and psi at exact passages of a pole. The theta functions turn in the same direction
@@ -110,12 +108,12 @@ contains
         bottom_jump = 0
         if (self%nutation%passes_top) then
             tops = attitude%nutations - self%tops_before
-            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_dp, self%b_minus_a) * tops)
+            top_jump = pi_xp * (modulo(tops, 2.0_xp) - sign(1.0_xp, self%theta%b_minus_a) * tops)
         end if
         if (self%nutation%passes_bottom) then
             bottoms = merge(attitude%nutations, attitude%nutations - 1, attitude%rising) &
                       - self%bottoms_before
-            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_dp, self%b_plus_a) * bottoms)
+            bottom_jump = pi_xp * (modulo(bottoms, 2.0_xp) - sign(1.0_xp, self%theta%b_plus_a) * bottoms)
         end if
         phi = phi + bottom_jump + top_jump
         psi = psi + bottom_jump - top_jump

@@ -16,8 +16,7 @@ module spintop_symmetric_motion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_scalar_functions, only: argument
-    use spintop_regular_start, only: regular_start_t, find_checked_start
-    use spintop_turning_points, only: turning_points_t, find_turning_points
+    use spintop_turning_points, only: turning_points_t, find_checked_points
     use spintop_theta_functions, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
     use spintop_nutation, only: nutation_t, describe_nutation, is_defined
@@ -31,27 +30,19 @@ module spintop_symmetric_motion
         private
         !> Quantities that do not depend on time.
         type(nutation_t), public :: nutation
+        !> Start, turning points and theta functions.
         type(theta_motion_t) :: theta
-        !> Time of the start, s.
-        real(xp) :: time = 0
-        !> Phases of the upper and the lower component at the start, rad; their rates, and the sum and the
-        !> difference of these, rad/s.
+        !> Phases of the upper and the lower component at the start, rad; their rates, and the difference of these, rad/s.
         real(xp) :: upper_phase = 0, lower_phase = 0
-        real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0, difference_rate = 0
+        real(xp) :: upper_rate = 0, lower_rate = 0, difference_rate = 0
         !> The components at the start, which an axis at rest keeps. NaN before the preparation, so that any
         !> motion is NaN then.
         complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
-        !> Constants of the motion as in `regular_start` and `turning_points`.
-        real(dp) :: a = 0, half_beta = 0, omega3 = no_number, swing_squared = 0
-        real(dp) :: turn = 0, b_minus_a = 0, b_plus_a = 0
-        real(dp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 0
-        real(dp) :: k_squared = 0, complement_squared = 1, frequency = 0
+        real(dp) :: omega3 = no_number
         !> Number of nutations, and of passages of theta = pi, before the start.
         real(xp) :: tops_before = 0, bottoms_before = 0
         !> Whether there are exact passages of a pole.
         logical :: passes_pole = .false.
-        !> Sign of the quaternion at the start, relative to that of its angles.
-        real(dp) :: side = 1
     contains
         procedure :: at
         procedure :: find_angles
@@ -106,71 +97,31 @@ contains
         type(symmetric_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
-        type(regular_start_t) :: regular
         type(turning_points_t) :: points
 
-        call find_checked_start(body, start, regular, status, rotor)
+        call find_checked_points(body, start, points, status, rotor)
         if (.not. is_ok(status)) return
-        points = find_turning_points(regular)
-        exact%theta = prepare_theta_motion(regular, points)
-        exact%nutation = describe_nutation(regular, points, exact%theta)
+        exact%theta = prepare_theta_motion(points)
+        exact%nutation = describe_nutation(exact%theta)
         exact%passes_pole = exact%nutation%passes_top .or. exact%nutation%passes_bottom
-        call keep_constants(regular, points, exact)
-        if (exact%theta%regime == regime_resting) then
-            call rest(regular, exact)
-        else
-            call set_phases(regular, exact)
-        end if
+        exact%upper = cmplx(points%upper, kind=dp)
+        exact%lower = cmplx(points%lower, kind=dp)
+        exact%omega3 = real(points%omega3, dp)
+        exact%upper_phase = points%upper_phase
+        exact%lower_phase = points%lower_phase
+        ! An axis at rest: the body spins about it.
+        exact%upper_rate = points%omega3 / 2
+        exact%lower_rate = -points%omega3 / 2
+        exact%difference_rate = points%omega3
+        if (exact%theta%regime /= regime_resting) call set_phases(points, exact)
         if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
         status = status_non_finite
-        call forget(exact)
+        exact = symmetric_motion_t()
     end subroutine prepare_symmetric_motion
-
-    !> Resets a solution that overflowed.
-    pure subroutine forget(exact)
-        type(symmetric_motion_t), intent(out) :: exact
-        exact%passes_pole = .false.
-    end subroutine forget
-
-    pure subroutine keep_constants(start, points, exact)
-        type(regular_start_t), intent(in) :: start
-        type(turning_points_t), intent(in) :: points
-        type(symmetric_motion_t), intent(inout) :: exact
-        exact%time = start%time
-        exact%upper = cmplx(start%upper, kind=dp)
-        exact%lower = cmplx(start%lower, kind=dp)
-        exact%side = merge(-1.0_dp, 1.0_dp, start%turns_against_angles)
-        exact%a = real(start%a, dp)
-        exact%half_beta = real(start%beta / 2, dp)
-        exact%omega3 = real(start%omega3, dp)
-        exact%swing_squared = real(start%swing_squared, dp)
-        exact%turn = real(start%turn, dp)
-        exact%b_minus_a = real(start%b_minus_a, dp)
-        exact%b_plus_a = real(start%b_plus_a, dp)
-        exact%y1 = real(points%y1, dp)
-        exact%y2 = real(points%y2, dp)
-        exact%u2_minus_u1 = real(points%u2_minus_u1, dp)
-        exact%one_minus_u2 = real(points%one_minus_u2, dp)
-        exact%one_plus_u1 = real(points%one_plus_u1, dp)
-        exact%k_squared = real(points%k_squared, dp)
-        exact%complement_squared = real(points%complement_squared, dp)
-        exact%frequency = real(points%frequency, dp)
-    end subroutine keep_constants
-
-    !> An axis at rest: the body spins about it.
-    pure subroutine rest(start, exact)
-        type(regular_start_t), intent(in) :: start
-        type(symmetric_motion_t), intent(inout) :: exact
-        exact%upper_phase = start%upper_phase
-        exact%lower_phase = start%lower_phase
-        exact%upper_rate = start%omega3 / 2
-        exact%lower_rate = -start%omega3 / 2
-        exact%difference_rate = start%omega3
-    end subroutine rest
 
     !> Rates of the phases, and the constants that make the motion pass through the start.
     pure subroutine set_phases(start, exact)
-        type(regular_start_t), intent(in) :: start
+        type(turning_points_t), intent(in) :: start
         type(symmetric_motion_t), intent(inout) :: exact
         real(dp) :: z, from_top
         real(xp) :: nutations, upper_then, lower_then
@@ -179,7 +130,6 @@ contains
         associate (clock => exact%theta%clock)
             exact%upper_rate = start%half() + clock%upper_rate
             exact%lower_rate = -start%half() + clock%lower_rate
-            exact%sum_rate = clock%sum_rate
             exact%difference_rate = 2 * start%half() + clock%upper_rate - clock%lower_rate
 
             call exact%theta%locate(0.0_xp, z, from_top, nutations)
@@ -214,7 +164,7 @@ contains
             formula = value / theta%divisor
             formula_rate = i * real(rate, dp) * formula + z_rate &
                 * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
-            phase_constant = argument(exact%frequency**2 * conjg(formula) * cmplx(x, kind=dp) &
+            phase_constant = argument(real(start%frequency, dp)**2 * conjg(formula) * cmplx(x, kind=dp) &
                                       + conjg(formula_rate) * cmplx(x_rate, kind=dp))
         end function phase_constant
 
@@ -231,11 +181,10 @@ contains
 
         call find_attitude(self, t, attitude)
         swing = swing_of(self, attitude)
-        swing_rate = -i * (self%omega3 - self%a) * swing &
-            + 2 * self%half_beta * attitude%lower * conjg(attitude%upper)
+        swing_rate = -i * (self%omega3 - real(self%theta%a, dp)) * swing &
+            + real(self%theta%beta, dp) * attitude%lower * conjg(attitude%upper)
         motion%t = t
-        motion%quaternion = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
-                                         aimag(attitude%lower), aimag(attitude%upper)]
+        motion%quaternion = quaternion_of(self, attitude)
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
         call find_angles_of_attitude(self, attitude, motion%angle, motion%rate)
@@ -258,9 +207,17 @@ contains
         real(dp) :: q(4)
         type(attitude_t) :: attitude
         call find_attitude(self, t, attitude)
-        q = self%side * [real(attitude%upper, dp), real(attitude%lower, dp), &
-                         aimag(attitude%lower), aimag(attitude%upper)]
+        q = quaternion_of(self, attitude)
     end function quaternion_at
+
+    !> The quaternion of an attitude, with the sign of that of the start.
+    pure function quaternion_of(self, attitude) result(q)
+        type(symmetric_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude
+        real(dp) :: q(4)
+        q = [real(attitude%upper, dp), real(attitude%lower, dp), aimag(attitude%lower), aimag(attitude%upper)]
+        if (self%theta%turns_against_angles) q = -q
+    end function quaternion_of
 
     !> omega1 + i omega2 = 2 [conj(upper) lower' - conj(upper') lower], rad/s. The derivative of the divisor
     !> and the spin that is linear in time cancel and are omitted.

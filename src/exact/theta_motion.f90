@@ -2,7 +2,6 @@
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
     use spintop_scalar_functions, only: nearest_whole
-    use spintop_regular_start, only: regular_start_t
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_functions, only: theta_clock_t, theta_values_t
     use spintop_circular_form, only: circular_form_t, prepare_circular_form, &
@@ -24,8 +23,8 @@ module spintop_theta_motion
     !> Argument from the upper turning point on the separatrix, which it never reaches.
     real(dp), parameter :: never = 1e6_dp
 
-    !> The theta functions of one motion. Immutable after its preparation.
-    type :: theta_motion_t
+    !> A motion by its start, its turning points and its theta functions. Immutable after its preparation.
+    type, extends(turning_points_t) :: theta_motion_t
         integer :: regime = regime_resting
         type(theta_clock_t) :: clock
         type(circular_form_t), private :: circular
@@ -38,12 +37,11 @@ module spintop_theta_motion
 contains
 
     !> Selects the form for a case.
-    pure integer function choose_regime(start, points) result(regime)
-        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+    pure integer function choose_regime(points) result(regime)
         type(turning_points_t), intent(in) :: points !! turning points of the motion
         logical :: at_rest, in_balance
-        at_rest = .not. start%swing_squared > 0
-        in_balance = .not. start%beta * start%sine_squared > 0
+        at_rest = .not. points%swing_squared > 0
+        in_balance = .not. points%beta * points%sine_squared > 0
         if ((at_rest .and. in_balance) .or. .not. points%frequency > 0) then
             regime = regime_resting
         else if (points%k_squared <= 0.5_dp) then
@@ -54,15 +52,15 @@ contains
     end function choose_regime
 
     !> Selects the form and prepares it.
-    pure type(theta_motion_t) function prepare_theta_motion(start, points) result(motion)
-        type(regular_start_t), intent(in) :: start !! the start in regular quantities
+    pure type(theta_motion_t) function prepare_theta_motion(points) result(motion)
         type(turning_points_t), intent(in) :: points !! turning points of the motion
-        motion%regime = choose_regime(start, points)
+        motion%turning_points_t = points
+        motion%regime = choose_regime(points)
         select case (motion%regime)
         case (regime_circular)
-            call prepare_circular_form(start, points, motion%clock, motion%circular)
+            call prepare_circular_form(points, motion%clock, motion%circular)
         case (regime_hyperbolic)
-            call prepare_hyperbolic_form(start, points, motion%clock, motion%hyperbolic)
+            call prepare_hyperbolic_form(points, motion%clock, motion%hyperbolic)
         end select
     end function prepare_theta_motion
 

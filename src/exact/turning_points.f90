@@ -4,15 +4,19 @@
 !> u1 <= u0 <= u2 <= 1 <= u3. The trigonometric formula of textbooks loses all digits of u2 - u1 for fast
 !> tops; here every difference of roots that is needed is computed separately. Symbols as in `regular_start`.
 module spintop_turning_points
-    use spintop_kinds, only: xp
+    use spintop_kinds, only: dp, xp
+    use spintop_body, only: body_t
+    use spintop_motion, only: motion_t
     use spintop_theta_functions, only: quotient
-    use spintop_regular_start, only: regular_start_t
+    use spintop_regular_start, only: regular_start_t, find_regular_start
+    use spintop_status, only: is_ok
+    use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: turning_points_t, find_turning_points
+    public :: turning_points_t, find_turning_points, find_checked_points
 
-    !> Differences of the roots; those with beta in the name stay finite without gravity.
-    type :: turning_points_t
+    !> The start, and differences of the roots; those with beta in the name stay finite without gravity.
+    type, extends(regular_start_t) :: turning_points_t
         !> u1 - u0 <= 0, u2 - u0 >= 0 and u2 - u1.
         real(xp) :: y1 = 0, y2 = 0, u2_minus_u1 = 0
         !> 1 - u1, 1 - u2, 1 + u1, 1 + u2.
@@ -27,20 +31,34 @@ module spintop_turning_points
 
 contains
 
+    !> The turning points of unchecked data. `status` is one of `find_regular_start` or of `spintop_validity`.
+    pure subroutine find_checked_points(body, start, points, status, rotor)
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        type(turning_points_t), intent(out) :: points !! the start and its turning points
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
+        call find_regular_start(body, start, points%regular_start_t, status, rotor)
+        if (is_ok(status)) status = body_status(body)
+        if (is_ok(status)) status = start_status(start, body)
+        if (is_ok(status)) points = find_turning_points(points%regular_start_t)
+    end subroutine find_checked_points
+
     !> Finds the turning points of a start.
     pure type(turning_points_t) function find_turning_points(start) result(points)
         type(regular_start_t), intent(in) :: start !! the start in regular quantities
         real(xp) :: g0, g1, g2
 
+        points%regular_start_t = start
         associate (u0 => start%u, a => start%a, beta => start%beta, s2 => start%sine_squared, &
                    k0 => start%swing_squared)
             g0 = start%u_rate**2
             g1 = -2 * u0 * k0 - beta * s2 + 2 * a * start%turn
             g2 = 2 * beta * u0 - k0 - a**2
             if (upper_roots_are_close(beta, g0, g1, g2)) then
-                call start_from_lowest(start, g0, g1, g2, points)
+                call start_from_lowest(g0, g1, g2, points)
             else
-                call start_from_highest(start, g0, g1, g2, points)
+                call start_from_highest(g0, g1, g2, points)
             end if
 
             points%one_plus_u1 = quotient(start%b_plus_a**2, &
@@ -62,13 +80,12 @@ contains
     end function upper_roots_are_close
 
     !> The regular case: the highest root first, as Y3 = beta (u3 - u0), which is regular without gravity.
-    pure subroutine start_from_highest(start, g0, g1, g2, points)
-        type(regular_start_t), intent(in) :: start
+    pure subroutine start_from_highest(g0, g1, g2, points)
         real(xp), intent(in) :: g0, g1, g2
         type(turning_points_t), intent(inout) :: points
         real(xp) :: root, discriminant, total, product, beta_1_minus_u2
 
-        associate (beta => start%beta, y1 => points%y1, y2 => points%y2)
+        associate (beta => points%beta, y1 => points%y1, y2 => points%y2)
             ! The larger root of Y^2 + G2 Y + beta G1: exact for a start at a turning point.
             discriminant = sqrt(max(g2**2 - 4 * beta * g1, 0.0_xp))
             if (g2 <= 0) then
@@ -94,35 +111,34 @@ contains
                 points%u2_minus_u1 = y2 - y1
             end if
 
-            points%one_minus_u1 = start%one_minus_u - y1
-            points%one_minus_u2 = start%one_minus_u - y2
-            points%one_plus_u2 = start%one_plus_u + y2
-            points%beta_u3_minus_1 = root - beta * start%one_minus_u
+            points%one_minus_u1 = points%one_minus_u - y1
+            points%one_minus_u2 = points%one_minus_u - y2
+            points%one_plus_u2 = points%one_plus_u + y2
+            points%beta_u3_minus_1 = root - beta * points%one_minus_u
             points%beta_u3_minus_u1 = root - beta * y1
-            points%beta_u3_plus_1 = root + beta * start%one_plus_u
+            points%beta_u3_plus_1 = root + beta * points%one_plus_u
 
             ! f(1) = -(b-a)^2 relates the two distances from u = 1: the larger one is accurate.
             beta_1_minus_u2 = beta * points%one_minus_u2
             if (beta_1_minus_u2 >= points%beta_u3_minus_1) then
-                points%beta_u3_minus_1 = quotient(start%b_minus_a**2, &
+                points%beta_u3_minus_1 = quotient(points%b_minus_a**2, &
                                                   points%one_minus_u1 * points%one_minus_u2)
             else
-                points%one_minus_u2 = quotient(start%b_minus_a**2, &
+                points%one_minus_u2 = quotient(points%b_minus_a**2, &
                                                points%one_minus_u1 * points%beta_u3_minus_1)
             end if
         end associate
     end subroutine start_from_highest
 
     !> Near a double upper root: the lowest root first, then the upper two from their sum and product.
-    pure subroutine start_from_lowest(start, g0, g1, g2, points)
-        type(regular_start_t), intent(in) :: start
+    pure subroutine start_from_lowest(g0, g1, g2, points)
         real(xp), intent(in) :: g0, g1, g2
         type(turning_points_t), intent(inout) :: points
         real(xp) :: y1, y3, excess, excess_error, other_error, product, larger, smaller
         real(xp) :: u3_minus_1
 
-        associate (beta => start%beta, sh => start%one_minus_u, ch => start%one_plus_u, &
-                   energy => start%swing_squared + start%a**2)
+        associate (beta => points%beta, sh => points%one_minus_u, ch => points%one_plus_u, &
+                   energy => points%swing_squared + points%a**2)
             y1 = -ch
             call walk_to_root([g0, g1, g2, beta], 1, y1)
 
@@ -135,7 +151,7 @@ contains
                 excess = energy / beta - 2 - y1
             end if
             points%one_minus_u1 = sh - y1
-            product = start%b_minus_a**2 / (beta * points%one_minus_u1)
+            product = points%b_minus_a**2 / (beta * points%one_minus_u1)
             larger = (abs(excess) + sqrt(excess**2 + 4 * product)) / 2
             smaller = quotient(product, larger)
             u3_minus_1 = merge(larger, smaller, excess >= 0)

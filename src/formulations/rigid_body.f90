@@ -2,38 +2,47 @@
 !>
 !> No attitude is singular. The equations take the quaternion for the attitude that it points to,
 !> whatever its length: they keep the length constant, and integrators nearly so.
+!>
+!> With effects the momentum P = I w_a + h contains that of the frame and of the rotor, and all moments of `spintop_loads` act. Then
+!> there are no invariants, as effects do work and turn the momentum, no drift and kick, and no bound of the angular velocity, which
+!> is not that of the momentum. Slopes and stages of a body without effects have equations of their own, so that it pays nothing for
+!> them: by those with effects a run takes twice as long.
 module spintop_rigid_body
-    use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_kinds, only: dp
-    use spintop_attitude, only: vertical_from_quaternion, half_turn
+    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_loc, c_ptr
+    use spintop_attitude, only: half_turn, quaternion_product, vertical_from_quaternion
     use spintop_body, only: body_t
+    use spintop_body_numbers, only: kinds_of, look_up, numbers_of
     use spintop_compare, only: is_zero
-    use spintop_body_quadruple, only: quaternion_body_t
+    use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_euler_poisson, only: momentum_coupling
-    use spintop_formulation, only: formulation_info_t, max_aside, max_invariants, max_series_order, max_states, &
-        structure_group, structure_quadruple, structure_series, structure_split
-    use spintop_kernel_types, only: body_products_t, stage_factors_t, share_rest, short_share
+    use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_invariants, max_series_order, &
+        max_states, structure_group, structure_quadruple, structure_series, structure_split
+    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, share_rest, short_share
+    use spintop_kinds, only: dp, no_number, qp
+    use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t, verticals
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega, vector
     use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     implicit none
     private
     public :: rigid_body_t
 
-    !> State y = (q0, q1, q2, q3, Pi1, Pi2, Pi3).
-    type, extends(quaternion_body_t) :: rigid_body_t
+    !> State y = (q0, q1, q2, q3, P1, P2, P3).
+    type, extends(formulation_t) :: rigid_body_t
         private
         !> Gravitational torque m g r, N m.
         real(dp) :: moment(3) = 0
-        !> What couples the momenta in Pi x omega: see `momentum_coupling`.
+        !> What couples the momenta in P x omega: see `momentum_coupling`.
         real(dp) :: coupling(3) = 0
         !> Axis k of the symmetric body in the drift.
         integer :: axis = 3
         logical :: damped = .false.
-        !> Constants of stages and of series.
-        type(stage_factors_t) :: factors = stage_factors_t()
-        type(body_products_t) :: products = body_products_t()
+        !> Which effects there are, and whether the series have all of them; constants of the kernels.
+        type(motion_kinds_t) :: kinds = motion_kinds_t()
+        logical :: has_effects = .false., has_series = .true.
+        real(dp) :: constants(one_constants) = 0
     contains
         procedure :: info
         procedure :: prepare
@@ -43,28 +52,53 @@ module spintop_rigid_body
         procedure :: invariants
         procedure :: find_stages
         procedure :: expand
+        procedure :: quadruple_start
+        procedure :: expand_quadruple
         procedure :: drift
         procedure :: kick
     end type rigid_body_t
 
     interface
-        pure subroutine c_find_stages(from, to, body, y, h, stages, a, since, k, aside) bind(C, name='spintop_find_stages')
-            import :: c_double, c_int, stage_factors_t
-            integer(c_int), value :: from, to, stages
-            type(stage_factors_t), intent(in) :: body
-            real(c_double), value :: h
-            real(c_double), intent(in) :: y(*), a(*)
+        pure subroutine c_find_stages(from, to, is_affected, kinds, constants, t, y, h, stages, a, since, c, k, aside) &
+            bind(C, name='spintop_find_stages')
+            import :: c_double, c_int, motion_kinds_t
+            integer(c_int), value :: from, to, is_affected, stages
+            type(motion_kinds_t), intent(in) :: kinds
+            real(c_double), value :: t, h
+            real(c_double), intent(in) :: constants(*), y(*), a(*), c(*)
             integer(c_int), intent(in) :: since(*)
             real(c_double), intent(inout) :: k(*), aside(*)
         end subroutine c_find_stages
 
-        pure subroutine c_expand(order, body, state, share, share_rest, c) bind(C, name='spintop_expand_body')
-            import :: body_products_t, c_double, c_int
+        pure subroutine c_set(body, constants) bind(C, name='spintop_set_one')
+            import :: body_numbers_t, c_double
+            type(body_numbers_t), intent(in) :: body
+            real(c_double), intent(inout) :: constants(*)
+        end subroutine c_set
+
+        pure subroutine c_expand(order, kinds, constants, t, state, table, law, given, share, share_rest, c, exists) &
+            bind(C, name='spintop_expand_body')
+            import :: c_double, c_int, motion_kinds_t
             integer(c_int), value :: order
-            type(body_products_t), intent(in) :: body
-            real(c_double), intent(in) :: state(*), share(*), share_rest(*)
-            real(c_double), intent(out) :: c(*)
+            type(motion_kinds_t), intent(in) :: kinds
+            real(c_double), value :: t
+            real(c_double), dimension(*), intent(in) :: constants, state, table, law, given, share, share_rest
+            real(c_double), intent(inout) :: c(*)
+            integer(c_int), intent(out) :: exists
         end subroutine c_expand
+
+        ! Numbers of quadruple precision have no type that Fortran and C are sure to share.
+        pure subroutine c_expand_quadruple(order, kinds, body, t, state, table, law, given, c, exists) &
+            bind(C, name='spintop_expand_quadruple')
+            import :: body_numbers_t, c_double, c_int, c_ptr, motion_kinds_t
+            integer(c_int), value :: order
+            type(motion_kinds_t), intent(in) :: kinds
+            type(body_numbers_t), intent(in) :: body
+            type(c_ptr), value :: state, given, c
+            real(c_double), value :: t
+            real(c_double), dimension(*), intent(in) :: table, law
+            integer(c_int), intent(out) :: exists
+        end subroutine c_expand_quadruple
     end interface
 
 contains
@@ -73,10 +107,18 @@ contains
     pure function info(self)
         class(rigid_body_t), intent(in) :: self
         type(formulation_info_t) :: info
+        logical :: has_effects
+        has_effects = allocated(self%body%effects)
         info = formulation_info_t('rigid_body', &
             'quaternion and body momentum, for any body, damped or not; no pole is singular', 7, &
-            symmetric_only=.false., singular_at_poles=.false., invariants=4, quaternion=1, runs_in_lanes=.true.)
-        info%offers([structure_split, structure_group, structure_series, structure_quadruple]) = .true.
+            symmetric_only=.false., singular_at_poles=.false., invariants=merge(0, 4, has_effects), quaternion=1, &
+            takes_effects=.true., runs_in_lanes=.true.)
+        info%offers([structure_group, structure_series, structure_quadruple]) = .true.
+        info%offers(structure_split) = .not. has_effects
+        if (.not. has_effects) return
+        info%what = 'quaternion and body momentum, for any body with effects; no pole is singular'
+        ! An effect that only the loads know has no series.
+        info%offers([structure_series, structure_quadruple]) = self%body%effects%only(series_effects)
     end function info
 
     !> Initial state.
@@ -91,14 +133,13 @@ contains
         self%start = start
         self%moment = body%weight_moment()
         self%coupling = momentum_coupling(body)
-        self%momentum = 5
         ! The axis about which the body is closest to symmetric.
         self%axis = minloc(abs(self%coupling), dim=1)
         self%damped = any(abs(body%damping) > 0)
-        self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
+        self%has_effects = allocated(body%effects)
         self%attitude = 1
-        self%has_stages = .true.
-        call set_kernels(self)
+        self%kinds = kinds_of(body)
+        call c_set(numbers_of(body), self%constants)
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -106,16 +147,45 @@ contains
         self%scale(1:4) = 0.5_dp
         self%scale(5:7) = scales%momentum
         status = status_ok
+        self%has_stages = .true.
+        if (.not. self%has_effects) then
+            self%momentum = 5
+            self%splits_as_nystrom = is_zero(self%coupling(self%axis)) .and. .not. self%damped
+            return
+        end if
+        self%depends_on_time = .not. body%effects%only(timeless_effects)
+        self%has_stages = body%effects%only(kernel_effects)
+        self%has_series = body%effects%only(series_effects)
+        if (.not. allocated(self%action)) allocate (self%action)
+        call self%action%set(body)
+        y(5:7) = total_momentum(body, 0.0_dp, start%quaternion, start%omega)
+        self%scale(5:7) = max(scales%momentum, norm2(y(5:7)))
     end subroutine prepare
 
-    !> q' = q (0, omega)/2, Pi' = Pi x omega + m g Gamma x r - damping (Euler-Poisson equations).
+    !> q' = q (0, omega)/2, P' = P x omega + m g Gamma x r - damping (Euler-Poisson equations); with effects as in `spintop_loads`.
     pure subroutine derivative(self, t, y, dy, status)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: gamma(3), w1, w2, w3
+        real(dp), parameter :: none(1) = 0
+        integer, parameter :: first(1) = 1
+        real(dp) :: gamma(3), w1, w2, w3, unused(max_aside)
+        type(loads_t) :: loads
 
+        status = status_ok
+        if (self%has_effects) then
+            if (self%has_stages) then
+                ! A slope is a first stage.
+                call c_find_stages(0, 0, 1, self%kinds, self%constants, t, y, 0.0_dp, 1, none, first, none, dy, unused)
+            else
+                call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+                dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
+                dy(5:7) = loads%rate
+                dy(8) = 0
+            end if
+            return
+        end if
         ! The products are written out: with function calls a step would take twice the time.
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)
@@ -135,7 +205,6 @@ contains
             dy(7) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w3
             dy(8) = 0
         end associate
-        status = status_ok
     end subroutine derivative
 
     !> The angular velocity and, if it is wanted, its rate.
@@ -144,8 +213,19 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: omega(3) !! in body axes, rad/s
         real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
+        type(loads_t) :: loads
         real(dp) :: dy(max_states)
         integer :: status
+        if (self%has_effects) then
+            if (present(rate)) then
+                call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+                rate = acceleration(self%body, loads)
+            else
+                call find_kinematics(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+            end if
+            omega = loads%omega
+            return
+        end if
         omega = y(5:7) / self%body%inertia
         if (.not. present(rate)) return
         call self%derivative(t, y, dy, status)
@@ -160,6 +240,12 @@ contains
         real(dp) :: share(instants), gamma(instants, 3), inverse(3)
         integer :: m
 
+        if (self%has_effects) then
+            do m = 1, instants
+                call motions%set_motion(m, self%motion_without_angles(t(m), y(m, :)))
+            end do
+            return
+        end if
         inverse = 1 / self%body%inertia
         share = 1 / sqrt((y(:, 1)**2 + y(:, 2)**2) + (y(:, 3)**2 + y(:, 4)**2))
         do m = 1, 4
@@ -195,68 +281,98 @@ contains
         if (self%body%is_lagrange()) values(4) = y(7)
     end subroutine invariants
 
-    !> Constants of the kernels: of the equations of omega for stages, and of the products of vectors of the series, in their
-    !> order.
-    pure subroutine set_kernels(self)
-        class(rigid_body_t), intent(inout) :: self
-        real(dp) :: v(3)
-        v = 1 / self%body%inertia
-        associate (of => self%factors, i => self%body%inertia, moment => self%moment)
-            of%inertia(:3) = i
-            of%mobility(:3) = v
-            of%coupling(:3) = (i([2, 3, 1]) - i([3, 1, 2])) / i
-            of%decay(:3) = self%body%damping / i
-            of%pull(:3) = moment([3, 1, 2]) / i
-            of%swing(:3) = moment([2, 3, 1]) / i
-        end associate
-        associate (of => self%products, coupling => self%coupling, moment => self%moment)
-            of%first(:3) = coupling
-            of%is_steady(:3) = merge(1.0_dp, 0.0_dp, abs(coupling([2, 3, 1])) < abs(coupling([3, 1, 2])))
-            of%first(5:7) = v([3, 1, 2])
-            of%second(:4) = -v([3, 2, 3, 1]) / 2
-            of%second(5:7) = -v([2, 3, 1])
-            of%third = [-1, 1, 1, 1, -1, 1, 1, 1] * v([1, 1, 2, 3, 2, 3, 1, 2]) / 2
-            of%decay(:3) = self%body%damping * v
-            of%pull(:3) = moment([3, 1, 2])
-            of%swing(:3) = moment([2, 3, 1])
-        end associate
-    end subroutine set_kernels
-
     !> Stages of a step, by body_stages.h.
     !>
-    !> The angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion, and have stages
-    !> of their own,
+    !> Without effects the angular velocity omega and the vertical Gamma in body axes start from the momentum and the quaternion,
+    !> and have stages of their own,
     !>
     !>     I omega' = (I omega) x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,
     !>
     !> for which the next stage waits half as long as for a vertical that is found from the quaternion in each stage. From a
     !> state on all of these have the same solution, and at the end of the step omega and Gamma are dropped, so the order of a
     !> method is the same. Aside are the changes of q, omega and Gamma over the step at the slopes.
+    !>
+    !> With effects that are analytic the quaternion has the norm of its beginning within a step. With U = P - h the equations of
+    !> `spintop_loads` are
+    !>
+    !>     P' = U x w_a + h x w_a + m (g G + a) x r - d w - k |w|^(p - 1) w + c |v| v x r + M_b + R^T M_s,   v = w x r,
+    !>
+    !> and a in space axes is a sum of cos(W t) and sin(W t), each times a constant vector. Stages need nothing but the slopes.
     pure subroutine find_stages(self, from, to, t, y, h, stages, a, since, c, k, aside)
         class(rigid_body_t), intent(in) :: self
         integer, intent(in) :: from, to, stages, since(stages)
         real(dp), intent(in) :: t, y(max_states), h, a(stages, stages), c(stages)
         real(dp), intent(inout) :: k(max_states, stages), aside(max_aside, stages)
-        call c_find_stages(from - 1, to - 1, self%factors, y, h, stages, a, since, k, aside)
+        call c_find_stages(from - 1, to - 1, merge(1, 0, self%has_effects), self%kinds, self%constants, t, y, h, stages, a, &
+                           since, c, k, aside)
     end subroutine find_stages
 
-    !> Taylor coefficients of the motion, by body_series.h.
+    !> Taylor coefficients of the motion, by motion_series.h. Where there is no series, as for dry friction at rest, they are NaN.
     !>
-    !> The upward vertical Gamma in body axes is expanded beside quaternion and momentum,
-    !>
-    !>     Pi' = Pi x omega + m g Gamma x r - damping omega,   Gamma' = Gamma x omega,   q' = q (0, omega)/2
-    !>
-    !> (Euler and Poisson). These are 21 products of two components, as Cauchy products of their series; Gamma from the
-    !> quaternion would take more, and make each term wait longer for the last. An angle xi about a body axis instead of the
-    !> quaternion (`spintop_lane_series`) would save eight of them, but it is a quotient, whose series converges over shorter
-    !> steps.
+    !> The upward vertical Gamma in body axes is expanded beside quaternion and momentum: Gamma from the quaternion would take
+    !> more products, and make each term wait longer for the last. An angle xi about a body axis instead of the quaternion
+    !> (`spintop_lane_series`) would save eight of them, but it is a quotient, whose series converges over shorter steps.
     pure subroutine expand(self, t, y, order, coefficient)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
-        call c_expand(order, self%products, y, short_share, share_rest, coefficient)
+        real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:order)
+        integer(c_int) :: exists
+        if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
+        if (self%kinds%given > 0) given = real(torque_series(self%body%effects, t, order), dp)
+        call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
+        if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand
+
+    !> The state at the start.
+    pure function quadruple_start(self) result(y)
+        class(rigid_body_t), intent(in) :: self
+        real(qp) :: y(max_states), q(4), omega(3), o(3), rotor(3)
+        q = quadruple_attitude(self%start)
+        omega = quadruple_omega(self%start)
+        rotor = 0
+        if (allocated(self%body%effects)) then
+            o = frame_of(self%body%effects)
+            rotor = self%body%effects%rotor_momentum
+            if (any(abs(o) > 0)) omega = omega + 2 * (q(1)**2 * o - q(1) * vector(q(2:4), o) &
+                + q(2:4) * dot_product(q(2:4), o)) / sum(q**2) - o
+        end if
+        y = [q, self%body%inertia * omega + rotor, 0.0_qp]
+    end function quadruple_start
+
+    !> The rotation of the frame; its rate itself was rounded.
+    pure function frame_of(effects) result(rate)
+        type(effects_t), intent(in) :: effects
+        real(qp) :: rate(3)
+        rate = effects%frame_rate
+        if (abs(effects%earth_rate) > 0) rate(2:3) = effects%earth_rate * [cos(real(effects%latitude, qp)), &
+                                                                           sin(real(effects%latitude, qp))]
+    end function frame_of
+
+    !> Taylor coefficients of the motion in quadruple precision. They take longer than a short run in double precision, so no
+    !> constants are kept.
+    pure subroutine expand_quadruple(self, t, y, order, coefficient)
+        class(rigid_body_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        real(qp), intent(in) :: y(max_states) !! state
+        integer, intent(in) :: order !! order of the highest coefficient
+        real(qp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        real(qp), target :: state(max_states), c(max_states, 0:order), given(3, 0:order)
+        real(dp) :: table(3, 0:3), law(5, 2), undefined
+        integer(c_int) :: exists
+        associate (body => self%body)
+            call look_up(body, t, real(y, dp), table, law)
+            state = y
+            given = 0
+            if (allocated(body%effects)) given = torque_series(body%effects, t, order)
+            call c_expand_quadruple(order, self%kinds, numbers_of(body), t, c_loc(state), table, law, c_loc(given), &
+                                    c_loc(c), exists)
+            coefficient(:, 0:order) = c
+            undefined = no_number
+            if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = undefined
+        end associate
+    end subroutine expand_quadruple
 
     !> Free rotation. In body axes the momentum rotates by the same angle in the opposite direction.
     !>

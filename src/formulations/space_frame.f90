@@ -12,7 +12,7 @@ module spintop_space_frame
     use spintop_formulation, only: formulation_t, formulation_info_t, max_invariants, max_series_order, max_states
     use spintop_kernel_types, only: symmetric_top_t, acceleration_rest, acceleration_share
     use spintop_motion, only: motion_t
-    use spintop_body_quadruple, only: quadruple_attitude, quadruple_omega, vector
+    use spintop_quadruple_start, only: quadruple_attitude, quadruple_omega, vector
     use spintop_quantities, only: motion_scales_t, motion_scales
     use spintop_status, only: status_ok
     implicit none

@@ -2,17 +2,15 @@
 // declared (kernels.h), where a table has the builds for a level (kernels_of_level.h), and where Fortran calls them, by their
 // names with spintop_ before (kernels.c).
 
-// body_series.h, top_series.h: terms of the series of a motion; of a symmetric top as a quotient.
-PROCEDURE(expand_body, (order, body, state, share, share_rest, c), int order, const struct body_products *body,
-          const double *state, const double *share, const double *share_rest, double *c)
+// top_series.h: terms of the series of the motion of a symmetric top as a quotient.
 PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, const struct symmetric_top *top,
           const double *state, const double *share, const double *share_rest, double *c)
 
-// series/motion_series.h: the same of one body with effects, whose constants are set first. `table` has the terms of a torque
-// over time in space axes, `law` those of friction by a table towards smaller and larger angular velocities, after the one they
-// are about, `given` all terms of torques over time in body axes.
+// series/motion_series.h: the same of any body, whose constants are set first. `table` has the terms of a torque over time in
+// space axes, `law` those of friction by a table towards smaller and larger angular velocities, after the one they are about,
+// `given` all terms of torques over time in body axes.
 PROCEDURE(set_one, (body, constants), const struct body_numbers *body, double *constants)
-PROCEDURE(expand_effects, (order, has, constants, t, state, table, law, given, share, share_rest, c, exists), int order,
+PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, share, share_rest, c, exists), int order,
           const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
           const double *law, const double *given, const double *share, const double *share_rest, double *c, int *exists)
 
@@ -24,17 +22,14 @@ FUNCTION(length_of_step, (order, c, absolute, relative, scale, least, h), int or
 PROCEDURE(add_terms, (order, c, h, change), int order, const double *c, double h, double *change)
 PROCEDURE(add_terms_at, (order, c, h, change), int order, const double *c, const double *h, double *change)
 
-// body_stages.h: the stages `from` to `to`, counted from zero, of a step of size h from y. Column i of `a`, `stages` apart, has
-// the weights of those before stage i, of which the first and those from number since[i] - 1 on are not zero. Row i of k is the
-// slope of quaternion and momentum. Row i of `aside` is the change of quaternion, angular velocity and vertical at this slope,
-// over the step; the rows before `from` are known, but row 0 is found here.
-PROCEDURE(find_stages, (from, to, body, y, h, stages, a, since, k, aside), int from, int to, const struct stage_factors *body,
-          const double *y, double h, int stages, const double *a, const int *since, double *k, double *aside)
-
-// effects_stages.h: the same with effects, of a step from the time t; c[i] is the time of a stage in the step. The quaternion
-// keeps the norm that it has in y.
-PROCEDURE(find_effects_stages, (from, to, e, t, y, h, a, stride, c, k), int from, int to, const struct stage_effects *e,
-          double t, const double *y, double h, const double *a, int stride, const double *c, double *k)
+// body_stages.h: the stages `from` to `to`, counted from zero, of a step of size h from y at the time t; c[i] is the time of a
+// stage in the step. Column i of `a`, `stages` apart, has the weights of those before stage i, of which the first and those from
+// number since[i] - 1 on are not zero. Row i of k is the slope of quaternion and momentum. With effects (is_affected) the
+// quaternion keeps the norm that it has in y. Without, row i of `aside` is the change of quaternion, angular velocity and vertical
+// at this slope, over the step; the rows before `from` are known, but row 0 is found here.
+PROCEDURE(find_stages, (from, to, is_affected, has, constants, t, y, h, stages, a, since, c, k, aside), int from, int to,
+          int is_affected, const struct motion_kinds *has, const double *constants, double t, const double *y, double h,
+          int stages, const double *a, const int *since, const double *c, double *k, double *aside)
 
 // dop853_error.h: the change of the state over a step of size h, the state after it, with the rounding error `rest` of that
 // before, and the logarithm to base 2 of its error in units of the tolerance: the root mean square over the states of the

@@ -9,8 +9,8 @@ module spintop_kernel_types
     implicit none
     private
     public :: one_constants, lane_constants, numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
-    public :: body_products_t, stage_factors_t, symmetric_top_t, stage_effects_t, body_numbers_t, motion_kinds_t
-    public :: lane_body_t, short_share, share_rest, acceleration_share, acceleration_rest, per_binomial
+    public :: symmetric_top_t, body_numbers_t, motion_kinds_t, lane_body_t
+    public :: short_share, share_rest, acceleration_share, acceleration_rest, per_binomial
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -18,20 +18,8 @@ module spintop_kernel_types
     !> Number of lanes: that of doubles in the widest vectors of current processors. Rows of a term in lanes, further rows with
     !> effects, and drags.
     integer, parameter :: lanes = 8, rows = 9, more_rows = 36, most_drags = 2
-    !> Numbers that the series of a body with effects keep of it: of one body, and in each lane.
-    integer, parameter :: one_constants = 95, lane_constants = 69
-
-    !> Factors of the three products of body_vectors.h, of damping and torque.
-    type, bind(C) :: body_products_t
-        real(c_double), dimension(numbers) :: first = 0, second = 0, third = 0, decay = 0, pull = 0, swing = 0
-        !> 1 where the factor a0 of the first product is steadier than b0.
-        real(c_double) :: is_steady(numbers) = 0
-    end type body_products_t
-
-    !> Constants of the equations of omega for stages: those of momenta over I.
-    type, bind(C) :: stage_factors_t
-        real(c_double), dimension(half) :: inertia = 0, mobility = 0, coupling = 0, decay = 0, pull = 0, swing = 0
-    end type stage_factors_t
+    !> Numbers that series and stages keep of a body: of one body, and in each lane.
+    integer, parameter :: one_constants = 99, lane_constants = 69
 
     !> A symmetric top in space axes: I1, m g l/I1, and the rate w3 = L_z/I1 of the turn about the vertical.
     type, bind(C) :: symmetric_top_t
@@ -56,15 +44,6 @@ module spintop_kernel_types
         integer(c_int) :: rotor = 0, frame = 0, torque = 0, push = 0, drags = 0, harmonic = 0, table = 0, friction = 0, law = 0, &
             given = 0
     end type motion_kinds_t
-
-    !> The same for stages.
-    type, bind(C) :: stage_effects_t
-        real(c_double), dimension(half) :: mobility = 0, coupling = 0, damping = 0, weight = 0, arm = 0, drag = 0, &
-            torque_body = 0, rotor = 0, drive = 0, torque_space = 0, frame = 0
-        real(c_double) :: swing(half, 2) = 0
-        real(c_double) :: gravity = 0, drag_power = 0, drag_force = 0, rate = 0
-        integer(c_int) :: has_sides = 0, has_rotor = 0, has_drag = 0, vibrates = 0, turns = 0
-    end type stage_effects_t
 
     !> Bodies in lanes, or changes of them: the numbers by which their motions are expanded. (I2 - I3)/I1 and cyclic;
     !> damping/I, 1/s; m g (r3/I1, r1/I2, r2/I3) and m g (r2/I1, r3/I2, r1/I3), 1/s^2.

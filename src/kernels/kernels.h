@@ -20,17 +20,6 @@ enum { frame, torque = 3, push = 6, pull_back = 9, total = 12, drags = 15, of_dr
 enum { drag_u, drag_s = 3, drag_t, drag_y, drag_v };
 enum { most_drags = 2, most_turning = 4 };
 
-// Constants of the equations of one body: factors of the products of vectors in body_vectors.h.
-struct body_products {
-    double first[numbers], second[numbers], third[numbers], decay[numbers], pull[numbers], swing[numbers];
-    double is_steady[numbers]; // 1 where the factor a0 of a product is steadier than b0
-};
-
-// The same for stages: those of the angular velocity.
-struct stage_factors {
-    double inertia[half], mobility[half], coupling[half], decay[half], pull[half], swing[half];
-};
-
 // Constants of a symmetric top in space axes: I1, m g l/I1 and w3 = L_z/I1.
 struct symmetric_top {
     double inertia, pull, turn_rate;
@@ -47,14 +36,6 @@ struct body_numbers {
 // Which parts of the equations there are, the same in all lanes: see kernel_types.f90 and series/motion_kinds.h.
 struct motion_kinds {
     int rotor, frame, torque, push, drags, harmonic, table, friction, law, given;
-};
-
-// The same for stages. The pivot's acceleration in space axes is `swing[0] cos(rate t) + swing[1] sin(rate t)`.
-struct stage_effects {
-    double mobility[half], coupling[half], damping[half], weight[half], arm[half], drag[half], torque_body[half];
-    double rotor[half], drive[half], torque_space[half], frame[half], swing[2][half];
-    double gravity, drag_power, drag_force, rate;
-    int has_sides, has_rotor, has_drag, vibrates, turns;
 };
 
 // Bodies in lanes, or changes of them: the numbers by which their motions are expanded.

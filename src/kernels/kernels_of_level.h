@@ -9,13 +9,6 @@
 
 #include "vectors.h"
 
-#include "one_body/body_vectors.h"
-#include "one_body/shares.h"
-#include "one_body/body_start.h"
-
-#include "one_body/body_series.h"
-#include "one_body/body_stages.h"
-#include "one_body/effects_stages.h"
 #include "one_body/top_series.h"
 
 #include "binary_powers.h"

@@ -7,10 +7,10 @@
 
 #if LDBL_MANT_DIG == 113
 typedef long double quadruple;
-#define of_quadruple(name) name##l
+#define of_element(name) name##l
 #else
 __extension__ typedef __float128 quadruple;
-#define of_quadruple(name) name##q
+#define of_element(name) name##q
 // Of libquadmath, a part of the library of gfortran, whose header not every compiler has.
 quadruple cosq(quadruple), sinq(quadruple), sqrtq(quadruple), powq(quadruple, quadruple);
 #endif
@@ -28,7 +28,9 @@ struct share {
 
 #include "series/algebra_names.h"
 
-#include "series/algebra_quadruple.h"
+#define NAME(name) quadruple_##name
+#define element quadruple
+#include "series/algebra_scalar.h"
 #include "series/motion_kinds.h"
 #include "series/motion_series.h"
 #include "series/one_motion.h"

@@ -32,10 +32,31 @@ static void cross(arb_t c, arb_srcptr a, arb_srcptr b, int i, slong bits) {
     arb_mul(c, a + j, b + k, bits), arb_submul(c, a + k, b + j, bits);
 }
 
-// A moment or momentum over a moment of inertia: none turns a thin rod about itself.
-static void divide(arb_t quotient, const arb_t x, const arb_t inertia, slong bits) {
-    if (arb_is_zero(x)) arb_zero(quotient);
-    else arb_div(quotient, x, inertia, bits);
+// J and its inverse, without products that of each moment: a thin rod has none about itself.
+static void find_inertia(arb_ptr inertia, arb_ptr inverse, const top_data *data, slong bits) {
+    int i, s, is_diagonal = 1;
+    arb_t determinant;
+    arb_init(determinant);
+    for (i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        ball_datum(inertia + 4 * i, data, INERTIA + i), ball_datum(inertia + 3 * j + k, data, PRODUCTS + i);
+        arb_set(inertia + 3 * k + j, inertia + 3 * j + k);
+        is_diagonal = is_diagonal && arb_is_zero(inertia + 3 * j + k);
+    }
+    for (i = 0; i < 3; i++)
+        for (s = 0; s < 3; s++) cross(inverse + 3 * i + s, inertia + (i + 1) % 3 * 3, inertia + (i + 2) % 3 * 3, s, bits);
+    arb_dot(determinant, NULL, 0, inertia, 1, inverse, 1, 3, bits);
+    if (!is_diagonal) _arb_vec_scalar_div(inverse, inverse, 9, determinant, bits);
+    for (i = 0; i < 3 && is_diagonal; i++) arb_inv(inverse + 4 * i, inertia + 4 * i, bits);
+    arb_clear(determinant);
+}
+
+// 1/J of a moment or momentum, as a column; of none it is none, for a thin rod, too.
+static void divide(arb_ptr quotient, int stride, arb_srcptr x, arb_srcptr inverse, slong bits) {
+    int i, j;
+    for (i = 0; i < 3; i++)
+        for (arb_zero(quotient + i * stride), j = 0; j < 3; j++)
+            if (!arb_is_zero(x + j)) arb_addmul(quotient + i * stride, inverse + 3 * i + j, x + j, bits);
 }
 
 static void read_vector(arb_ptr v, const top_data *data, int first) {
@@ -68,42 +89,61 @@ static void read_swing(arb_ptr z, arb_t rate, const top_data *data, int first, s
 // The body, and what acts on it: in space axes the force m (g z + z'') on the centre of mass, and a torque; a torque in body
 // axes.
 typedef struct {
-    arb_ptr inertia, mass, centre, damping, frame, force, couple, torque;
+    arb_ptr inertia, inverse, mass, centre, damping, frame, force, couple, torque;
 } load;
 
-// T_n: the forms of (R^T force x r + R^T couple + torque |q|^2 + d R^T O)/I, the last one for n = 0, as the frame turns
+// T_n: the forms of 1/J (R^T force x r + R^T couple + torque |q|^2 + d R^T O), the last one for n = 0, as the frame turns
 // with what damps the body. |q| = 1, so that the solution does not feel the factor.
 static void add_forms(ball_field *f, int n, const load *l) {
     const slong bits = f->bits;
-    arb_ptr w = _arb_vec_init(8), force = w, sum = w + 3, part = w + 4;
+    arb_ptr w = _arb_vec_init(7), force = w, moment = w + 3, part = w + 6;
     int i, p, s;
     for (p = 0; p < PAIRS; p++) {
         for (i = 0, _arb_vec_zero(force, 3); i < 3; i++)
             for (s = 0; s < 3; s++) arb_addmul_si(force + i, l->force + s, ball_rotation(s, i, p), bits);
         for (i = 0; i < 3; i++) {
-            cross(sum, force, l->centre, i, bits);
+            cross(moment + i, force, l->centre, i, bits);
             for (s = 0; s < 3; s++) {
                 arb_set(part, l->couple + s);
                 if (n == 0) arb_addmul(part, l->damping + i, l->frame + s, bits);
-                arb_addmul_si(sum, part, ball_rotation(s, i, p), bits);
+                arb_addmul_si(moment + i, part, ball_rotation(s, i, p), bits);
             }
-            if (p < 4) arb_add(sum, sum, l->torque + i, bits);
-            divide(f->form + (n * 3 + i) * PAIRS + p, sum, l->inertia + i, bits);
+            if (p < 4) arb_add(moment + i, moment + i, l->torque + i, bits);
         }
+        divide(f->form + n * 3 * PAIRS + p, PAIRS, moment, l->inverse, bits);
     }
-    _arb_vec_clear(w, 8);
+    _arb_vec_clear(w, 7);
 }
 
-// H_n: the matrix ([rotor]x - diag damping)/I, the damping for n = 0.
-static void add_gyro(ball_field *f, int n, arb_srcptr rotor, const load *l) {
-    int i;
-    for (i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        arb_ptr row = f->gyro + (n * 3 + i) * 3;
-        if (n == 0) divide(row + i, l->damping + i, l->inertia + i, f->bits), arb_neg(row + i, row + i);
-        divide(row + k, rotor + j, l->inertia + i, f->bits), divide(row + j, rotor + k, l->inertia + i, f->bits);
-        arb_neg(row + j, row + j);
+// C: the form of 1/J (J w x w). The product w_a w_b has the place of q_a q_b.
+static void add_spin(ball_field *f, const load *l) {
+    arb_ptr moment = _arb_vec_init(3);
+    int i, p, side;
+    for (p = 1; p < PAIRS; p++) {
+        for (_arb_vec_zero(moment, 3), side = 0; side < (p < 4 ? 1 : 2) && ball_pair[p][0] > 0; side++) {
+            const int a = ball_pair[p][side] - 1, b = ball_pair[p][1 - side] - 1; // J_a of the first, the second as it is
+            for (i = 0; i < 3; i++) {
+                const int j = (i + 1) % 3, k = (i + 2) % 3;
+                if (b == k) arb_add(moment + i, moment + i, l->inertia + 3 * j + a, f->bits);
+                if (b == j) arb_sub(moment + i, moment + i, l->inertia + 3 * k + a, f->bits);
+            }
+        }
+        divide(f->form + WAVES * 3 * PAIRS + p, PAIRS, moment, l->inverse, f->bits);
     }
+    _arb_vec_clear(moment, 3);
+}
+
+// H_n: the matrix 1/J ([rotor]x - diag damping), the damping for n = 0.
+static void add_gyro(ball_field *f, int n, arb_srcptr rotor, const load *l) {
+    arb_ptr moment = _arb_vec_init(3);
+    int j;
+    for (j = 0; j < 3; j++) {
+        const int k = (j + 1) % 3, i = (j + 2) % 3;
+        arb_zero(moment + j), arb_set(moment + k, rotor + i), arb_neg(moment + i, rotor + k);
+        if (n == 0) arb_neg(moment + j, l->damping + j);
+        divide(f->gyro + n * 9 + j, 3, moment, l->inverse, f->bits);
+    }
+    _arb_vec_clear(moment, 3);
 }
 
 // The force m (-W^2 z + 2 side W O x z_other + O x (O x z)) of a vibrating pivot, of which z and z_other are cos and sin.
@@ -123,17 +163,13 @@ static void find_shake(const load *l, arb_srcptr z, arb_srcptr other, int side, 
 // The coefficients, in seconds.
 static void find_coefficients(ball_field *f, const top_data *data) {
     const slong bits = f->bits;
-    arb_ptr w = _arb_vec_init(34), rotor = w + 22, drive = w + 25, z = w + 28;
-    const load l = {w, w + 3, w + 4, w + 7, w + 10, w + 13, w + 16, w + 19};
+    arb_ptr w = _arb_vec_init(49), rotor = w + 37, drive = w + 40, z = w + 43;
+    const load l = {w, w + 9, w + 18, w + 19, w + 22, w + 25, w + 28, w + 31, w + 34};
     int i, n;
-    read_vector(l.inertia, data, INERTIA), ball_datum(l.mass, data, MASS);
+    find_inertia(l.inertia, l.inverse, data, bits + 64), ball_datum(l.mass, data, MASS);
     read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
     read_frame(l.frame, data, bits), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
-    for (i = 0; i < 3; i++) {
-        arb_sub(f->coupling + i, l.inertia + (i + 1) % 3, l.inertia + (i + 2) % 3, bits);
-        divide(f->coupling + i, f->coupling + i, l.inertia + i, bits);
-    }
-    _arb_vec_set(f->turn, l.frame, 3);
+    _arb_vec_set(f->turn, l.frame, 3), add_spin(f, &l);
     // Gravity, constant torques, damping, and the rotor: of momentum h + h' t.
     ball_datum(l.force + 2, data, GRAVITY), arb_mul(l.force + 2, l.force + 2, l.mass, bits);
     read_vector(l.couple, data, TORQUE_SPACE), read_vector(l.torque, data, TORQUE_BODY);
@@ -147,7 +183,7 @@ static void find_coefficients(ball_field *f, const top_data *data) {
     for (n = 0; n < 2; n++) _arb_vec_set(l.torque, z + 3 * n, 3), add_forms(f, 4 + n, &l);
     _arb_vec_zero(l.torque, 3), read_swing(z, f->rate + 2, data, HARMONIC_SPACE, bits);
     for (n = 0; n < 2; n++) _arb_vec_set(l.couple, z + 3 * n, 3), add_forms(f, 6 + n, &l);
-    _arb_vec_clear(w, 34);
+    _arb_vec_clear(w, 49);
 }
 
 // Everything in units of time, 2^-unit s.
@@ -181,32 +217,31 @@ static double size_of(arb_srcptr x, int count) {
     return sqrt(sum) * SAFE;
 }
 
-// Middles as doubles; norms, which are added. T is symmetric: its products of different components have each half.
+// Middles as doubles; norms, which are added. Forms are symmetric: products of different components have each half. Of those of
+// w the products w_j w_k in row i, which principal axes have, bound less than their Frobenius norm does.
 static void find_doubles(ball_field *f) {
-    double kappa = 0;
     int i, j, n, p;
-    for (i = 0; i < 3; i++) {
-        f->c[i] = arf_get_d(arb_midref(f->coupling + i), ARF_RND_NEAR), kappa = fmax(kappa, ball_most(f->coupling + i));
-        f->o[i] = arf_get_d(arb_midref(f->turn + i), ARF_RND_NEAR);
-    }
-    f->frame = size_of(f->turn, 3), f->kappa += kappa;
-    for (n = 0; n < WAVES; n++) {
-        double square = 0;
+    for (i = 0; i < 3; i++) f->o[i] = arf_get_d(arb_midref(f->turn + i), ARF_RND_NEAR);
+    f->frame = size_of(f->turn, 3);
+    for (n = 0; n < FORMS; n++) {
+        double square = 0, most = 0;
         for (i = 0; i < 3; i++) {
             for (p = 0; p < PAIRS; p++) {
                 arb_srcptr x = f->form + (n * 3 + i) * PAIRS + p;
                 const int a = ball_pair[p][0], b = ball_pair[p][1];
                 f->t[n][i][a][b] = f->t[n][i][b][a] = arf_get_d(arb_midref(x), ARF_RND_NEAR) / (a == b ? 1 : 2);
-                square += pow(ball_most(x), 2) / (a == b ? 1 : 2);
-                if (!arb_is_zero(x)) f->has_pair[p] = f->has_wave[n] = 1;
+                if (n == WAVES && a != b && a != i + 1 && b != i + 1) most = fmax(most, ball_most(x));
+                else square += pow(ball_most(x), 2) / (a == b ? 1 : 2);
+                if (!arb_is_zero(x)) f->has_pair[n == WAVES][p] = f->has_wave[n] = 1;
             }
-            for (j = 0; j < 3; j++) {
+            for (j = 0; j < 3 && n < WAVES; j++) {
                 arb_srcptr x = f->gyro + (n * 3 + i) * 3 + j;
                 f->h[n][i][j] = arf_get_d(arb_midref(x), ARF_RND_NEAR);
                 if (!arb_is_zero(x)) f->has_wave[n] = 1;
             }
         }
-        f->tau[n] += sqrt(square) * SAFE, f->eta[n] += size_of(f->gyro + n * 9, 9);
+        if (n == WAVES) f->kappa += most + 1.4143 * sqrt(square) * SAFE;
+        else f->tau[n] += sqrt(square) * SAFE, f->eta[n] += size_of(f->gyro + n * 9, 9);
     }
 }
 
@@ -217,12 +252,12 @@ static int find_start(ball_field *f, const top_data *data) {
     return is_known;
 }
 
-enum { NUMBERS = 3 + 3 + WAVES * 3 * PAIRS + WAVES * 9 + SWINGS + STATES };
+enum { NUMBERS = 3 + FORMS * 3 * PAIRS + WAVES * 9 + SWINGS + STATES };
 
 static void open_field(ball_field *f, slong bits) {
     memset(f, 0, sizeof *f), f->bits = bits, f->order = (int)(0.36 * (double)bits);
-    f->ball = f->coupling = _arb_vec_init(NUMBERS), f->turn = f->coupling + 3, f->form = f->turn + 3;
-    f->gyro = f->form + WAVES * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
+    f->ball = f->turn = _arb_vec_init(NUMBERS), f->form = f->turn + 3;
+    f->gyro = f->form + FORMS * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
 }
 
 // All numbers; whether they are known.
@@ -284,10 +319,8 @@ static int find_moved(ball_field *f, ball_field *moved, const top_data *data, in
         arb_add_error(f->ball + i, rest);
     }
     find_doubles(moved), f->kappa += moved->kappa * SAFE;
-    for (n = 0; n < WAVES; n++) {
-        f->tau[n] += moved->tau[n] * SAFE, f->eta[n] += moved->eta[n] * SAFE;
-        f->has_wave[n] = f->has_wave[n] || moved->has_wave[n];
-    }
+    for (n = 0; n < WAVES; n++) f->tau[n] += moved->tau[n] * SAFE, f->eta[n] += moved->eta[n] * SAFE;
+    for (n = 0; n < FORMS; n++) f->has_wave[n] = f->has_wave[n] || moved->has_wave[n];
     arb_clear(rest), arb_clear(radius);
     return is_known;
 }

@@ -8,7 +8,7 @@
 // The numbers of a motion, in the order in which certificate.f90 gives them. The frame turns with FRAME and as the Earth does
 // at a latitude. A swing has three amplitudes, three phases and a rate.
 enum { INERTIA, MASS = INERTIA + 3, GRAVITY, PHI, THETA, PSI, PHI_RATE, THETA_RATE, SPIN, OMEGA, QUATERNION = OMEGA + 3,
-       CENTRE = QUATERNION + 4, DAMPING = CENTRE + 3, FRAME = DAMPING + 3, EARTH_RATE = FRAME + 3, LATITUDE,
+       CENTRE = QUATERNION + 4, DAMPING = CENTRE + 3, PRODUCTS = DAMPING + 3, FRAME = PRODUCTS + 3, EARTH_RATE = FRAME + 3, LATITUDE,
        ROTORS, ROTOR_DRIVE = ROTORS + 3, TORQUE_BODY = ROTOR_DRIVE + 3, TORQUE_SPACE = TORQUE_BODY + 3,
        SWING = TORQUE_SPACE + 3, HARMONIC_BODY = SWING + 7, HARMONIC_SPACE = HARMONIC_BODY + 7, DATA = HARMONIC_SPACE + 7 };
 // Which of them say how it starts.

@@ -32,10 +32,10 @@ module spintop_certificate
         'psi', 'orientation', 'omega1', 'omega2', 'omega3']
 
     !> Outcomes: proved, or the reason why not; those up to `no_library` are in balls.h.
-    integer, parameter :: proved = 0, no_library = 5, not_polynomial = 6, no_principal_axes = 7, other_radii = 8, &
-        no_numbers = 9, no_memory = 10
+    integer, parameter :: proved = 0, no_library = 5, not_polynomial = 6, other_radii = 7, no_numbers = 8, &
+        no_memory = 9
     integer, parameter :: last_reason = no_memory
-    character(*), parameter :: proof_reasons(0:last_reason) = [character(88) :: &
+    character(*), parameter :: proof_reasons(0:last_reason) = [character(89) :: &
         'proved', &
         'the ball is still too wide at the highest precision', &
         'phi and psi do not exist on a pole', &
@@ -43,8 +43,7 @@ module spintop_certificate
         'the motion takes too many steps', &
         'this build has no FLINT', &
         'dry friction, drag of the air and tables of friction or torques are not enclosed', &
-        'the body axes are not principal axes', &
-        'the radii are not those of the numbers that give the start', &
+        'the radii are not those of the numbers that give the start, or belong to an inertia tensor', &
         'a moment of inertia is zero, or a number is not finite', &
         'not enough memory']
 
@@ -56,7 +55,7 @@ module spintop_certificate
     character(*), parameter :: balls_hint = 'SPINTOP_FLINT=1 scripts/run ... makes a build with FLINT'
 
     !> Numbers that describe a motion in balls.h; how many of them may have radii: the first.
-    integer, parameter :: data_count = 62, radius_count = 24
+    integer, parameter :: data_count = 65, radius_count = 24
     !> The effects that the equations in balls have: those whose equations are polynomials.
     integer, parameter :: ball_effects = effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque &
         + effect_harmonic
@@ -139,7 +138,7 @@ contains
     end subroutine open
 
     !> The data of a motion: inertia, m, g, phi, theta, psi and their rates, or omega3 in place of psi', omega, quaternion,
-    !> centre of mass, damping, effects.
+    !> centre of mass, damping, products of inertia, effects.
     pure function numbers_of(body, start) result(numbers)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
@@ -154,10 +153,10 @@ contains
         if (allocated(effects%harmonic_space)) in_space = effects%harmonic_space
         frame = merge(0.0_dp, effects%frame_rate, abs(effects%earth_rate) > 0) ! which latitude and rate give
         numbers = [body%inertia, body%mass, body%gravity, start%angle, rate, start%omega, start%quaternion, &
-                   body%centre_of_mass, body%damping, frame, effects%earth_rate, effects%latitude, effects%rotor_momentum, &
-                   effects%rotor_torque, effects%torque_body, effects%torque_space, effects%vibration_amplitude, &
-                   effects%vibration_phase, effects%vibration_rate, in_body%amplitude, in_body%phase, in_body%rate, &
-                   in_space%amplitude, in_space%phase, in_space%rate]
+                   body%centre_of_mass, body%damping, body%products, frame, effects%earth_rate, effects%latitude, &
+                   effects%rotor_momentum, effects%rotor_torque, effects%torque_body, effects%torque_space, &
+                   effects%vibration_amplitude, effects%vibration_phase, effects%vibration_rate, &
+                   in_body%amplitude, in_body%phase, in_body%rate, in_space%amplitude, in_space%phase, in_space%rate]
     end function numbers_of
 
     !> Why the motion cannot be enclosed; `proved` if it can.
@@ -167,8 +166,8 @@ contains
         real(dp), intent(in) :: radius(data_count)
         reason = proved
         if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0)) &
-            .or. (.not. start%gives_omega .and. any(radius(12:14) > 0))) reason = other_radii
-        if (body%has_products()) reason = no_principal_axes
+            .or. (.not. start%gives_omega .and. any(radius(12:14) > 0)) &
+            .or. (body%has_products() .and. any(radius(1:3) > 0))) reason = other_radii
         if (allocated(body%effects)) then
             if (.not. body%effects%only(ball_effects)) reason = not_polynomial
         end if

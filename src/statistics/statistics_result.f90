@@ -1,41 +1,40 @@
-!> The result of statistics as rows of a table: the first of all cases, then one of each bin. And the rows of the
+!> The result of statistics as rows of a table: the first of all cases, then one of each bin. And the columns of the
 !> Sobol' indices.
 module spintop_statistics_result
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
     use spintop_histogram, only: most_intervals
     use spintop_kinds, only: dp, no_number
-    use spintop_sobol_indices, only: sobol_index_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_table_column, only: column_of_integers, column_of_reals, table_column_t
     use spintop_text, only: replace_all, to_text
     implicit none
     private
-    public :: result_columns, result_row, columns_before, index_row, index_cells, bytes_of_result
+    public :: result_columns, result_row, columns_before, index_columns, bytes_of_result
 
     !> Columns of a binned quantity (value, and ends of the bin), columns of counts of a bin, and columns of a
     !> column of numbers beside its quantiles.
     integer, parameter :: columns_of_over = 3, columns_of_cases = 2, columns_of_number = 7
 
-    !> Cells of the indices of a column and a factor.
-    integer, parameter :: index_cells = 8
-
 contains
 
-    !> The Sobol' indices of a column and a factor: the first-order index with both ends of its confidence interval of
-    !> 95 %, the same of the total index, groups of cases that have values, groups that were left out.
-    subroutine index_row(accumulators, column, factor, cells)
-        type(accumulators_t), intent(in) :: accumulators !! the statistics
-        integer, intent(in) :: column, factor !! numbers of the column of numbers and of the factor
-        real(dp), intent(out) :: cells(index_cells) !! in this order
-        type(sobol_index_t) :: index
-        associate (indices => accumulators%groups%indices(column))
-            call indices%estimate(factor, index)
-            cells = [index%first, index%first - index%first_error, index%first + index%first_error, &
-                     index%total, index%total - index%total_error, index%total + index%total_error, &
-                     real(sum(indices%added), dp), real(indices%left_out, dp)]
-        end associate
-    end subroutine index_row
+    !> The columns of the table of Sobol' indices, which has a row for each column and factor.
+    function index_columns(plan) result(columns)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(table_column_t), allocatable :: columns(:)
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
+                   table_column_t('factor', '', 'the parameter of an axis'), &
+                   table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
+                   table_column_t('first_order_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('first_order_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('total', '', 'share that is due to the factor with all its interactions'), &
+                   table_column_t('total_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
+                   table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
+        call columns(1)%set_words(plan%numbers%name)
+        call columns(2)%set_words(plan%factors%name)
+    end function index_columns
 
     !> Number of columns that tell the bin, before those that tell of its cases.
     pure integer function columns_before(plan)
@@ -161,13 +160,13 @@ contains
     !> Bytes of all tables of a result, at most and about: those of bins, histograms and Sobol' indices.
     real(dp) function bytes_of_result(plan) result(bytes)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        integer, parameter :: cells_of_interval = 4, words_of_index = 2
+        integer, parameter :: cells_of_interval = 4
         real(dp), parameter :: bytes_of_double = 8, bytes_of_text = 18
         real(dp) :: cells
         cells = 1
         if (size(plan%over) > 0) cells = cells + real(plan%bin_count(), dp)
         cells = cells * size(result_columns(plan)) + size(plan%numbers) * most_intervals * cells_of_interval
-        if (plan%has_indices()) cells = cells + size(plan%numbers) * size(plan%factors) * (words_of_index + index_cells)
+        if (plan%has_indices()) cells = cells + size(plan%numbers) * size(plan%factors) * size(index_columns(plan))
         bytes = cells * merge(bytes_of_double, bytes_of_text, plan%is_netcdf)
     end function bytes_of_result
 

@@ -9,13 +9,13 @@ module spintop_statistics_table
     use spintop_checksum, only: checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t, sync_file
-    use spintop_resumable_table, only: resumable_table_t, refusal
+    use spintop_row_table, only: row_table_t, refusal
     use spintop_journal, only: journal_entry_t, state_of
     use spintop_kinds, only: dp
+    use spintop_netcdf_table, only: netcdf_table_t
     use spintop_row_block, only: row_block_t
-    use spintop_statistics_csv, only: check_statistics_csv, write_statistics_csv
     use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
-    use spintop_statistics_netcdf, only: write_statistics_netcdf
+    use spintop_statistics_output, only: check_statistics_tables, write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_result, only: columns_before
     use spintop_status, only: is_good_end, status_bad_input, status_ok
@@ -30,7 +30,7 @@ module spintop_statistics_table
     real(dp), parameter :: slowest_disk = 1.0e8_dp, times_pause = 20, least_pause = 0.05_dp
 
     !> Rows, which may not be kept, and what is gathered of them.
-    type, extends(resumable_table_t) :: statistics_table_t
+    type, extends(row_table_t) :: statistics_table_t
         type(statistics_plan_t) :: plan
         !> Path of the result, and its header.
         character(:), allocatable :: result_path, result_head
@@ -64,13 +64,12 @@ contains
         logical, intent(in) :: resume, restart !! whether to resume, or to discard, an interrupted run
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
-        call self%resumable_table_t%start(path, head, resume, restart, error)
+        call self%row_table_t%start(path, head, resume, restart, error)
         if (allocated(error)) return
         if (self%is_complete) then
-            if (.not. (self%is_part .or. self%plan%is_netcdf)) call check_statistics_csv(self%result_path, self%plan, problem)
-            if (allocated(problem)) then
-                if (problem /= '') error = refusal(self%result_path, problem)
-            end if
+            problem = ''
+            if (.not. self%is_part) call check_statistics_tables(self%result_path, self%plan, problem)
+            if (problem /= '') error = refusal(self%result_path, problem)
             if (sum(self%counts) == 0 .and. .not. allocated(error)) call recall_counts(self, error)
             return
         end if
@@ -114,7 +113,8 @@ contains
         type(input_file_t) :: file
         character(checksum_width) :: checksum
         character(:), allocatable :: text
-        real(dp), allocatable :: cells(:)
+        type(netcdf_table_t) :: netcdf
+        real(dp), allocatable :: cells(:), rows(:, :)
         integer, parameter :: longest_row = 1024
         integer :: length, status
 
@@ -123,6 +123,11 @@ contains
             call read_statistics(self%result_path, plan, accumulators, checksum, error)
             if (allocated(error)) return
             cells = [real(sum(accumulators%cases), dp), real(sum(accumulators%failed), dp)]
+        else if (self%plan%is_netcdf) then
+            call netcdf%open(self%result_path, error)
+            if (allocated(error)) return
+            if (netcdf%next_rows(rows, error)) cells = rows(:size(cells), 1)
+            call netcdf%close()
         else
             allocate (character(len(self%result_head) + longest_row) :: text)
             call file%open(self%result_path, error)
@@ -174,7 +179,7 @@ contains
                 end do
             end associate
         end associate
-        call self%resumable_table_t%format(block)
+        call self%row_table_t%format(block)
     end subroutine extract_statistics_cells
 
     !> Adds rows, and writes a snapshot if an entry of the journal is due.
@@ -208,7 +213,7 @@ contains
         end associate
         ! A snapshot that no entry names yet is older than these rows.
         self%is_new = .false.
-        call self%resumable_table_t%append(block, error)
+        call self%row_table_t%append(block, error)
         if (self%is_due() .and. .not. allocated(error)) call save_snapshot(self, error)
     end subroutine append
 
@@ -250,7 +255,7 @@ contains
         if (self%entry_wanted .and. .not. self%is_new) call save_snapshot(self, error)
         if (.not. self%is_new) return
         self%is_new = .false.
-        call self%resumable_table_t%make_entry_if_due(entry, due, error)
+        call self%row_table_t%make_entry_if_due(entry, due, error)
         entry%state = self%state
         entry%state_checksum = self%checksum
     end subroutine make_entry_if_due
@@ -261,7 +266,7 @@ contains
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call sync_file(state_of(self%table%path, entry%state), error)
-        if (.not. allocated(error)) call self%resumable_table_t%keep_entry(entry, error)
+        if (.not. allocated(error)) call self%row_table_t%keep_entry(entry, error)
     end subroutine keep_entry
 
     !> Writes the result, and finishes the table of the rows.
@@ -269,7 +274,7 @@ contains
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call write_statistics(self%result_path, self%result_head, self%is_part, self%plan, self%accumulators, error)
-        if (.not. allocated(error)) call self%resumable_table_t%finish(error)
+        if (.not. allocated(error)) call self%row_table_t%finish(error)
     end subroutine finish
 
     !> Writes a result: that of a part, or a table.
@@ -282,10 +287,8 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         if (is_part) then
             call write_part(path, head, plan, accumulators, error)
-        else if (plan%is_netcdf) then
-            call write_statistics_netcdf(path, head, plan, accumulators, error)
         else
-            call write_statistics_csv(path, head, plan, accumulators, error)
+            call write_statistics_tables(path, head, plan, accumulators, error)
         end if
     end subroutine write_statistics
 

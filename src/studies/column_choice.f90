@@ -7,7 +7,8 @@ module spintop_column_choice
     use spintop_sensitivity, only: is_sensitivity, split_name
     use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: chosen_column_t, chosen_columns, find_column, listed_column_t, proof_group
+    use spintop_study_column, only: by_default, categorical, compares, find_column, is_end, needs_effects, needs_exact, &
+        proof_group, study_column_t
     use spintop_text, only: append, join, string_t, to_text
     use spintop_uncertainties, only: check_uncertainties
     implicit none
@@ -21,9 +22,7 @@ contains
         class(study_t), intent(in) :: study !! the kind of study
         type(job_t), target, intent(inout) :: job !! with a plan
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(listed_column_t), allocatable :: known(:)
-        type(chosen_column_t), allocatable :: chosen(:)
-        integer, allocatable :: columns(:)
+        type(study_column_t), allocatable :: chosen(:)
         integer :: i
 
         if (job%input%scene%certified) call check_certified(study%info, problems)
@@ -39,29 +38,23 @@ contains
                 end if
                 return
             end if
-            allocate (known, source=study%columns)
+            chosen = pack(study%columns, can_have(study%columns, job%case))
             if (all(named == '')) then
-                columns = pack([(i, i=1, size(known))], known%is_default .and. can_have(known, job%case))
-                ! The exact solution is not compared with itself.
-                if (job%plan%exact) columns = pack(columns, .not. known(columns)%compares)
-                ! The end of the span is omitted if no event may end the motion earlier.
-                if (job%input%scene%stop_at == '') columns = pack(columns, .not. known(columns)%ends)
+                ! The exact solution is not compared with itself, and the span ends where no event may end the motion earlier.
+                chosen = pack(chosen, chosen%is(by_default) .and. .not. (job%plan%exact .and. chosen%is(compares)) .and. &
+                              .not. (job%input%scene%stop_at == '' .and. chosen%is(is_end)))
             else
-                columns = [integer ::]
-                if (named(1) == 'all') columns = pack([(i, i=1, size(known))], &
-                                                      known%group /= proof_group .and. can_have(known, job%case))
-                chosen = chosen_columns(known, columns)
+                chosen = pack(chosen, named(1) == 'all' .and. chosen%group /= proof_group)
                 do i = merge(2, 1, named(1) == 'all'), size(named)
                     if (is_sensitivity(named(i))) then
-                        call add_sensitivity(study, job, known, i, problems)
+                        call add_sensitivity(study, job, i, problems)
                     else if (named(i) /= '') then
-                        call add_column(study, job, known, i, chosen, problems)
+                        call add_column(study, job, i, chosen, problems)
                     end if
                 end do
             end if
         end associate
-        if (.not. allocated(chosen)) chosen = chosen_columns(known, columns)
-        call check_uncertainties(job%input%scene, any(known(chosen%place)%group == proof_group), problems)
+        call check_uncertainties(job%input%scene, any(chosen%group == proof_group), problems)
         call move_alloc(chosen, job%columns)
     end subroutine choose_columns
 
@@ -77,51 +70,49 @@ contains
     end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
-    subroutine add_column(study, job, known, i, columns, problems)
+    subroutine add_column(study, job, i, columns, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
-        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
-        type(chosen_column_t), allocatable, intent(inout) :: columns(:)
+        type(study_column_t), allocatable, intent(inout) :: columns(:)
         type(problems_t), intent(inout) :: problems
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         character(:), allocatable :: name, key
 
         name = trim(job%input%scene%columns(i))
         key = 'output.columns(' // to_text(i) // ')'
-        call find_named(study, job, known, key, name, found, problems)
+        call find_named(study, job, key, name, found, problems)
         if (found%place == 0) return
         if (any(columns%name == found%name)) then
             call problems%add(key, "column '" // name // "' is named twice", 'name it once')
-        else if (known(found%place)%group == proof_group .and. .not. has_balls()) then
+        else if (found%group == proof_group .and. .not. has_balls()) then
             call problems%add(key, "column '" // name // "': " // balls_missing, balls_hint)
         else
-            call check_column(job, key, known(found%place), 'omit it', problems)
+            call check_column(job, key, found, 'omit it', problems)
             columns = [columns, found]
         end if
     end subroutine add_column
 
     !> Adds the derivative of a column that element `i` of the list in the scene names.
-    subroutine add_sensitivity(study, job, known, i, problems)
+    subroutine add_sensitivity(study, job, i, problems)
         class(study_t), intent(in) :: study
         type(job_t), target, intent(inout) :: job
-        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         integer, intent(in) :: i
         type(problems_t), intent(inout) :: problems
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         character(:), allocatable :: column, name_of_key, key, problem, hint
         integer :: place_of_key
         logical :: is_new
 
         key = 'output.columns(' // to_text(i) // ')'
         call split_name(trim(job%input%scene%columns(i)), column, name_of_key)
-        call find_named(study, job, known, key, column, found, problems)
+        call find_named(study, job, key, column, found, problems)
         if (found%place > 0) then
-            if (known(found%place)%words .or. known(found%place)%group == proof_group) then
+            if (found%is(categorical) .or. found%group == proof_group) then
                 call problems%add(key, "column '" // column // "' has no derivatives", 'name a column of numbers')
                 found%place = 0
             else
-                call check_column(job, key, known(found%place), 'omit its derivative', problems)
+                call check_column(job, key, found, 'omit its derivative', problems)
             end if
         end if
         call job%sensitivities%find_key(name_of_key, job%input%table, job%axes, place_of_key, problem, hint)
@@ -136,42 +127,43 @@ contains
     subroutine check_column(job, key, column, hint, problems)
         type(job_t), intent(in) :: job
         character(*), intent(in) :: key, hint
-        type(listed_column_t), intent(in) :: column
+        type(study_column_t), intent(in) :: column
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: need
         if (problems%any()) return
         if (can_have(column, job%case)) return
         need = 'the exact solution'
-        if (column%needs_effects) need = 'effects'
-        call problems%add(key, "column '" // trim(column%name) // "' needs " // need // ', which this body does not have', hint)
+        if (column%is(needs_effects)) need = 'effects'
+        call problems%add(key, "column '" // trim(column%quantity()) // "' needs " // need // &
+                          ', which this body does not have', hint)
     end subroutine check_column
 
     !> Whether the table of a case can have a column.
     elemental logical function can_have(column, case)
-        type(listed_column_t), intent(in) :: column
+        type(study_column_t), intent(in) :: column
         type(case_t), intent(in) :: case
-        can_have = (case%body%has_closed_form() .or. .not. column%needs_exact_motion) .and. &
-                   (allocated(case%given_body%effects) .or. .not. column%needs_effects)
+        can_have = (case%body%has_closed_form() .or. .not. column%is(needs_exact)) .and. &
+                   (allocated(case%given_body%effects) .or. .not. column%is(needs_effects))
     end function can_have
 
     !> The column of a name; a problem if there is none: the study that has it, its unit, or a similar name. Numbers that are
     !> proved are so in their own unit only.
-    subroutine find_named(study, job, known, key, name, found, problems)
+    subroutine find_named(study, job, key, name, found, problems)
         class(study_t), intent(in) :: study
         type(job_t), intent(in) :: job
-        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
         character(*), intent(in) :: key, name
-        type(chosen_column_t), intent(out) :: found !! its place is 0 if there is a problem
+        type(study_column_t), intent(out) :: found !! its place is 0 if there is a problem
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: owners, problem, hint
 
-        call find_column(known, name, found, problem, hint)
+        call find_column(study%columns, name, found, problem, hint)
         if (found%place > 0) then
             if (.not. found%is_converted()) return
-            if (.not. job%input%scene%certified .and. known(found%place)%group /= proof_group) return
+            if (.not. job%input%scene%certified .and. found%group /= proof_group) return
             call problems%add(key, "column '" // name // "': a number is proved in the unit of the column only", &
-                              "use '" // trim(known(found%place)%name) // "', which is in " // trim(known(found%place)%unit))
-            found = chosen_column_t()
+                              "use '" // trim(found%quantity()) // "', which is in " // &
+                              trim(study%columns(found%place)%unit))
+            found%place = 0
             return
         end if
         owners = owners_of(name)
@@ -181,13 +173,13 @@ contains
             return
         end if
         if (hint == '') hint = '`spintop list columns` shows them all'
-        call refuse_bound(known, name, problem, hint)
+        call refuse_bound(study%columns, name, problem, hint)
         call problems%add(key, problem, hint, is_certain=.true.)
     end subroutine find_named
 
     !> Says why there is no bound of a column, if a name asks for that: proofs enclose the motion at a time.
     subroutine refuse_bound(known, name, problem, hint)
-        type(listed_column_t), intent(in) :: known(:) !! all columns of the study
+        type(study_column_t), intent(in) :: known(:) !! all columns of the study
         character(*), intent(in) :: name
         character(:), allocatable, intent(inout) :: problem, hint
         character(*), parameter :: ending = '_bound'
@@ -204,7 +196,7 @@ contains
         character(*), intent(in) :: name
         character(:), allocatable :: owners
         class(study_t), allocatable :: study
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         type(string_t), allocatable :: plurals(:)
         character(:), allocatable :: problem, hint
         integer :: i, n

@@ -3,14 +3,12 @@ module spintop_execution
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_files, only: make_folder
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, print_input
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
     use spintop_study, only: study_t
-    use spintop_study_head, only: print_input
-    use spintop_summary, only: summary_t, text_column
+    use spintop_summary, only: summary_t
     use spintop_terminal, only: output_width
-    use spintop_files, only: make_folder
     use spintop_text, only: string_t, append, append_wrapped, line_width
     !$ use omp_lib, only: omp_set_num_threads
     implicit none
@@ -28,7 +26,6 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(summary_t) :: summary
-        integer :: i
 
         code = exit_ok
         if (options%ranks%is_writer()) call make_folder(options%output, error)
@@ -37,10 +34,7 @@ contains
         !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
         if (.not. (study%info%shares_ranks .or. options%ranks%is_writer())) return
         call study%run(job, options, summary, code, error)
-        if (.not. allocated(summary%lines)) return
-        do i = 1, size(summary%lines)
-            call append_wrapped(lines, '', summary%lines(i)%text, text_column, output_width())
-        end do
+        call summary%print('', options%verbose, lines)
     end subroutine run_job
 
     !> The resolved input, which can be run, and below it a description of the computation and its reasons.
@@ -51,26 +45,23 @@ contains
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(summary_t) :: summary
         character(:), allocatable :: outputs
-        integer :: i
 
         call print_input(job, lines)
         call append(lines, '')
         outputs = ' -> ' // job%files%table
         if (job%files%statistics /= '') outputs = outputs // ', its statistics -> ' // job%files%statistics
         if (job%files%events /= '') outputs = outputs // ', its events -> ' // job%files%events
-        call summary%headline(job%input%path // ': ' // study%explain(job) // outputs)
-        if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%cases(job)))
+        call summary%headline(job%input%path // ': ' // study%phrase // outputs)
+        if (options%shard%is_part()) call summary%add('shard', options%shard%line(study%count))
         if (allocated(job%plan%reason)) call summary%describe_plan(job%plan)
         if (study%info%has_case) call summary%describe_motion(job%case)
         if (job%axes%cases > 0) call summary%describe_axes(job%axes)
         if (job%statistics%is_wanted) call summary%describe_statistics(job%statistics)
         call study%forecast(job, options, summary)
-        do i = 1, size(summary%lines)
-            call append_wrapped(lines, '! ', summary%lines(i)%text, text_column, output_width())
-        end do
+        call summary%print('! ', .true., lines)
         if (allocated(job%plan%reason)) then
             call append(lines, '!')
-            call append_wrapped(lines, '! ', job%plan%reason // study%remark(job), 0, min(line_width, output_width()))
+            call append_wrapped(lines, '! ', job%plan%reason, 0, min(line_width, output_width()))
         end if
     end subroutine explain_job
 

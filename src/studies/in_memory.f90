@@ -10,15 +10,15 @@ module spintop_in_memory
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_execution, only: run_job
-    use spintop_fit_table, only: residual_path
+    use spintop_fit_study, only: residual_path
     use spintop_files, only: file_exists, make_private_folder, remove_folder
     use spintop_job, only: job_t
-    use spintop_memory_table, only: memory_table_t
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepared_t, protect_interrupted
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
+    use spintop_row_table, only: row_table_t
     use spintop_sweep_study, only: compute_cases
-    use spintop_statistics_csv, only: path_beside
+    use spintop_statistics_output, only: path_beside
     use spintop_sweep_table, only: describe_columns, make_head
     use spintop_thread_team, only: team_t
     use spintop_text, only: join, string_t
@@ -55,6 +55,7 @@ contains
         threads = 1
         !$ threads = omp_get_max_threads()
         options%quiet = .true.
+        options%verbose = .true.
         if (.not. allocated(options%output)) options%output = ''
         if (.not. allocated(options%overrides)) allocate (options%overrides(0))
         allocate (prepared(1))
@@ -84,18 +85,19 @@ contains
         type(options_t), intent(in) :: options
         type(memory_run_t), intent(inout) :: run
         type(error_t), allocatable, intent(out) :: error
-        type(memory_table_t) :: table
+        type(row_table_t) :: table
         type(team_t) :: team
 
         call describe_columns(job, table%columns)
-        call table%begin(job%axes%cases, error)
+        allocate (table%memory)
+        call table%memory%begin(table%columns, job%axes%cases, error)
         if (allocated(error)) return
         call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
         call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
         if (allocated(error)) return
         allocate (run%table(1))
-        call make_head(job, options%shard, table%columns, table%data%frame)
-        call move_table(table%data, run%table(1))
+        call make_head(job, options%shard, table%columns, table%memory%frame)
+        call move_table(table%memory, run%table(1))
     end subroutine run_sweep
 
     !> Moves the columns of a table.

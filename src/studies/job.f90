@@ -1,29 +1,34 @@
 !> A job: an input that has been read, with its case, axes and plan.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_table, only: given_axis_t, make_axes_of_arrays, read_axes
     use spintop_axes_of_scene, only: describe_axes => make_axes
+    use spintop_axes_of_table, only: given_axis_t, make_axes_of_arrays, read_axes
     use spintop_axis_laws, only: count_axes
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case
-    use spintop_parameters, only: find_missing_beside, is_set, parameter_table_t, unset_integer
     use spintop_diagnostics, only: diagnostics_t
+    use spintop_errors, only: error_t, input_error
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
+    use spintop_parameter_print, only: given_groups, print_namelist
+    use spintop_parameters, only: find_missing_beside, is_set, parameter_table_t, unset_integer
     use spintop_plan, only: plan_t
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
+    use spintop_provenance, only: header_of, fact_count, fact_t, gather_facts
+    use spintop_ranks, only: ranks_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitivities_t
     use spintop_statistics_plan, only: statistics_plan_t
-    use spintop_study_column, only: chosen_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_sweep_axes, only: case_scene_t, axes_t
     use spintop_table_column, only: column_t
+    use spintop_table_head, only: compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: job_t
+    public :: job_t, compare_with_writer, study_head, print_input
 
     !> So many cases of a sweep are tried to find one that can be computed.
     integer(int64), parameter :: most_tried = 1000
@@ -64,8 +69,8 @@ module spintop_job
         !> Values of parameters, side by side, that a caller of the library gives in place of axes of the input; not
         !> allocated where it gives none.
         type(given_axis_t), allocatable :: given(:)
-        !> The selected columns, of the list of all columns of the study.
-        type(chosen_column_t), allocatable :: columns(:)
+        !> The selected columns, with their names and units in the table.
+        type(study_column_t), allocatable :: columns(:)
         !> Derivatives of columns, which follow those columns in the table.
         type(sensitivities_t) :: sensitivities
         !> Events to search for.
@@ -85,6 +90,9 @@ module spintop_job
         procedure :: axis_column
         procedure :: warn_of_bodies
     end type job_t
+
+    !> Groups that every study reads, and those of a case, given or not.
+    character(*), parameter :: groups_of_all = 'study|integration|output', groups_of_a_case = 'top|initial|span'
 
 contains
 
@@ -269,5 +277,71 @@ contains
         end subroutine look_at
 
     end subroutine warn_of_bodies
+
+    !> The header of a table of a job. A job with a plan has one model, method and body; otherwise each row has
+    !> its own.
+    function study_head(job, columns, remarks, part) result(head)
+        type(job_t), intent(in) :: job !! the job
+        class(column_t), intent(in) :: columns(:) !! columns of the table
+        type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
+        character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
+        character(:), allocatable :: head, beginning
+        type(fact_t) :: facts(fact_count)
+        type(string_t), allocatable :: input(:)
+
+        beginning = ''
+        if (present(part)) beginning = part
+        if (allocated(job%plan%model)) then
+            call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
+                              body=body_in_words(job%case%given_body))
+        else
+            call gather_facts(job%input%scene%title, 'those of the column formulation', 'those of the column method', &
+                              dated=.true., facts=facts)
+        end if
+        call print_input(job, input)
+        head = header_of(beginning, facts, input, columns, remarks)
+    end function study_head
+
+    !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
+    !> input gives something.
+    subroutine print_input(job, lines)
+        type(job_t), intent(in) :: job !! the job
+        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
+        character(:), allocatable :: groups
+        groups = given_groups(job%input%table) // '|' // groups_of_all // '|' // trim(job%input%scene%kind)
+        if (job%has_case) groups = groups // '|' // groups_of_a_case
+        call print_namelist(job%input%table, lines, groups)
+    end subroutine print_input
+
+    !> The mass properties of a body, in the axes in which they were given.
+    function body_in_words(body) result(text)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: text
+        text = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
+               ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
+        if (body%has_products()) text = text // '; elements 23, 31, 12 of the inertia tensor ' // listed(body%products) // ' kg m^2'
+
+    contains
+
+        function listed(x) result(list)
+            real(dp), intent(in) :: x(3)
+            character(:), allocatable :: list
+            list = to_text(x(1)) // ', ' // to_text(x(2)) // ', ' // to_text(x(3))
+        end function listed
+
+    end function body_in_words
+
+    !> Checks that all ranks have the same build and input: their tables must have equal headers. All ranks call it.
+    subroutine compare_with_writer(ranks, head, error)
+        type(ranks_t), intent(in) :: ranks
+        character(*), intent(in) :: head
+        type(error_t), allocatable, intent(out) :: error
+        character(:), allocatable :: head_of_writer, problem
+        head_of_writer = head
+        call ranks%broadcast(head_of_writer)
+        problem = compare_heads(head_of_writer, 'rank 0', head, 'rank ' // to_text(ranks%number))
+        if (problem /= '') error = input_error('the ranks have different builds or inputs' // problem)
+        call ranks%agree(error)
+    end subroutine compare_with_writer
 
 end module spintop_job

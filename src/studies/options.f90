@@ -23,6 +23,8 @@ module spintop_options
         integer :: threads = 0
         logical :: quiet = .false.
         logical :: progress = .false.
+        !> Whether the summary of a run has all its lines.
+        logical :: verbose = .false.
         !> The part of a sweep, and whether an interrupted run is resumed or discarded.
         type(shard_t) :: shard
         logical :: resume = .false., restart = .false.

@@ -11,12 +11,12 @@ module spintop_preparation
     use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
     use spintop_event_text, only: column_event_t, read_event
     use spintop_files, only: file_exists, is_same_file, path_from
-    use spintop_fit_table, only: residual_path
+    use spintop_fit_study, only: residual_path
     use spintop_job, only: job_t
     use spintop_kinds, only: dp
     use spintop_namelist, only: read_namelist
-    use spintop_netcdf_file, only: has_compression, has_netcdf
     use spintop_netcdf_grid, only: most_netcdf_rows
+    use spintop_netcdf_table, only: has_compression, has_netcdf
     use spintop_options, only: options_t
     use spintop_own_butcher_tables, only: read_tables, path_of_table
     use spintop_parameter, only: parameter_t
@@ -24,11 +24,11 @@ module spintop_preparation
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_scene_words, only: reference_names
-    use spintop_statistics_csv, only: path_beside
+    use spintop_statistics_output, only: path_beside
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: chosen_column_t, find_column
-    use spintop_sweep_columns, only: sweep_columns
+    use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, study_column_t
+    use spintop_sweep_result, only: sweep_columns
     use spintop_table_file, only: refuse_to_discard_idle, stem_of
     use spintop_terminal, only: message_width
     use spintop_text, only: string_t, to_text, escaped
@@ -290,7 +290,7 @@ contains
         character(:), allocatable, intent(out) :: unit
         logical, intent(out) :: is_known
         character(*), parameter :: offset = 'offset.'
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         character(:), allocatable :: problem, hint
         integer :: place
 
@@ -305,7 +305,7 @@ contains
         end if
         associate (column => name(merge(len(offset), 0, index(name, offset) == 1) + 1:))
             call find_column(trajectory_columns, column, found, problem, hint)
-            if (found%place == 0) call find_column(sweep_columns(), column, found, problem, hint)
+            if (found%place == 0) call find_column(sweep_columns, column, found, problem, hint)
         end associate
         is_known = found%place > 0
         unit = trim(found%unit)
@@ -501,7 +501,7 @@ contains
             character(*), intent(in) :: name, text
             character(:), allocatable :: problem, hint
             call read_event(text, some, problem, hint)
-            if (problem == '' .and. any(some%column%needs_exact_motion)) then
+            if (problem == '' .and. any(some%column%is(needs_exact))) then
                 if (.not. study%keeps_exact_motion .or. .not. (problems%any() .or. case%body%has_closed_form())) then
                     problem = 'this event needs the exact solution, which '
                     if (study%keeps_exact_motion) then
@@ -524,9 +524,9 @@ contains
         type(case_t), intent(in) :: case
         type(column_event_t), intent(in) :: some(:)
         character(:), allocatable, intent(inout) :: problem, hint
-        if (any(some%column%needs_effects) .and. .not. allocated(case%given_body%effects)) then
+        if (any(some%column%is(needs_effects)) .and. .not. allocated(case%given_body%effects)) then
             problem = 'this event needs effects, and the body has none'
-        else if (any(some%column%needs_work) .and. allocated(case%given_body%effects)) then
+        else if (any(some%column%is(needs_work)) .and. allocated(case%given_body%effects)) then
             problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
         end if
         if (problem /= '') hint = 'use another column'

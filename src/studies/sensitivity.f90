@@ -15,7 +15,7 @@ module spintop_sensitivity
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: describe_scene, scene_t
-    use spintop_study_column, only: chosen_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_sweep_axes, only: axes_t
     use spintop_table_column, only: column_t
     implicit none
@@ -81,7 +81,7 @@ module spintop_sensitivity
         integer :: count = 0
         type(sensitivity_t), allocatable :: list(:)
         type(sensitive_key_t), allocatable :: keys(:)
-        type(chosen_column_t), allocatable, private :: sources(:)
+        type(study_column_t), allocatable, private :: sources(:)
     contains
         procedure :: find_key
         procedure :: add
@@ -158,7 +158,7 @@ contains
     !> Adds the derivative of a column; `is_new` tells whether it was not there yet.
     subroutine add(self, column, key, is_new)
         class(sensitivities_t), intent(inout) :: self
-        type(chosen_column_t), intent(in) :: column !! the column
+        type(study_column_t), intent(in) :: column !! the column
         integer, intent(in) :: key !! index of the key
         logical, intent(out) :: is_new !! whether it was added
         type(sensitivity_t) :: one
@@ -187,7 +187,7 @@ contains
     !> The distinct columns of which there are derivatives.
     pure function columns(self)
         class(sensitivities_t), intent(in) :: self
-        type(chosen_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
         if (allocated(self%sources)) then
             columns = self%sources
         else

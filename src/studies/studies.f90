@@ -1,16 +1,13 @@
 !> The registry of studies: what each kind is and can do, and its columns. Checks, lists and messages use it.
 module spintop_studies
     use spintop_benchmark_study, only: benchmark_columns, benchmark_study_t
-    use spintop_fit_study, only: fit_study_t
-    use spintop_fit_table, only: fit_columns
+    use spintop_fit_study, only: fit_study_t, fit_columns
     use spintop_precision_study, only: precision_columns, precision_study_t
     use spintop_scene_words, only: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark, &
         kind_fit
     use spintop_stability_study, only: stability_columns, stability_study_t
     use spintop_study, only: study_info_t, study_t
-    use spintop_study_column, only: listed_column_t
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
-    use spintop_sweep_result, only: of_oracle
+    use spintop_sweep_result, only: sweep_columns
     use spintop_sweep_study, only: sweep_study_t
     use spintop_trajectory_columns, only: trajectory_columns
     use spintop_trajectory_study, only: trajectory_study_t
@@ -36,7 +33,7 @@ contains
                 'many motions: a row of quantities per combination of parameters', takes_axes=.true., &
                 takes_columns=.true., has_parts=.true., shares_ranks=.true., resumes=.true., has_statistics=.true., &
                 has_netcdf=.true., keeps_exact_motion=.false.)
-            study%columns = columns_of_sweeps()
+            study%columns = sweep_columns
         case (study_kinds(kind_stability))
             allocate (stability_study_t :: study)
             study%info = study_info_t(name, 'a stability study', 'stability studies', '', &
@@ -66,33 +63,8 @@ contains
             study%info = study_info_t(trim(study_kinds(kind_trajectory)), 'a trajectory', 'trajectories', '', &
                 'one motion: a row per sample in time', takes_columns=.true., has_netcdf=.true., has_events=.true., &
                 resumes=.true.)
-            study%columns = columns_of_trajectories()
+            study%columns = trajectory_columns
         end select
     end subroutine create_study
-
-    !> All columns of trajectories.
-    function columns_of_trajectories() result(columns)
-        type(listed_column_t), allocatable :: columns(:)
-        allocate (columns(size(trajectory_columns)))
-        columns%study_column_t = trajectory_columns%study_column_t
-        columns%words = trajectory_columns%is_proof
-        columns%compares = trajectory_columns%compares
-        columns%is_default = trajectory_columns%is_default
-        columns%needs_exact_motion = trajectory_columns%needs_exact_motion
-        columns%needs_effects = trajectory_columns%needs_effects
-    end function columns_of_trajectories
-
-    !> All quantities of sweeps.
-    function columns_of_sweeps() result(columns)
-        type(listed_column_t), allocatable :: columns(:)
-        type(sweep_column_t), allocatable :: known(:)
-        allocate (known, source=sweep_columns())
-        allocate (columns(size(known)))
-        columns%study_column_t = known%study_column_t
-        columns%words = known%is_class .or. known%is_proof
-        columns%is_default = known%is_default
-        columns%compares = known%needs(of_oracle)
-        columns%ends = known%is_end
-    end function columns_of_sweeps
 
 end module spintop_studies

@@ -6,7 +6,7 @@ module spintop_study
     use spintop_job, only: job_t
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: summary_t
     implicit none
     private
@@ -47,20 +47,20 @@ module spintop_study
     !> A kind of study, with its plan for one job.
     type, abstract :: study_t
         type(study_info_t) :: info
+        !> What a job computes, in a phrase, and how many cases of which a part has some; `check` sets both.
+        character(:), allocatable :: phrase
+        integer(int64) :: count = 1
         !> All columns of its table, in their order.
-        type(listed_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
     contains
         procedure(check_i), deferred :: check
-        procedure(explain_i), deferred :: explain
         procedure(run_i), deferred :: run
-        procedure :: cases
         procedure :: complete
-        procedure :: remark
         procedure :: forecast
     end type study_t
 
     abstract interface
-        !> Plans a job whose input has been read: axes, case, plan, and data of the study.
+        !> Plans a job whose input has been read: axes, case, plan, and data of the study with its phrase.
         subroutine check_i(self, job, problems, diagnostics)
             import :: study_t, job_t, problems_t, diagnostics_t
             implicit none
@@ -69,15 +69,6 @@ module spintop_study
             type(problems_t), intent(inout) :: problems !! problems of the scene
             type(diagnostics_t), intent(inout) :: diagnostics !! errors in files that the scene names
         end subroutine check_i
-
-        !> Description of the computation in a phrase.
-        function explain_i(self, job) result(phrase)
-            import :: study_t, job_t
-            implicit none
-            class(study_t), intent(in) :: self
-            type(job_t), intent(in) :: job !! the job
-            character(:), allocatable :: phrase
-        end function explain_i
 
         !> Runs a checked job, and writes its tables.
         subroutine run_i(self, job, options, summary, code, error)
@@ -94,27 +85,12 @@ module spintop_study
 
 contains
 
-    !> Number of cases of which a part has some; those of the axes unless the kind overrides this.
-    integer(int64) function cases(self, job)
-        class(study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        cases = job%axes%cases
-    end function cases
-
     !> Completes a job whose columns are chosen; nothing is left to do unless the kind overrides this.
     subroutine complete(self, job, problems)
         class(study_t), intent(in) :: self
         type(job_t), intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
     end subroutine complete
-
-    !> Addition to the reasons of the plan in the output of --check; '' unless the kind overrides this.
-    function remark(self, job) result(text)
-        class(study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: text
-        text = ''
-    end function remark
 
     !> Adds lines on what the computation will need to the output of --check; none unless the kind overrides this.
     subroutine forecast(self, job, options, summary)

@@ -15,10 +15,11 @@ module spintop_summary
     use spintop_status, only: count_failed, is_good_end, is_ok, last_status, status_meaning, status_name, status_step_limit
     use spintop_stepper, only: counts_t
     use spintop_sweep_axes, only: axes_t
-    use spintop_text, only: append, escaped, string_t, to_text
+    use spintop_terminal, only: output_width
+    use spintop_text, only: append_wrapped, escaped, string_t, to_text
     implicit none
     private
-    public :: summary_t, decimal, rounded, slow_sleeper, text_column
+    public :: summary_t, decimal, rounded, slow_sleeper
 
     !> Indentation of a line, minimum width of its keyword, and the separator.
     character(*), parameter :: indent = '  '
@@ -26,12 +27,18 @@ module spintop_summary
     !> Blanks before the text of a line, which is below that of the line before it.
     integer, parameter :: text_column = len(indent) + keyword_width
 
+    !> A line, and whether only --verbose prints it.
+    type, extends(string_t) :: summary_line_t
+        logical :: is_detail = .false.
+    end type summary_line_t
+
     !> Lines of text, each with a keyword.
     type :: summary_t
-        type(string_t), allocatable :: lines(:)
+        type(summary_line_t), allocatable :: lines(:)
     contains
         procedure :: headline
         procedure :: add
+        procedure :: print
         procedure :: add_failures
         procedure :: sentence
         procedure :: describe_plan
@@ -48,24 +55,44 @@ contains
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: text !! the first line
         if (allocated(self%lines)) deallocate (self%lines)
-        call append(self%lines, escaped(text))
+        allocate (self%lines(1))
+        self%lines(1)%text = escaped(text)
     end subroutine headline
 
     !> Adds a line with its keyword.
-    subroutine add(self, keyword, text)
+    subroutine add(self, keyword, text, is_detail)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: keyword, text !! keyword, and text of the line
+        logical, intent(in), optional :: is_detail !! whether only --verbose prints it
+        type(summary_line_t) :: line
         character(max(keyword_width, len(keyword) + 1)) :: column
         column = keyword
-        call append(self%lines, indent // column // escaped(text))
+        line%text = indent // column // escaped(text)
+        if (present(is_detail)) line%is_detail = is_detail
+        if (.not. allocated(self%lines)) allocate (self%lines(0))
+        self%lines = [self%lines, line]
     end subroutine add
+
+    !> The lines for the terminal, wrapped to its width, each behind `before`.
+    subroutine print(self, before, verbose, lines)
+        class(summary_t), intent(in) :: self
+        character(*), intent(in) :: before !! what each line begins with
+        logical, intent(in) :: verbose !! whether details are printed
+        type(string_t), allocatable, intent(inout) :: lines(:) !! lines of text are added
+        integer :: i
+        if (.not. allocated(self%lines)) return
+        do i = 1, size(self%lines)
+            if (self%lines(i)%is_detail .and. .not. verbose) cycle
+            call append_wrapped(lines, before, self%lines(i)%text, text_column, output_width())
+        end do
+    end subroutine print
 
     !> Says below the first line how many of the cases failed, with which statuses, and what helps; nothing where none failed.
     subroutine add_failures(self, what, counts)
         class(summary_t), intent(inout) :: self
         character(*), intent(in) :: what !! what was counted, in the plural
         integer(int64), intent(in) :: counts(0:last_status) !! number of them with each status
-        type(string_t), allocatable :: others(:)
+        type(summary_line_t), allocatable :: others(:)
         character(:), allocatable :: text
         character(2) :: separator
         integer :: i
@@ -102,7 +129,7 @@ contains
     subroutine describe_plan(self, plan)
         class(summary_t), intent(inout) :: self
         type(plan_t), intent(in) :: plan !! model, method and settings
-        call self%add('model', plan%model)
+        call self%add('model', plan%model, is_detail=.true.)
         call self%add('method', plan%method)
     end subroutine describe_plan
 
@@ -126,11 +153,11 @@ contains
             momentum = decimal(vertical_momentum(body, start)) // ' J s'
             energy = decimal(kinetic_energy(body, start) + potential_energy(body, start)) // ' J'
             if (allocated(body%effects)) then
-                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the effects change them')
+                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the effects change them', is_detail=.true.)
             else if (any(body%damping > 0)) then
-                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the damping changes both')
+                call self%add('start', 'Lz = ' // momentum // ', E = ' // energy // '; the damping changes both', is_detail=.true.)
             else
-                call self%add('constants', 'c1 = Lz = ' // momentum // ', c2 = E = ' // energy)
+                call self%add('constants', 'c1 = Lz = ' // momentum // ', c2 = E = ' // energy, is_detail=.true.)
             end if
             if (body%is_free() .and. .not. body%is_lagrange()) call describe_free_motion(self, case)
             if (.not. body%is_lagrange()) return
@@ -152,7 +179,7 @@ contains
             fast = fast_top(body, start%angle(2), start%omega(3))
             call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // decimal(fast%ratio) &
                 // ' (much greater than 1 for a fast top; the paper takes I3 omega3^2/(4 m g l) = ' &
-                // decimal(fast%ratio_of_paper) // ')')
+                // decimal(fast%ratio_of_paper) // ')', is_detail=.true.)
         end associate
     end subroutine describe_motion
 
@@ -257,7 +284,7 @@ contains
         if (counts%clipped > 0) text = text // ', ' // to_text(counts%clipped) // ' negative radicands clipped'
         if (refine > 0) text = text // ', ' // to_text(refine * counts%steps + 1) // ' output points, ' &
                                // to_text(refine) // ' per step'
-        call self%add('cost', text)
+        call self%add('cost', text, is_detail=.true.)
     end subroutine describe_cost
 
     !> A number with the letter of its exponent, which Fortran omits for three digits.

@@ -1,19 +1,19 @@
-!> A checksum of bytes that are given in pieces of any size; see checksum.c.
+!> The CRC-32 of bytes that are given in pieces, and their number of lines; see checksum.c.
 module spintop_checksum
-    use, intrinsic :: iso_c_binding, only: c_char, c_int64_t, c_long_long
+    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int32_t, c_int64_t, c_long_long
     implicit none
     private
-    public :: checksum_t, add_to_checksum, checksum_text, checksum_of, checksum_width
+    public :: checksum_t, add_to_checksum, add_reals_to_checksum, checksum_text, checksum_of, checksum_width
 
     !> Number of characters of a checksum as text.
-    integer, parameter :: checksum_width = 16
+    integer, parameter :: checksum_width = 8
 
-    !> State of a checksum. A copy continues independently.
+    !> A CRC-32, and the number of lines that do not begin with `#`. A copy continues independently.
     type, bind(C) :: checksum_t
-        private
-        integer(c_int64_t) :: lane(4) = [1_c_int64_t, 2_c_int64_t, 3_c_int64_t, 4_c_int64_t]
-        integer(c_int64_t) :: length = 0
-        character(c_char) :: tail(32) = ' '
+        !> Number of lines.
+        integer(c_int64_t) :: lines = 0
+        integer(c_int32_t) :: state = 0     !! the CRC-32
+        integer(c_int32_t) :: in_line = 0   !! nonzero in the midst of a line
     end type checksum_t
 
     interface
@@ -24,29 +24,38 @@ module spintop_checksum
             integer(c_long_long), value :: count
         end subroutine c_add
 
-        integer(c_int64_t) function c_value(self) bind(C, name='spintop_checksum_value')
-            import :: c_int64_t, checksum_t
-            type(checksum_t), intent(in) :: self
-        end function c_value
+        subroutine c_add_reals(self, values, count) bind(C, name='spintop_add_reals_to_checksum')
+            import :: c_double, c_long_long, checksum_t
+            type(checksum_t), intent(inout) :: self
+            real(c_double), intent(in) :: values(*)
+            integer(c_long_long), value :: count
+        end subroutine c_add_reals
     end interface
 
 contains
 
-    !> Adds bytes to the checksum.
+    !> Adds bytes.
     subroutine add_to_checksum(self, text)
-        type(checksum_t), intent(inout) :: self !! the checksum
+        type(checksum_t), intent(inout) :: self !! the CRC-32
         character(*), intent(in) :: text !! bytes
         call c_add(self, text, len(text, c_long_long))
     end subroutine add_to_checksum
 
-    !> The checksum of all bytes so far, as hexadecimal digits.
+    !> Adds the bytes of numbers, which are no lines.
+    subroutine add_reals_to_checksum(self, values)
+        type(checksum_t), intent(inout) :: self !! the CRC-32
+        real(c_double), intent(in), contiguous :: values(:, :) !! numbers
+        call c_add_reals(self, values, size(values, kind=c_long_long))
+    end subroutine add_reals_to_checksum
+
+    !> The CRC-32 of all bytes so far, as hexadecimal digits.
     function checksum_text(self) result(text)
-        type(checksum_t), intent(in) :: self !! the checksum
+        type(checksum_t), intent(in) :: self !! the CRC-32
         character(checksum_width) :: text
-        write (text, '(z16.16)') c_value(self)
+        write (text, '(z8.8)') self%state
     end function checksum_text
 
-    !> The checksum of a text.
+    !> The CRC-32 of a text.
     function checksum_of(text)
         character(*), intent(in) :: text !! all bytes
         character(checksum_width) :: checksum_of

@@ -8,7 +8,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -82,65 +81,27 @@ static int lock(int file) {
     return errno == ENOLCK || errno == ENOSYS || errno == EOPNOTSUPP || errno == EINVAL ? no_locks : errno;
 }
 
-// Whether the process that made a lock file ran on this machine and is no more.
-static int is_stale(const char *name, const char *host) {
-    char text[512] = "", there[256];
-    long process = 0;
-    int file, is_over;
-    if (spintop_open(name, 1, &file) != 0) return 0;
-    is_over = read(file, text, sizeof text - 1) > 0 && sscanf(text, "%255s %ld", there, &process) == 2
-              && strcmp(there, host) == 0 && process > 0 && kill((pid_t)process, 0) < 0 && errno == ESRCH;
-    close(file);
-    return is_over;
-}
-
-// Removes a stale lock file: under a name of one's own, as another run may have found it stale, too, and made a new one.
-static void remove_stale(const char *name, const char *host) {
-    char own[PATH_MAX + 32];
-    snprintf(own, sizeof own, "%s.%ld", name, (long)getpid());
-    if (rename(name, own) != 0) return;
-    if (is_stale(own, host) || link(own, name) == 0) unlink(own);
-    else rename(own, name);
-}
-
-// The lock files of this process: a place is free, taken for one that is not made yet, or has one.
-enum { most_held = 64, room_of_name = PATH_MAX + 8, is_free = 0, is_taken, is_made };
+// The lock files of this process.
+enum { most_held = 64, room_of_name = PATH_MAX + 8 };
 static char held[most_held][room_of_name];
-static atomic_int state[most_held];
+static atomic_int is_held[most_held];
 
-// In place of a lock, where the file system has none: a file beside the other one, which only one run can make.
+// In place of a lock, where the file system has none: a file beside the other one, which only one run can make. It names the
+// run, and stays if that is killed.
 static int make_lock_file(const char *path) {
-    char host[256], text[512], *name;
-    int file, length, status = 0, place = 0;
-    for (; place < most_held; ++place) {
-        int expected = is_free;
-        if (atomic_compare_exchange_strong(&state[place], &expected, is_taken)) break;
-    }
+    char host[256], text[512];
+    int file, length, status, place = 0;
+    while (place < most_held && is_held[place]) ++place;
     if (place == most_held) return ENOLCK;
-    name = held[place];
-    if (snprintf(name, room_of_name, "%s.lock", path) >= PATH_MAX) {
-        state[place] = is_free;
-        return ENAMETOOLONG;
-    }
+    if (snprintf(held[place], room_of_name, "%s.lock", path) >= PATH_MAX) return ENAMETOOLONG;
+    file = open(held[place], O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file < 0) return errno == EEXIST ? no_locks : errno;
     spintop_host(host, sizeof host);
-    for (int tries = 0; tries < 2; ++tries) {
-        file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-        if (file >= 0) {
-            length = snprintf(text, sizeof text, "%s %ld\n", host, (long)getpid());
-            status = spintop_write(file, text, length);
-            close(file);
-            if (status == 0) {
-                state[place] = is_made;
-                return 0;
-            }
-            unlink(name);
-        } else {
-            status = errno == EEXIST ? no_locks : errno;
-        }
-        if (status != no_locks || !is_stale(name, host)) break;
-        remove_stale(name, host);
-    }
-    state[place] = is_free;
+    length = snprintf(text, sizeof text, "%s %ld\n", host, (long)getpid());
+    status = spintop_write(file, text, length);
+    close(file);
+    if (status != 0) unlink(held[place]);
+    is_held[place] = status == 0;
     return status;
 }
 
@@ -148,10 +109,10 @@ static int make_lock_file(const char *path) {
 void spintop_remove_lock_file(const char *path) {
     const size_t length = path == NULL ? 0 : strlen(path);
     for (int i = 0; i < most_held; ++i) {
-        if (state[i] != is_made) continue;
+        if (!is_held[i]) continue;
         if (path != NULL && (strncmp(held[i], path, length) != 0 || strcmp(held[i] + length, ".lock") != 0)) continue;
         unlink(held[i]);
-        state[i] = is_free;
+        is_held[i] = 0;
     }
 }
 

@@ -25,12 +25,11 @@ enum { exit_output = 4, exit_internal = 5 };
 
 static atomic_int is_planned;
 
-// Whether this process is the program; and whether a library cannot be ended, so that it is left as it is.
-static int is_program, leaves_libraries;
+// Whether a library cannot be ended, so that it is left as it is.
+static int leaves_libraries;
 
-// What a crash in a library means, and what the system would do with it.
+// What an invalid access to memory means as long as a library is expected to have one.
 static char meaning_of_crash[8192];
-static struct sigaction without_meaning;
 
 // The message of a signal that ends the process: `before`, a number of rows, `after`. It is prepared
 // in advance, as few functions are safe in a handler.
@@ -87,17 +86,6 @@ static void end_unplanned(void) {
     _exit(exit_internal);
 }
 
-// Ends the process where memory cannot be had; the first thread that needs it has the word. A program calls it from its
-// allocator, so it must not ask for memory.
-void spintop_end_without_memory(void) {
-    static const char text[] = "spintop: there is no more memory\n";
-    static atomic_flag is_reported = ATOMIC_FLAG_INIT;
-    while (atomic_flag_test_and_set(&is_reported)) pause();
-    complain(text, sizeof text - 1);
-    report_rows_kept();
-    _exit(exit_internal);
-}
-
 // Ends the process by a signal, after its message.
 static void report_and_end(int number) {
     report_rows_kept();
@@ -133,27 +121,20 @@ static void occupy(int stream) {
     close(file);
 }
 
+// An invalid access to memory. gfortran does not check memory for values such as `[list, more]`, and goes on with a null
+// pointer.
 static void answer_crash(int number) {
+    static const char text[] = "spintop: there is no more memory, or the program has a fault\n";
+    const int is_expected = meaning_of_crash[0] != '\0';
     (void)number;
-    complain(meaning_of_crash, strlen(meaning_of_crash));
+    complain(is_expected ? meaning_of_crash : text, is_expected ? strlen(meaning_of_crash) : sizeof text - 1);
     report_rows_kept();
-    _exit(exit_output);
+    _exit(is_expected ? exit_output : exit_internal);
 }
 
 // From now on an invalid access to memory ends the program with a text, as an error of an output; with '' no longer. netCDF
 // has such accesses where HDF5 cannot close a file.
-void spintop_expect_crash(const char *text) {
-    struct sigaction crash;
-    if (!is_program) return;
-    if (text[0] == '\0') {
-        sigaction(SIGSEGV, &without_meaning, NULL);
-        return;
-    }
-    snprintf(meaning_of_crash, sizeof meaning_of_crash, "%s", text);
-    memset(&crash, 0, sizeof crash);
-    crash.sa_handler = answer_crash;
-    sigaction(SIGSEGV, &crash, &without_meaning);
-}
+void spintop_expect_crash(const char *text) { snprintf(meaning_of_crash, sizeof meaning_of_crash, "%s", text); }
 
 // At its end the process does nothing more in its libraries.
 void spintop_leave_libraries(void) { leaves_libraries = 1; }
@@ -163,7 +144,6 @@ void spintop_begin_process(void) {
     struct sigaction ending, ignored, old;
     size_t i;
 
-    is_program = 1;
     for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);
     atexit(end_unplanned);
 
@@ -175,6 +155,11 @@ void spintop_begin_process(void) {
     memset(&ending, 0, sizeof ending);
     ending.sa_handler = answer;
     ending.sa_flags = SA_RESTART;
+#ifndef __SANITIZE_ADDRESS__
+    ending.sa_handler = answer_crash;
+    sigaction(SIGSEGV, &ending, NULL);
+    ending.sa_handler = answer;
+#endif
     if (spintop_hangup_is_ignored) sigaction(SIGHUP, &ignored, NULL);
     for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with

@@ -2,7 +2,7 @@
 !> is the file `NAME.journal` next to the part and is replaced as a whole. The header of the part identifies
 !> the table: program, build, input and shard.
 !>
-!>     spintop journal 3
+!>     spintop journal 4
 !>     bytes: 1048701
 !>     checksum: 6A09E667F3BCC908        (of these bytes)
 !>     rows: 2171 0 12 0 0 0 0 0 0 0 0   (of each status)
@@ -20,7 +20,7 @@ module spintop_journal
 
     !> The format is the number in the first line. It increases when a status is added, for the rows are counted
     !> by status, and when the checksum is another one.
-    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '3'
+    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '4'
 
     !> The line of the state.
     character(*), parameter :: state_key = 'state: ', state_format = '(ss, i1, 1x, a)'
@@ -28,7 +28,7 @@ module spintop_journal
     !> An entry: the bytes of a part that are on the disk.
     type :: journal_entry_t
         integer(int64) :: bytes = 0
-        character(checksum_width) :: checksum = ''  !! of these bytes
+        character(2 * checksum_width) :: checksum = '' !! of these bytes
         integer(int64) :: counts(0:last_status) = 0 !! rows of each status
         !> Number of the file with what was gathered of these rows (0: none), and its checksum.
         integer :: state = 0

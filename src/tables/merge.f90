@@ -3,14 +3,13 @@ module spintop_merge
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
-    use spintop_netcdf_file, only: is_netcdf
     use spintop_netcdf_table, only: head_of_table, netcdf_table_t
-    use spintop_resumable_table, only: resumable_table_t
     use spintop_row_block, only: row_block_t
+    use spintop_row_table, only: row_table_t
     use spintop_shard, only: read_shard_line, shard_t
     use spintop_table_end, only: check_table, table_check_t
     use spintop_table_file, only: refuse_to_discard_idle, table_file_t
-    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, is_netcdf
     use spintop_text, only: append, string_t, to_text
     implicit none
     private
@@ -69,7 +68,7 @@ contains
         integer, intent(in) :: part_at(:)
         type(error_t), allocatable, intent(out) :: error
         type(netcdf_table_t) :: part
-        type(resumable_table_t) :: table
+        type(row_table_t) :: table
         type(row_block_t) :: block
         integer :: i
 
@@ -77,8 +76,8 @@ contains
             call part%open(parts(part_at(i))%text, error)
             if (allocated(error)) exit
             if (i == 1) then
-                table%netcdf = part%description
-                table%netcdf%part = ''
+                table%netcdf = part%layout
+                table%columns = part%columns
                 table%has_journal = .false.
                 call table%start(path, head, .false., .false., error)
             end if

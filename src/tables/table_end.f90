@@ -9,8 +9,7 @@
 !> The attribute `end` of a NetCDF table says the same of its rows as numbers of 64 bits, row by row.
 module spintop_table_end
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_checksum, only: checksum_width
-    use spintop_crc32, only: add_reals_to_crc32, add_to_crc32, crc32_t, crc32_text
+    use spintop_checksum, only: add_reals_to_checksum, add_to_checksum, checksum_t, checksum_text, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: input_file_t, read_file
     use spintop_kinds, only: dp
@@ -33,7 +32,7 @@ module spintop_table_end
         private
         logical :: in_head = .true., in_line = .false.
         !> Of the lines before the names, and of the rest.
-        type(crc32_t) :: head = crc32_t(), crc = crc32_t()
+        type(checksum_t) :: head = checksum_t(), crc = checksum_t()
         !> Rows that were added as numbers.
         integer(int64) :: of_numbers = 0
     contains
@@ -74,10 +73,10 @@ contains
             break = index(text(first:), nl)
             self%in_line = break == 0
             if (break == 0) break = len(text) - first + 1
-            call add_to_crc32(self%head, text(first:first + break - 1))
+            call add_to_checksum(self%head, text(first:first + break - 1))
             first = first + break
         end do
-        call add_to_crc32(self%crc, text(first:))
+        call add_to_checksum(self%crc, text(first:))
     end subroutine add
 
     !> Number of rows so far.
@@ -89,8 +88,8 @@ contains
     !> A checksum of all bytes so far, for a journal.
     function checksum(self)
         class(table_end_t), intent(in) :: self
-        character(checksum_width) :: checksum
-        checksum = crc32_text(self%head) // crc32_text(self%crc)
+        character(2 * checksum_width) :: checksum
+        checksum = checksum_text(self%head) // checksum_text(self%crc)
     end function checksum
 
     !> The last line, ready to write.
@@ -104,7 +103,7 @@ contains
     subroutine add_cells(self, cells)
         class(table_end_t), intent(inout) :: self
         real(dp), intent(in), contiguous :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
-        call add_reals_to_crc32(self%crc, cells)
+        call add_reals_to_checksum(self%crc, cells)
         self%of_numbers = self%of_numbers + size(cells, 2)
     end subroutine add_cells
 
@@ -112,15 +111,15 @@ contains
     function summary(self)
         class(table_end_t), intent(in) :: self
         character(:), allocatable :: summary
-        summary = to_text(self%rows()) // between // crc32_text(self%crc)
+        summary = to_text(self%rows()) // between // checksum_text(self%crc)
     end function summary
 
     !> As long as the summary of a table with these rows, to keep its place.
     function place_of_summary(rows) result(place)
         integer(int64), intent(in) :: rows !! number of rows
         character(:), allocatable :: place
-        type(crc32_t) :: nothing
-        place = to_text(rows) // between // crc32_text(nothing)
+        type(checksum_t) :: nothing
+        place = to_text(rows) // between // checksum_text(nothing)
     end function place_of_summary
 
     !> Begins to check a table.

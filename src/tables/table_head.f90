@@ -7,7 +7,7 @@ module spintop_table_head
     use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
-    public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated
+    public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated, value_of, is_netcdf
     public :: format_key, table_format, check_format
 
     !> Format of the tables that this program writes, and its key in the header. The number increases when a
@@ -79,6 +79,21 @@ contains
         if (.not. allocated(error)) error = input_error(path // ' is not a table: it has no line with column names')
     end subroutine read_head
 
+    !> Whether a file begins as one in a format of NetCDF; false as well if it cannot be read.
+    logical function is_netcdf(path)
+        character(*), intent(in) :: path !! path of the file
+        type(input_file_t) :: file
+        type(error_t), allocatable :: error
+        character(4) :: magic
+        integer :: length
+        length = 0
+        call file%open(path, error)
+        if (.not. allocated(error)) call file%read(magic, length, error)
+        call file%close()
+        is_netcdf = .false.
+        if (length == len(magic)) is_netcdf = magic(:3) == 'CDF' .or. magic(2:) == 'HDF'
+    end function is_netcdf
+
     !> An error if a table of this program has another format than this version writes. Tables from elsewhere
     !> have no format.
     subroutine check_format(path, text, error)
@@ -106,7 +121,7 @@ contains
 
     !> The value of a key in a header; '' if it has none.
     pure function value_of(key, head) result(value)
-        character(*), intent(in) :: key, head
+        character(*), intent(in) :: key, head !! the key, and the header
         character(:), allocatable :: value
         integer :: first
         value = ''

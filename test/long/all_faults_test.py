@@ -4,14 +4,10 @@ SPINTOP_LONG_CASES is the largest number of places that are tried for a kind of 
 """
 
 import os
-import sys
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "program"))
-
-from faults_test import CALLS, INPUTS, Fault, faulty, kinds_of, library, sample  # noqa: F401
+from faults_test import CALLS, INPUTS, Fault, faulty, kinds_of, sample  # noqa: F401
 
 MOST = int(os.environ.get("SPINTOP_LONG_CASES", "1000000"))
 

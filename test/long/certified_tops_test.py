@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Iterator
+from dataclasses import astuple, replace
 
 from conftest import read
 from proof_test import needs_flint
@@ -32,6 +33,21 @@ INPUT = """\
                   'omega1_bound', 'omega2_bound', 'omega3_bound', 'orientation_bound',
                   'inherent_error' /
 """
+SWEEP = """\
+&study kind = 'sweep' /
+&top mass = 1.0, inertia = 1.0, 1.0, 1.0, length = 1.0 /
+&span t_end = 1.0 /
+&sweep table = 'tops.csv' /
+&output columns = 'theta_end', 'theta_end_bound', 'phi_end', 'phi_end_bound', 'psi_end',
+                  'psi_end_bound', 'inherent_error' /
+"""
+SWEPT = (
+    *("top.mass", "top.gravity", "top.inertia(1)", "top.inertia(2)", "top.inertia(3)"),
+    *("top.length", "initial.phi", "initial.theta", "initial.psi", "initial.phi_rate"),
+    *("initial.theta_rate", "initial.omega3", "span.t_end"),
+)
+BLOCK = 5e-13
+"""Additional error bound of sweeps in closed form: relative, or rad."""
 
 
 def shortened(kind: str, start: Start, span: float) -> tuple[str, Start, float]:
@@ -110,3 +126,29 @@ def look_at(spin, numbers, worst):
             for quantity, ratio in ratios(row, start):
                 if ratio > worst.get((kind, quantity), (-1.0,))[0]:
                     worst[kind, quantity] = ratio, number, row["t"]
+
+
+def test_sweep(spin):
+    """The same tops as a sweep, by its angles at the end of the span."""
+    drawn = [shortened(*draw_top(number, SEED + 1)) for number in range(TOPS)]
+    tops = [(kind, replace(start, spin_is_omega3=True), span) for kind, start, span in drawn]
+    lines = [",".join(SWEPT)]
+    for _, start, span in tops:
+        i1, i3, mass, gravity, length, *motion = astuple(start)[:11]
+        cells = [mass, gravity, i1, i1, i3, length, *motion, span]
+        lines.append(",".join(map(repr, cells)))
+    run = spin(SWEEP, tops="\n".join([*lines, ""]))
+    assert set(run.rows.status) == {"ok"}
+    faults = []
+    for number, (row, (kind, start, _)) in enumerate(zip(run.rows.itertuples(), tops, strict=True)):
+        size = max(1.0, abs(row.phi_end) + abs(row.psi_end))
+        claim = ALLOWED * row.inherent_error + BLOCK * size
+        least = min(math.sin(row.theta_end / 2), math.cos(row.theta_end / 2))
+        found = {"theta": row.theta_end_bound / claim}
+        if is_decided(start) and claim < 0.1 * least:
+            for name in ("phi", "psi"):
+                bound = getattr(row, f"{name}_end_bound")
+                if math.isfinite(bound):
+                    found[name] = bound / (2 * claim / least)
+        faults += [f"{number} ({kind}): {name} {x:.3g}" for name, x in found.items() if not x <= 1]
+    assert not faults, "\n".join(faults[:40])

@@ -1,18 +1,10 @@
 """Two hundred fits of drawn measurements: they reach the truth, or say that they do not."""
 
 import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "test"), str(ROOT / "python")]
-
-subprocess.run([ROOT / "scripts/install", "--library"], check=True, capture_output=True)
-
-from drawn_fits import draw  # noqa: E402
+from drawn_fits import draw
 
 FITS = int(os.environ.get("SPINTOP_LONG_CASES", "200"))
 

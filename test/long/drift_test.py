@@ -2,20 +2,15 @@
 
 import math
 import os
-import subprocess
 import sys
-import tempfile
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python")]
+import pytest
 
-from spintop_figures.tables.table import read_table  # noqa: E402
+from conftest import Spin
 
-EXE = os.environ["SPINTOP_EXE"]
 TOPS, PERIOD, STEPS_A_NUTATION = 32, 1.5, 11
 USUAL = 30_000
 NUTATIONS = int(os.environ.get("SPINTOP_NUTATIONS", USUAL))
@@ -60,28 +55,20 @@ def scene(start: dict[str, float], formulation: str, span: str, more: str = "") 
 
 def run(folder: Path, name: str, text: str) -> dict[str, list[float]]:
     """The columns of the table of an input."""
-    path = folder / f"{name}.nml"
-    path.write_text(text, encoding="utf-8")
-    command = [EXE, "--quiet", "--threads", "1", "-o", folder, path]
-    done = subprocess.run(command, timeout=6000, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return {
-        column: values.to_list()
-        for column, values in read_table(path.with_suffix(".csv")).rows.items()
-    }
+    words = ("--quiet", "--threads=1", "--output=.")
+    rows = Spin(folder)(text, *words, name=name).rows
+    return {column: rows[column].to_list() for column in rows}
 
 
 def root_mean_square(errors: list[float]) -> float:
     return math.sqrt(sum(error**2 for error in errors) / len(errors))
 
 
+@pytest.mark.usefixtures("folder")
 class DriftTest(unittest.TestCase):
     """Root mean squares over an ensemble, early in the span and at its end."""
 
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def check(self, kind: str, sizes: dict[str, tuple[float, float]], growth: float) -> None:
         """The errors grow with the root of time, and remain within the rounding of the state."""
@@ -150,7 +137,3 @@ class DriftTest(unittest.TestCase):
             rows = run(self.folder, "lanes", "&study kind = 'sweep' /\n" + text)
             sizes.append(root_mean_square(rows["energy_error_max"]))
         self.check("lanes", {"energy_max": (sizes[0], sizes[1])}, growth)
-
-
-if __name__ == "__main__":
-    unittest.main()

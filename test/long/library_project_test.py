@@ -2,15 +2,10 @@
 
 import os
 import sys
-import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS / "scripts"), str(TESTS / "program")]
-
-from conftest import ROOT  # noqa: E402
-from manual_test import ManualCase, parts_of_library_page  # noqa: E402
+from conftest import ROOT
+from manual_test import ManualCase, parts_of_library_page
 
 
 class LibraryProjectTest(ManualCase):
@@ -32,7 +27,3 @@ class LibraryProjectTest(ManualCase):
         self.check_output(
             self.shell(f"cd my_top && {fpm} run 2>/dev/null"), parts["text", "output"]
         )
-
-
-if __name__ == "__main__":
-    unittest.main()

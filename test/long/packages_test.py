@@ -1,11 +1,10 @@
 """Containers and Debian packages: their recipes on a bare Debian 12, and what they give there."""
 
 import re
-import subprocess
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT, execute
+
 PACKAGING = ROOT / "packaging"
 SAME = "spintop --quiet -o /tmp/o input/slow_top.nml && grep -q '^# status: ok' /tmp/o/slow_top.csv"
 """The program of the package answers the first example."""
@@ -29,12 +28,7 @@ class PackagesTest(unittest.TestCase):
 
     def try_commands(self, commands: tuple[str, ...]) -> None:
         """Run commands on a bare system; each must succeed."""
-        done = subprocess.run(
-            [ROOT / "scripts/fresh_machine", "bookworm", *commands],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = execute(ROOT / "scripts/fresh_machine", "bookworm", *commands, code=None)
         if done.stdout.endswith("0 passed, 0 failed\n"):
             self.skipTest(done.stderr.strip())
         expected = f"{len(commands)} passed, 0 failed\n"
@@ -58,7 +52,3 @@ class PackagesTest(unittest.TestCase):
         number = re.search(r"SPINTOP_INTERFACE (\d+)", header)[1]
         control = (PACKAGING / "debian/control").read_text(encoding="utf-8")
         self.assertIn(f"Package: libspintop{number}\n", control)
-
-
-if __name__ == "__main__":
-    unittest.main()

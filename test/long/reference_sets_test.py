@@ -2,9 +2,8 @@
 
 import subprocess
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT
 
 
 class WholeSetTest(unittest.TestCase):
@@ -17,7 +16,3 @@ class WholeSetTest(unittest.TestCase):
         if "this build has no FLINT" in run.stderr:
             self.skipTest("this build has no FLINT")
         self.assertEqual(run.returncode, 0, run.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,29 +1,22 @@
 """Random inputs of all kinds of study: each ends within its budget, with a status that is true."""
 
-import csv
 import itertools
 import math
 import os
 import re
-import subprocess
-import sys
-import tempfile
-import unittest
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TESTS))
+from conftest import EXE, Run, Spin
+from random_inputs import PAPER, plausible_input
 
-from random_inputs import PAPER, plausible_input  # noqa: E402
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 INPUTS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1"))
 KEPT = os.environ.get("SPINTOP_KEEP", "")
 """A folder for a list of what is wrong that grows as it is found."""
 BATCH = 40
+ANY = tuple(range(-64, 256))
 PATIENCE = 900
 """Seconds after which a batch hangs; it takes one or two."""
 
@@ -49,10 +42,9 @@ class Outcome:
     """A table that was written for an input."""
 
     def __init__(self, path: Path) -> None:
-        lines = path.read_text(encoding="utf-8").splitlines()
-        self.head = "\n".join(line for line in lines if line.startswith("#"))
-        texts = csv.DictReader(line for line in lines if not line.startswith("#"))
-        self.rows = list(texts)
+        run = Run(0, "", "", path)
+        self.rows = run.texts.to_dict("records")
+        self.head = "\n".join(f"# {line}" for line in run.comments)
         status = re.findall(r"^# status: (\w+)", self.head, re.M)
         self.status = status[-1] if status else ""
 
@@ -93,11 +85,8 @@ def closeness_of(table: Outcome) -> float:
 
 def run_exactly(folder: Path, text: str, settings: dict[str, str]) -> list[dict[str, float]]:
     """Quaternion and angular velocity of an exact motion, row by row; none where it is refused."""
-    (folder / "changed.nml").write_text(text, encoding="utf-8")
-    options = [option for key, value in settings.items() for option in ("--set", f"{key}={value}")]
-    command = [PROGRAM, "--quiet", "-o", ".", *options, "changed.nml"]
-    subprocess.run(command, cwd=folder, capture_output=True, check=False)
-    path = folder / "changed.csv"
+    options = (f"{key}={value}" for key, value in settings.items())
+    path = Spin(folder)(text, *options, "--output=.", name="changed", code=ANY).path
     if not path.exists():
         return []
     rows = [{key: float(cell) for key, cell in row.items()} for row in Outcome(path).rows]
@@ -201,74 +190,55 @@ class Growth:
         return self.known[key]
 
 
-class CampaignTest(unittest.TestCase):
-    """Inputs that are accepted come to a good end."""
-
-    def test_inputs(self) -> None:
-        """Exit codes, statuses, numbers, and errors where there is an exact motion."""
-        faults: list[str] = []
-        accepted, seed = 0, FIRST
-        while accepted < INPUTS:
-            with tempfile.TemporaryDirectory() as name:
-                folder = Path(name)
-                for number in range(seed, seed + BATCH):
-                    text = plausible_input(PROGRAM, number)
-                    (folder / f"{number}.nml").write_text(text, encoding="utf-8")
-                good, problems = self.run_batch(folder, range(seed, seed + BATCH))
-                faults += problems
-                if KEPT and problems:
-                    Path(KEPT).mkdir(parents=True, exist_ok=True)
-                    with (Path(KEPT) / "faults").open("a", encoding="utf-8") as file:
-                        file.writelines(f"{problem}\n" for problem in problems)
-            accepted += good
-            seed += BATCH
-        if faults:
-            self.fail(f"{len(faults)} of {accepted} are wrong:\n" + "\n".join(faults[:200]))
-
-    def run_batch(self, folder: Path, numbers: range) -> tuple[int, list[str]]:
-        """Run some inputs; give how many were accepted, and what is wrong."""
-        refused = self.refused(folder, [f"{number}.nml" for number in numbers])
-        names = [f"{number}.nml" for number in numbers if f"{number}.nml" not in refused]
-        run = self.call(folder, "--quiet", "-o", ".", *names)
-        faults = []
-        if run.returncode not in (0, 3) or "rror:" in run.stderr:
-            faults = [
-                f"{names[0]} ... {names[-1]}: exit code {run.returncode}: {run.stderr[-600:]}"
-            ]
-        for name in names:
-            path = folder / name.replace(".nml", ".csv")
-            if not path.exists():
-                faults.append(f"{name}: no table")
-                continue
-            table = Outcome(path)
-            wrong = faults_of(table, Growth(folder, name))
-            faults += [f"{name}: {fault}" for fault in wrong]
-        return len(names), faults
-
-    def refused(self, folder: Path, names: list[str]) -> set[str]:
-        """The inputs that are refused."""
-        found: set[str] = set()
-        while True:
-            rest = [name for name in names if name not in found]
-            run = self.call(folder, "--check", *rest)
-            if run.returncode == 0:
-                return found
-            self.assertEqual(run.returncode, 2, run.stderr)
-            more = set(re.findall(r"^(\d+\.nml)[:\d]*: error:", run.stderr, re.M))
-            self.assertTrue(more, run.stderr)
-            found |= more
-
-    def call(self, folder: Path, *arguments: str) -> subprocess.CompletedProcess:
-        """Run the program."""
-        return subprocess.run(
-            [PROGRAM, *arguments],
-            cwd=folder,
-            capture_output=True,
-            check=False,
-            text=True,
-            timeout=PATIENCE,
-        )
+def test_inputs(tmp_path: Path) -> None:
+    """Inputs that are accepted come to a good end: codes, statuses, numbers, errors."""
+    faults: list[str] = []
+    accepted, seed = 0, FIRST
+    while accepted < INPUTS:
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        spin = Spin(folder)
+        for number in range(seed, seed + BATCH):
+            spin.write(plausible_input(EXE, number), f"{number}.nml")
+        good, problems = run_batch(spin, range(seed, seed + BATCH))
+        faults += problems
+        if KEPT and problems:
+            Path(KEPT).mkdir(parents=True, exist_ok=True)
+            with (Path(KEPT) / "faults").open("a", encoding="utf-8") as file:
+                file.writelines(f"{problem}\n" for problem in problems)
+        accepted += good
+        seed += BATCH
+        shutil.rmtree(folder)
+    assert not faults, f"{len(faults)} of {accepted} are wrong:\n" + "\n".join(faults[:200])
 
 
-if __name__ == "__main__":
-    unittest.main()
+def run_batch(spin: Spin, numbers: range) -> tuple[int, list[str]]:
+    """Run some inputs; give how many were accepted, and what is wrong."""
+    wrong = refused(spin, [f"{number}.nml" for number in numbers])
+    names = [f"{number}.nml" for number in numbers if f"{number}.nml" not in wrong]
+    run = spin.call("--quiet", "-o", ".", *names, code=ANY, timeout=PATIENCE)
+    faults = []
+    if run.code not in (0, 3) or "rror:" in run.stderr:
+        faults = [f"{names[0]} ... {names[-1]}: exit code {run.code}: {run.stderr[-600:]}"]
+    for name in names:
+        path = spin.folder / name.replace(".nml", ".csv")
+        if not path.exists():
+            faults.append(f"{name}: no table")
+            continue
+        table = Outcome(path)
+        found = faults_of(table, Growth(spin.folder, name))
+        faults += [f"{name}: {fault}" for fault in found]
+    return len(names), faults
+
+
+def refused(spin: Spin, names: list[str]) -> set[str]:
+    """The inputs that are refused."""
+    found: set[str] = set()
+    while True:
+        rest = [name for name in names if name not in found]
+        run = spin.call("--check", *rest, code=(0, 2), timeout=PATIENCE)
+        if run.code == 0:
+            return found
+        more = set(re.findall(r"^(\d+\.nml)[:\d]*: error:", run.stderr, re.M))
+        assert more, run.stderr
+        found |= more

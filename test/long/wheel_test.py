@@ -15,10 +15,8 @@ from typing import ClassVar
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "python"))
-
-from spintop.levels import features, levels_of  # noqa: E402
+from conftest import ROOT, execute
+from spintop.levels import features, levels_of
 
 LARGEST = 15_000_000
 """Most bytes of the wheel."""
@@ -118,15 +116,9 @@ class WheelTest(unittest.TestCase):
     def answer(self, level: str) -> dict:
         """What the installed package answers at a level."""
         paths = os.pathsep.join(map(str, (self.site, Path(np.__file__).parents[1])))
-        done = subprocess.run(
-            [sys.executable, "-S", self.folder / "answer.py", self.folder / "scene.nml"],
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=self.folder,
-            env={"PATH": os.environ["PATH"], "PYTHONPATH": paths, "SPINTOP_LEVEL": level},
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
+        environment = {"PATH": os.environ["PATH"], "PYTHONPATH": paths, "SPINTOP_LEVEL": level}
+        words = (self.folder / "answer.py", self.folder / "scene.nml")
+        done = execute(sys.executable, "-S", *words, cwd=self.folder, env=environment)
         return json.loads(done.stdout)
 
     def by_program(self, level: str) -> dict[str, list[str]]:
@@ -200,18 +192,9 @@ class WheelTest(unittest.TestCase):
         expected = json.dumps(self.by_program(levels()[-1]))
         (files / "expected.json").write_text(expected, encoding="utf-8")
         for suite in ("bookworm", "trixie"):
-            done = subprocess.run(
-                [ROOT / "scripts/fresh_machine", suite, BARE],
-                capture_output=True,
-                text=True,
-                check=False,
-                env={**os.environ, "SPINTOP_FILES": str(files)},
-            )
+            words = (ROOT / "scripts/fresh_machine", suite, BARE)
+            done = execute(*words, code=None, environment={"SPINTOP_FILES": str(files)})
             if done.stdout.endswith("0 passed, 0 failed\n"):
                 self.skipTest(done.stderr.strip())
             print(done.stdout)
             self.assertTrue(done.stdout.endswith("1 passed, 0 failed\n"), done.stdout + done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

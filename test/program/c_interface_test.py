@@ -109,41 +109,6 @@ def test_cpp(spin):
     assert "element 1 of initial.theta must be" in text
 
 
-def check_motion(spin, driver, text):
-    """The driver gives the bits of the program at the times of its table; these are returned."""
-    rows = spin(text).texts
-    lines = driver("at", text, *rows.t).splitlines()
-    assert [numbers(line) for line in lines] == rows.astype(float).to_numpy().tolist()
-    return rows.astype(float)
-
-
-@pytest.mark.parametrize(
-    "body",
-    [
-        TOP,
-        "&top mass = 1 inertia = 0.25, 0.875, 0.875 centre_of_mass = 0.5, 0, 0 /",
-        "&top mass = 2 inertia = 0.3, 0.5, 0.7 centre_of_mass = 0, 0, 0 /",
-    ],
-)
-def test_exact_motion_has_the_bits_of_the_program(spin, driver, body):
-    """Columns at the times of a table; also of a body whose axis is turned, and a free one."""
-    rest = (
-        "&initial phi = 0.3 theta = 1 psi = -2 phi_rate = 0.5 theta_rate = -0.2 psi_rate = 9 /"
-        "&span t_end = 12.5 samples = 41 /"
-        "&output columns = 't', 'phi', 'theta', 'psi', 'omega1', 'energy', 'force_x' /"
-    )
-    assert len(check_motion(spin, driver, body + rest)) == 41
-
-
-@pytest.mark.parametrize(
-    "settings", ["method = 'ode45' relative_tolerance = 1e-8", "method = 'rk4' steps = 80"]
-)
-def test_integration_has_the_bits_of_the_program(spin, driver, settings):
-    """Dense output of an adaptive method, and the steps of a fixed one."""
-    text = f"{TOP} {START} &span t_end = 2 samples = 9 /&integration {settings} /"
-    check_motion(spin, driver, text + "&output columns = 't', 'theta', 'psi' /")
-
-
 def test_a_motion_that_ends(driver):
     """Rows that were not reached are NaN, and the error has the status."""
     text = f"{TOP} {START} &span t_end = 9 / &output columns = 'theta' /"
@@ -256,39 +221,6 @@ def test_small_stacks(spin, driver_program):
         spin.call("stack", "768", *words, command=(driver_program,), code=(0, 2, 3))
 
 
-def test_work_of_effects(spin, driver):
-    """The work of effects, and the energy error without it, are those of the program."""
-    text = (
-        f"{TOP} {START} &effects drag_moment = 0.1, 0.1, 0.1 / &span t_end = 2 samples = 9 /"
-        "&integration method = 'dop853' / &output columns = 't', 'work', 'energy_error' /"
-    )
-    rows = spin(text).rows
-    lines = driver("at", text, *spin(text).texts["t"]).splitlines()
-    assert [numbers(line) for line in lines] == rows.to_numpy().tolist()
-    assert rows["work"].iloc[-1] < -1e-3
-
-
-@pytest.mark.parametrize("method", ["exact", "taylor", "dop853", "rk4"])
-@pytest.mark.parametrize("end", ["", "stop_at = 'theta = 0.6'"])
-def test_events_of_a_top(spin, driver, method, end):
-    """The cells of the program's table: exact, by steps of both kinds, up to an end."""
-    text = (
-        f"{TOP} &initial theta_deg = 11.25 psi_rate = 1 / &span t_end = 9 {end} /"
-        "&output columns = 't', 'theta', 'energy'"
-        " events = 'lower_turning_points', 'theta = 0.6 rising' /"
-        f"&integration method = '{method}' {'steps = 900' * (method == 'rk4')} /"
-    )
-    first, *lines = driver("events", text).splitlines()
-    assert first == "events"
-    columns = {line.split("|")[0]: line.split("|")[3] for line in lines}
-    table = spin(text).table("events")
-    assert list(columns) == list(table)
-    assert len(table) > (0 if end else 5)
-    assert columns.pop("event").strip() == " ".join(table.pop("event"))
-    for name, cells in columns.items():
-        assert numbers(cells) == list(table[name]), name
-
-
 def test_events_that_are_none(driver):
     """A motion without them has an empty table, a top without them an error."""
     text = f"{TOP} {START} &span t_end = 1 /"
@@ -297,23 +229,6 @@ def test_events_that_are_none(driver):
     assert lines.startswith("events\nevent||the event|\nnumber||")
     text += "&integration method = 'taylor' max_steps = 3 / &output events = 'theta = 3' /"
     driver("events", text.replace("t_end = 1", "t_end = 900"), code=3)
-
-
-@pytest.mark.parametrize(
-    "body",
-    [
-        f"{TOP} &initial theta = 0.4 psi_rate = 12 /",
-        "&top mass = 1 inertia = 0.9, 0.7, 0.25 centre_of_mass = 0.05, 0, 0.8 damping = 3*.01 /"
-        "&initial theta = 0.4 psi_rate = 12 / &integration method = 'dop853' /",
-    ],
-)
-def test_derivatives_of_a_top(spin, driver, body):
-    """Those of the program's trajectory, bit by bit: in closed form, and integrated."""
-    rest = (
-        "&span t_end = 2 samples = 5 / &output columns = 't', 'phi__top.mass', 'theta',"
-        " 'theta__initial.psi_rate', 'theta__top.mass' /"
-    )
-    assert abs(check_motion(spin, driver, body + rest).iloc[-1, 4]) > 1e-3
 
 
 @pytest.mark.parametrize(
@@ -344,24 +259,6 @@ def test_tables_in_memory(spin, driver):
     assert numbers(theta[3]) == list(spin(text).rows.theta)
     assert lines[3] == "events"
     assert lines[4].split("|")[3] == "lower_turning_point lower_turning_point "
-
-
-def test_a_sweep_in_memory(spin, driver):
-    """The cells of the program's table, words among them; failed cases give code 3."""
-    text = (
-        f"&study kind = 'sweep' / {TOP} &initial theta = 0.5 / &span t_end = 1 /"
-        "&sweep parameter = 'initial.psi_rate' from = 0 to = 30 count = 7 /"
-        "&output columns = 'theta_max', 'nutation_period', 'motion_class' /"
-    )
-    columns = [line.split("|") for line in driver("run", text).splitlines()[1:]]
-    rows = spin(text).rows
-    assert [column[0] for column in columns] == list(rows)
-    for name, _, _, cells in columns:
-        if name != "notes":
-            words = name in ("status", "motion_class")
-            assert (cells.split() if words else numbers(cells)) == list(rows[name]), name
-    units = {column[0]: column[1] for column in columns}
-    assert (units["theta_max"], units["nutation_period"]) == ("rad", "s")
 
 
 def test_a_folder(spin, driver):

@@ -1,14 +1,13 @@
 """Tests of the counts at the end of a Python suite: nothing that fails is lost."""
 
-import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT, execute
+
 PLUGINS = ("test/conftest.py", "test/fortran_suites.py", "pytest.ini")
 SUITE = """\
 import unittest
@@ -64,13 +63,8 @@ def run_suite(folder: Path, text: str, **environment: str) -> tuple[int, list[st
     for name in PLUGINS:
         shutil.copy(ROOT / name, folder)
     (folder / "some_test.py").write_text(text, encoding="utf-8")
-    run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-qq", "--tb=short", "--counts", folder / "some_test.py"],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | environment,
-    )
+    words = ("-m", "pytest", "-qq", "--tb=short", "--counts", folder / "some_test.py")
+    run = execute(sys.executable, *words, code=None, environment=environment)
     return run.returncode, (run.stdout + run.stderr).splitlines()
 
 

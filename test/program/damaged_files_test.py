@@ -7,27 +7,15 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+from netCDF4 import Dataset
 
-from netCDF4 import Dataset  # noqa: E402
+from conftest import EXE, execute
+from plot_case import SCRIPTS, TableCase, a_stability, a_sweep, a_trajectory, some_events
+from reporting.study import read_study
+from spintop_figures.moving.body import read_body
+from spintop_figures.tables.characters import printable
+from spintop_figures.tables.table import TableError, read_table
 
-from plot_case import (  # noqa: E402
-    SCRIPTS,
-    TableCase,
-    a_stability,
-    a_sweep,
-    a_trajectory,
-    some_events,
-)
-from reporting.pictures import pictures_of  # noqa: E402
-from reporting.study import read_study  # noqa: E402
-from spintop_figures.moving.body import read_body  # noqa: E402
-from spintop_figures.tables.characters import printable  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(TESTS.parent / "build/release/spintop"))
 RED = "\x1b[31m"
 """Turns a terminal red; it stands for all bytes that must not reach one."""
 
@@ -56,19 +44,10 @@ class DamagedCase(TableCase):
 
     def run_program(self, *arguments: str | Path) -> subprocess.CompletedProcess:
         """Run spintop in the folder."""
-        return subprocess.run(
-            [PROGRAM, *arguments],
-            cwd=self.folder,
-            capture_output=True,
-            check=False,
-            text=True,
-            errors="surrogateescape",
-        )
+        return execute(EXE, *arguments, code=None, cwd=self.folder, errors="surrogateescape")
 
 
-class TableTest(DamagedCase):
-    """An error in a table has a message with its line."""
-
+class DamagedFilesTest(DamagedCase):
     def test_cells(self) -> None:
         """Cells that are no numbers, also where all of a column are none."""
         lines = a_trajectory(["t", "theta"], count=2).splitlines()
@@ -172,10 +151,6 @@ class TableTest(DamagedCase):
                 except TableError as error:
                     self.check_words(str(error))
 
-
-class ScriptTest(DamagedCase):
-    """scripts/plot and scripts/report end with a message and an exit code."""
-
     def test_plot(self) -> None:
         """The contents of a table do not reach the terminal unchanged."""
         cases = {
@@ -206,17 +181,12 @@ class ScriptTest(DamagedCase):
         """A name that is none in the encoding of the locale."""
         name = os.fsdecode(b"caf\xe9.csv")
         path = self.put(name, a_trajectory(["t", "R1", "R2", "R3", "R4"]))
-        run = subprocess.run(
-            [sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv"],
-            capture_output=True,
-            check=False,
-            encoding="ascii",
-            env=os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"},
-            errors="surrogateescape",
-        )
+        words = (sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv")
+        ascii_ = {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
+        told = {"encoding": "ascii", "errors": "surrogateescape"}
+        run = execute(*words, code=2, environment=ascii_, **told)
         self.check_words(run.stderr)
         self.assertIn(r"no\xff.csv: no such file", run.stderr)
-        self.assertEqual(run.returncode, 2)
         made = {entry for entry in os.listdir(os.fsencode(self.folder)) if entry.endswith(b".svg")}
         self.assertEqual(made, {b"caf\xe9_residuals.svg"})
 
@@ -237,14 +207,6 @@ class ScriptTest(DamagedCase):
         problems.append("it cannot be drawn")
         return []
 
-    def test_damaged_pictures(self) -> None:
-        """Pictures beside a table that are none are drawn anew."""
-        table = read_table(self.put("a.csv", a_trajectory(["t", "R1", "R2", "R3", "R4"])))
-        self.put_bytes("a_residuals.png", b"\x89PNG\r\n\x1a\n and no more")
-        self.put_bytes("a_residuals.svg", b"")
-        pictures = pictures_of(table)
-        self.assertGreater(len(pictures[0].address), 10_000)
-
     def test_damaged_bodies(self) -> None:
         """A body that cannot be drawn is none."""
         line = "# body: mass {} kg; inertia {} kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
@@ -261,15 +223,6 @@ class ScriptTest(DamagedCase):
     def test_printable(self) -> None:
         """Control characters are shown by their numbers."""
         self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
-
-    def test_console_is_used(self) -> None:
-        """Both scripts complain through it."""
-        for script in ("plot", "reporting/__main__.py"):
-            self.assertIn("printable(message)", (SCRIPTS / script).read_text(encoding="utf-8"))
-
-
-class ProgramTest(DamagedCase):
-    """The program shows no byte of a file as it is."""
 
     def check_run(self, code: int, *arguments: str | Path) -> str:
         """The messages of the program, which ends with this code."""
@@ -290,7 +243,7 @@ class ProgramTest(DamagedCase):
         self.put("p3.csv", f"{RED}\n")
         self.check_run(2, "merge", "all.csv", "p3.csv")
 
-    def test_names(self) -> None:
+    def test_names_of_program(self) -> None:
         """Nor one of a name, of a word of the command line or of an input."""
         self.check_run(2, f"{RED}.nml")
         self.check_run(2, f"--{RED}")
@@ -311,13 +264,3 @@ class ProgramTest(DamagedCase):
         ):
             self.put("cases.csv", text)
             self.assertIn("cases.csv:", self.check_run(2, "a.nml"))
-
-    def test_names_are_shown(self) -> None:
-        """A good run says what it made without obeying its name."""
-        self.put("cases.csv", "top.mass\n1\n")
-        self.put(f"{RED}.nml", MOTION)
-        self.check_run(0, f"{RED}.nml")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,8 +1,7 @@
-"""The example programs: each is compiled with the library, and its numbers are those of mechanics.
+"""The example programs: each is compiled with the library, and its numbers are right.
 
-The motions that they print are compared with a Runge-Kutta method that is written here, the
-quantities of a nutation with the roots of its cubic and an arithmetic-geometric mean, and the
-others with their formulas. Nothing is compared with earlier output.
+Motions are compared with those that the program integrates, by another method where the example has
+the closed form, quantities of a nutation with those of its sweeps, and the others with formulas.
 """
 
 import itertools
@@ -13,8 +12,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from conftest import EXE, ROOT
-from mechanics import runge_kutta
+from conftest import EXE, ROOT, output
 
 pytestmark = pytest.mark.skipif(
     EXE.parent.name == "sanitized", reason="programs would need the sanitizers, too"
@@ -31,94 +29,34 @@ HEIGHT = math.sqrt(0.75)
 GRAVITY = 9.81
 MGL = GRAVITY * HEIGHT
 """The symmetric top of the examples, of mass 1 kg."""
-SKEW = (0.9, 0.7, 0.25)
-SKEW_ARM = (0.05, 0.0, 0.8)
+TOP = f"mass = 1  inertia = 0.875, 0.875, 0.25  length = {HEIGHT!r}"
+SKEW = "mass = 1  inertia = 0.9, {}, 0.25  centre_of_mass = 0.05, 0, 0.8  damping = 3*{}"
 """Their body without symmetry."""
 
 
-class Body:
-    """A rigid body of 1 kg with a fixed point, as Euler's equations for a quaternion and omega."""
+@pytest.fixture
+def rows_at(spin):
+    """The rows of a motion at so many times up to an end, integrated by the program."""
 
-    def __init__(self, inertia, arm, damping=0.0):
-        self.inertia, self.arm, self.damping = inertia, arm, damping
+    def rows(body, start, t, *columns, samples=2):
+        text = f"&top {body} /\n&initial {start} /\n&span t_end = {t}  samples = {samples} /\n"
+        text += "&integration method = 'dop853'  relative_tolerance = 1e-13 /\n"
+        return spin(text + output("t", *columns)).rows
 
-    def rate(self, _, y):
-        """Derivative of the state (q, omega)."""
-        q0, q1, q2, q3, w1, w2, w3 = y = y.tolist()
-        a, b, c = self.inertia
-        x, y_, z = (GRAVITY * r for r in self.arm)
-        up = vertical(y)
-        d = self.damping
-        return np.array(
-            (
-                (-q1 * w1 - q2 * w2 - q3 * w3) / 2,
-                (q0 * w1 + q2 * w3 - q3 * w2) / 2,
-                (q0 * w2 + q3 * w1 - q1 * w3) / 2,
-                (q0 * w3 + q1 * w2 - q2 * w1) / 2,
-                ((b - c) * w2 * w3 + up[1] * z - up[2] * y_ - d * w1) / a,
-                ((c - a) * w3 * w1 + up[2] * x - up[0] * z - d * w2) / b,
-                ((a - b) * w1 * w2 + up[0] * y_ - up[1] * x - d * w3) / c,
-            )
-        )
-
-    def carry(self, y, t, steps):
-        """The state after t seconds, by the classical Runge-Kutta method."""
-        return runge_kutta(self.rate, y, t, steps)
+    return rows
 
 
-def quaternion(phi, theta, psi):
-    """The attitude with these Euler angles."""
-    c, s = math.cos(theta / 2), math.sin(theta / 2)
-    plus_, minus = (phi + psi) / 2, (phi - psi) / 2
-    return (c * math.cos(plus_), s * math.cos(minus), s * math.sin(minus), c * math.sin(plus_))
+@pytest.fixture
+def nutations(spin):
+    """The largest inclinations and the periods of the top that is released at rest, by spins."""
 
+    def nutation(theta, spins):
+        axis = f"&sweep parameter = 'initial.omega3'  values(1,:) = {', '.join(map(repr, spins))} /"
+        text = f"&study kind = 'sweep' /\n&top {TOP} /\n&initial theta = {theta} /\n{axis}\n"
+        rows = spin(f"{text}&span t_end = 1 /\n{output('theta_max', 'nutation_period')}").rows
+        return zip(rows.theta_max, rows.nutation_period, strict=True)
 
-def start(theta, theta_rate, psi_rate):
-    """The state at phi = psi = phi' = 0."""
-    return (*quaternion(0, theta, 0), theta_rate, 0.0, psi_rate)
-
-
-def vertical(y):
-    """The upward vertical in body axes."""
-    q0, q1, q2, q3 = y[:4]
-    return (2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), q0**2 - q1**2 - q2**2 + q3**2)
-
-
-def inclination(y):
-    """The angle theta of a state."""
-    return 2 * math.atan2(math.hypot(y[1], y[2]), math.hypot(y[0], y[3]))
-
-
-def height_rate(y):
-    """The derivative of cos(theta)."""
-    up = vertical(y)
-    return up[0] * y[5] - up[1] * y[4]
-
-
-class Nutation:
-    """The nutation of the symmetric top that is released at rest, from the roots of its cubic.
-
-    With u = cos(theta), a = I3 omega3/I1 and b = 2 m g l/I1 it is
-    u'^2 = (u0 - u) (b (1 - u^2) - a^2 (u0 - u)), with the roots u1 < u0 < u3.
-    """
-
-    def __init__(self, theta, omega3):
-        self.u0 = math.cos(theta)
-        self.b = 2 * MGL / INERTIA[0]
-        self.a = INERTIA[2] * omega3 / INERTIA[0]
-        root = math.sqrt(self.a**4 - 4 * self.b * (self.a**2 * self.u0 - self.b))
-        u3 = (self.a**2 + root) / (2 * self.b)
-        self.u1 = (self.a**2 * self.u0 / self.b - 1) / u3  # the product of the two roots is known
-        self.theta_max = math.acos(max(-1.0, self.u1))
-        x, y = 1.0, math.sqrt((u3 - self.u0) / (u3 - self.u1))
-        while abs(x - y) > 1e-15:
-            x, y = (x + y) / 2, math.sqrt(x * y)
-        self.period = 2 * math.pi / (x * math.sqrt(self.b * (u3 - self.u1)))
-
-    def upward_force(self, u):
-        """The vertical force, m (g + l u''); u'' is half the derivative of u'^2 by u."""
-        down, kept = self.u0 - u, self.b * (1 - u * u) - self.a**2 * (self.u0 - u)
-        return GRAVITY + HEIGHT * (-kept + down * (self.a**2 - 2 * self.b * u)) / 2
+    return nutation
 
 
 @pytest.fixture
@@ -183,59 +121,46 @@ def test_every_procedure_has_an_example():
     assert missing == set()
 
 
-def test_of_exact_motion(rows_of):
+def test_of_exact_motion(rows_of, rows_at):
     """The attitude at three instants."""
-    body, state, before = Body(INERTIA, (0, 0, HEIGHT)), start(0.2, 0, 1), 0.0
     for t, *angles in rows_of("exact_motion", 3):
-        state, before = body.carry(state, t - before, 3000), t
-        attitude = quaternion(*angles)  # or with all signs reversed
-        error = min(math.dist(attitude, state[:4]), math.dist(attitude, [-q for q in state[:4]]))
-        assert error < 1e-8
+        row = rows_at(TOP, "theta = 0.2  psi_rate = 1", t, "phi", "theta", "psi").iloc[1]
+        assert list(np.cos(row[1:] - angles)) == pytest.approx([1] * 3, abs=1e-14)
 
 
-def test_of_any_body(rows_of):
+def test_of_any_body(rows_of, rows_at):
     """The inclination of a damped body without symmetry."""
-    body, state, before = Body(SKEW, SKEW_ARM, 0.01), start(0.2, 0, 5), 0.0
     for t, theta in rows_of("any_body", 5)[:4]:
-        state, before = body.carry(state, t - before, 1000), t
-        assert_close(theta, inclination(state), 1e-8)
+        rows = rows_at(SKEW.format(0.7, 0.01), "theta = 0.2  psi_rate = 5", t, "theta")
+        assert_close(theta, rows.theta[1], 1e-8)
 
 
-def test_of_many_bodies(rows_of):
+def test_of_many_bodies(rows_of, rows_at):
     """The inclinations of some of them, and the energy of all."""
     (completed,), *some, (change,) = rows_of("many_bodies", 6)
     assert completed == 1000
     assert [row[0] for row in some] == [0.7, 0.8, 0.9, 1.0]
     for inertia, _, theta in some:
-        state = Body((0.9, inertia, 0.25), SKEW_ARM).carry(start(0.2, 0, 5), 2, 4000)
-        assert_close(theta, inclination(state), 2e-9)
+        rows = rows_at(SKEW.format(inertia, 0), "theta = 0.2  psi_rate = 5", 2, "theta")
+        assert_close(theta, rows.theta[1], 2e-9)
     assert change < 1e-11
 
 
-def test_of_events(example):
+def test_of_events(spin, example):
     """The first six turning points of a damped body, and no other."""
-    body, state, before, expected = Body(SKEW, SKEW_ARM, 0.01), start(0.5, 0.5, 20), 0.0, []
-    steps, span = 4000, 4.0
-    for i in range(steps):
-        ahead = body.carry(state, span / steps, 1)
-        if height_rate(state) * height_rate(ahead) < 0:
-            kind = "lowest" if height_rate(ahead) > 0 else "highest"
-            expected.append((i * span / steps, kind))
-        state = ahead
+    text = f"&top {SKEW.format(0.7, 0.01)} /\n&span t_end = 4 /\n&initial theta = 0.5"
+    text += "  theta_rate = 0.5  psi_rate = 20 /\n&output events = 'turning_points'"
+    run = spin(text + "  columns = 't', 'theta', 'phi' /\n", "integration.method=dop853")
+    expected = run.table("events")[:6]
     *lines, ending = example("events").splitlines()
     assert len(lines) == 6
-    state = start(0.5, 0.5, 20)
-    for line, (about, kind) in zip(lines, expected, strict=False):
+    for line, row in zip(lines, expected.itertuples(), strict=True):
         found = re.fullmatch(r"(\w+) +point at +([\d.]+) s: theta = *([\d.]+)", line)
-        t, theta = float(found[2]), float(found[3])
-        assert found[1] == kind
-        assert about <= t <= about + span / steps, line
-        state, before = body.carry(state, t - before, 1500), t
-        assert_close(height_rate(state), 0, 1e-8)
-        assert_close(theta, inclination(state), 1e-9)
-    assert re.search(rf"ok, ended at +{before:.4f} s: phi = +[\d.]+ rad", ending)
-    phi = math.atan2(state[3], state[0]) + math.atan2(state[2], state[1])
-    assert_close(math.cos(float(ending.split()[-2]) - phi), 1, 1e-8)
+        assert {"lowest": "lower", "highest": "upper"}[found[1]] == row.event.split("_")[0]
+        assert_close(float(found[2]), row.t, 1e-4)
+        assert_close(float(found[3]), row.theta, 1e-8)
+    assert re.search(rf"ok, ended at +{row.t:.4f} s: phi = +[\d.]+ rad", ending)
+    assert_close(math.cos(float(ending.split()[-2]) - row.phi), 1, 1e-8)
 
 
 def test_of_accuracy(rows_of):
@@ -247,33 +172,34 @@ def test_of_accuracy(rows_of):
     assert 1e-16 < inherent[0] < 1e-13
 
 
-def test_of_nutation(example, rows_of):
+def test_of_nutation(example, rows_of, nutations):
     """Range and period of the nutation of a top released at rest."""
-    for omega3, theta, theta_max, period in rows_of("nutation", 4):
-        expected = Nutation(0.5, omega3)
+    rows = rows_of("nutation", 4)
+    expected = nutations(0.5, [row[0] for row in rows])
+    for (_, theta, *found), row in zip(rows, expected, strict=True):
         assert theta == 0.5
-        assert_close(theta_max, expected.theta_max, 1e-9)
-        assert_close(period, expected.period, 1e-9)
+        assert found == pytest.approx(row, rel=1e-9)
     classes = [line.split()[-1] for line in example("nutation").splitlines()]
     assert classes == ["libration", "cusp", "cusp", "cusp"]
 
 
-def test_of_many_tops(rows_of):
+def test_of_many_tops(rows_of, nutations):
     """The same for many tops together."""
     (count,), *rows = rows_of("many_tops", 9)
     assert count == 400
-    for omega3, theta_max, period in rows:
-        expected = Nutation(0.5, omega3)
-        assert_close(theta_max, expected.theta_max, 1e-9)
-        assert_close(period, expected.period, 1e-9)
+    for row, expected in zip(rows, nutations(0.5, [row[0] for row in rows]), strict=True):
+        assert row[1:] == pytest.approx(expected, rel=1e-9)
 
 
-def test_of_fast_top_formulas(rows_of):
+def test_of_fast_top_formulas(rows_of, nutations):
     """Their errors decrease with the square of the spin."""
     errors = []
     rows = rows_of("fast_top_formulas", 5)
-    for omega3, rate, rate_about, precession, precession_about in rows:
-        assert_close(rate, 2 * math.pi / Nutation(0.5, omega3).period, 1e-7)
+    periods = [period for _, period in nutations(0.5, [row[0] for row in rows])]
+    for period, (omega3, rate, rate_about, precession, precession_about) in zip(
+        periods, rows, strict=True
+    ):
+        assert_close(rate, 2 * math.pi / period, 1e-7)
         assert_close(rate_about, INERTIA[2] * omega3 / INERTIA[0], 1e-7)
         assert_close(precession_about, MGL / (INERTIA[2] * omega3), 1e-7)
         errors.append((rate_about / rate - 1, 1 - precession_about / precession))
@@ -312,26 +238,19 @@ def test_of_permanent_rotation(rows_of):
     assert rows[-1][-1] < 1e-6
 
 
-def test_of_energy_and_force(rows_of):
+def test_of_energy_and_force(rows_of, rows_at, nutations):
     """Both momenta, the energy, and the force at rest, at the bottom and between."""
     _, *rows, (lowest, highest) = rows_of("energy_and_force", 7)
-    nutation = Nutation(0.2, 1)
-    forces = []
-    for i, (t, energy, about_vertical, about_axis, force, residual) in enumerate(rows):
-        assert t == pytest.approx(i * nutation.period / 4, abs=6e-4)
-        assert_close(energy, 0.5 * INERTIA[2] + MGL * math.cos(0.2), 1e-9)
-        assert_close(about_vertical, INERTIA[2] * math.cos(0.2), 1e-9)
-        assert_close(about_axis, INERTIA[2], 1e-9)
+    ((_, period),) = nutations(0.2, [1.0])
+    columns = ("energy", "lz", "l3", "force_z")
+    start = "theta = 0.2  psi_rate = 1"
+    expected = rows_at(TOP, start, period, *columns, samples=5).to_numpy()
+    for (t, *found, residual), row in zip(rows, expected, strict=True):
+        assert t == pytest.approx(row[0], abs=6e-4)
+        assert found == pytest.approx(row[1:], rel=1e-9)
         assert residual < 1e-13
-        forces.append(force)
-    at_rest, at_bottom = nutation.upward_force(nutation.u0), nutation.upward_force(nutation.u1)
-    for force, expected in zip(forces[::2], (at_rest, at_bottom, at_rest), strict=True):
-        assert_close(force, expected, 1e-9)
-    assert_close(forces[1], forces[3], 1e-9)
-    range_ = nutation.u0 - nutation.u1
-    forces = [nutation.upward_force(nutation.u1 + range_ * i / 10**5) for i in range(10**5 + 1)]
-    assert_close(highest, max(forces), 1e-7)
-    assert_close(lowest, min(forces), 1e-7)
+    force = rows_at(TOP, start, period, "force_z", samples=100001).force_z
+    assert [lowest, highest] == pytest.approx([force.min(), force.max()], rel=1e-7)
 
 
 def test_of_stability(rows_of):
@@ -361,13 +280,13 @@ def test_of_lyapunov(rows_of):
     assert regular[1] < 1e5
 
 
-def test_of_sensitivity(rows_of):
+def test_of_sensitivity(rows_of, rows_at):
     """The derivative with respect to the spin, against differences of two kinds."""
-    body, step, ends = Body(SKEW, SKEW_ARM), 1e-3, []
+    step, ends = 1e-3, []
     for omega3 in (5 - step, 5 + step):
-        end = body.carry(start(0.2, 0, omega3), 2, 4000)
-        momentum = [a * b for a, b in zip(SKEW, end[4:], strict=True)]
-        ends.append((*vertical(end), *momentum))
+        columns = [f"{name}{i}" for name in ("gamma", "omega") for i in (1, 2, 3)]
+        rows = rows_at(SKEW.format(0.7, 0), f"theta = 0.2  psi_rate = {omega3!r}", 2, *columns)
+        ends.append(rows.iloc[1, 1:].to_numpy() * [1, 1, 1, 0.9, 0.7, 0.25])
     for row, less, more in zip(rows_of("sensitivity", 6), *ends, strict=True):
         _, derivative, quotient = row
         assert_close(derivative, quotient, 1e-6)
@@ -383,10 +302,11 @@ def test_of_methods(spin, example):
     assert found == expected
 
 
-def test_of_sweep(rows_of):
+def test_of_sweep(rows_of, nutations):
     """The largest inclination for each spin ratio."""
     unit = math.sqrt(4 * MGL / INERTIA[2])
     rows = rows_of("sweep", 4)
     assert [ratio for ratio, _ in rows] == [0.5, 1, 2, 4]
-    for ratio, theta_max in rows:
-        assert_close(theta_max, Nutation(math.pi / 6, ratio * unit).theta_max, 1e-7)
+    expected = nutations(math.pi / 6, [ratio * unit for ratio, _ in rows])
+    for (_, theta_max), (known, _) in zip(rows, expected, strict=True):
+        assert_close(theta_max, known, 1e-7)

@@ -6,9 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from conftest import KIND, MPI, needs_mpi, under, wait_until
 from spintop_figures.registry import FIGURES
-from spintop_figures.sweeps.statistics import indices_of
+from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
 
 # Released at rest, so that maximum inclination and period of precession have formulas.
@@ -109,23 +108,6 @@ def precession_period(_, psi_rate, gravity):
     return 2 * np.pi * 0.25 * psi_rate / (gravity * 0.85)
 
 
-# A run of seconds, without rows.
-STEPS = "steps = 2000" if KIND == "release" else "steps = 600"
-SLOW = f"""\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 2 /
-&integration formulation = 'lagrange', method = 'rk4', {STEPS} /
-&sweep combine = 'saltelli'  cases = 1000
-       parameter(1) = 'initial.psi_rate'  from(1) = 1  to(1) = 100
-       parameter(2) = 'initial.phi_rate'  from(2) = 0  to(2) = 1
-       parameter(3) = 'top.gravity'  from(3) = 9  to(3) = 10 /
-&statistics columns = 'theta_max', 'theta_end'  indices = 'sobol' /
-&output rows = 'none' /
-"""
-
-
 def compute(spin, text, *options):
     """Run an input; cases may fail."""
     return spin(text, *options, code=(0, 3))
@@ -207,39 +189,6 @@ def test_nothing_varies(spin):
     assert np.isnan(numbers[:, [1, 2, 4, 5]]).all()
 
 
-def test_threads_rows_and_parts(spin):
-    """One and two threads, with rows and without, parts that cut groups, in any order."""
-    compute(spin, FAILING, "--threads=1", "--output=one")
-    compute(spin, FAILING, "--threads=2", "--output=two")
-    assert results(spin, "one") == results(spin, "two")
-    for part in range(1, 8):
-        compute(spin, FAILING, f"--shard={part}/7", "--output=parts")
-    tables = [f"parts/scene.{part}-of-7.csv" for part in (3, 7, 1, 2, 6, 4, 5)]
-    spin.call("merge", "parts/scene.csv", *tables, code=(0, 3))
-    assert results(spin, "one") == results(spin, "parts")
-
-
-@pytest.mark.parametrize("parts", [7, 13])
-def test_parts_shorter_than_groups(spin, parts):
-    """A group may lie in three parts, and a part may be empty."""
-    text = VECTOR.replace("cases = 64", "cases = 12")
-    compute(spin, text, "--output=one")
-    for part in range(1, parts + 1):
-        compute(spin, text, f"--shard={part}/{parts}", "--output=parts")
-    states = [f"parts/scene.{k}-of-{parts}.statistics.state" for k in range(parts, 0, -1)]
-    spin.call("merge", "parts/scene.statistics.csv", *states, code=(0, 3))
-    assert results(spin, "one") == results(spin, "parts")
-
-
-@needs_mpi
-def test_ranks(spin):
-    """Three ranks."""
-    compute(spin, FAILING, "--output=one")
-    words = ("scene.nml", "--threads", "1", "-o", "ranks")
-    spin.call(*words, command=under(3), environment=MPI, code=(0, 3))
-    assert results(spin, "one") == results(spin, "ranks")
-
-
 def test_netcdf(spin):
     """Bit for bit the numbers of the CSV."""
     text = FAILING.replace("&output columns", "&output format = 'netcdf' columns")
@@ -247,43 +196,16 @@ def test_netcdf(spin):
         pytest.skip("no NetCDF")
     path = compute(spin, FAILING).path
     one, other = (
-        indices_of(read_table(path.with_name(f"scene.statistics.{kind}"))) for kind in ("nc", "csv")
+        rows_beside(read_table(path.with_name(f"scene.statistics.{kind}")), "indices")
+        for kind in ("nc", "csv")
     )
     assert list(one) == list(other)
     for name in one:
         assert one[name].tolist() == other[name].tolist(), name
 
 
-@pytest.mark.parametrize(
-    ("rows", "table"),
-    [("rows = 'none'", "statistics.csv"), ("columns = 'theta_max', 'theta_end'", "csv")],
-)
-def test_killed(spin, rows, table):
-    """A run that is killed inside a group, at several points, is resumed to the same bytes."""
-    text = SLOW.replace("rows = 'none'", rows)
-    compute(spin, text, "--output=whole")
-    kept, kills = 0, 0
-    for _ in range(6):
-        with spin.start("scene.nml", "--resume", "--threads", "1") as run:
-            wait_until(
-                lambda run=run, kept=kept: (
-                    run.poll() is not None or spin.journalled(f"output/scene.{table}") > kept
-                )
-            )
-            kills += run.poll() is None
-        if "output/scene.statistics.csv" in spin.produced():
-            break
-        before, kept = kept, max(spin.journalled(f"output/scene.{table}"), 0)
-        assert kept >= before
-    assert kills > 0
-    compute(spin, text, "--resume", "--threads=1")
-    assert results(spin, "output") == results(spin, "whole")
-    left, whole = ({p.name for p in (spin.folder / f).iterdir()} for f in ("output", "whole"))
-    assert left == whole
-
-
-ONE_AXIS = SLOW[: SLOW.index("&sweep")] + SLOW[SLOW.index("&statistics") :]
-ONE_AXIS += "&sweep parameter = 'initial.psi_rate', from = 1, to = 100, count = 1000 /\n"
+AXIS = "parameter = 'initial.psi_rate', from = 1, to = 100, count = 1000"
+ONE_AXIS = re.sub("&sweep[^/]*/", f"&initial theta_deg = 20 /\n&sweep {AXIS} /", KNOWN)
 COLUMNS = "columns = 'theta_max', 'precession_period', 'initial.psi_rate', 'status'"
 SALTELLI = "Sobol' indices need the cases of Saltelli's design", "sweep.combine = 'saltelli'"
 SINGLE = KNOWN.replace(KNOWN[KNOWN.index("&sweep") : KNOWN.index("&output")], "")
@@ -349,7 +271,7 @@ def test_dots(spin):
     assert FIGURE.refusal(table) == ""
     panels = FIGURE.draw(table).axes
     assert len(panels) == 3
-    expected = indices_of(table)
+    expected = rows_beside(table, "indices")
     for column, axes in zip(expected["column"].unique(), panels, strict=True):
         rows = expected[expected["column"] == column]
         for label, index in (("first order", "first_order"), ("total", "total")):

@@ -34,11 +34,6 @@ def test_what_follows_a_value(spin, setting, rest):
     assert place in spin.refuse(GOOD, setting)
 
 
-def test_texts_without_quotes(spin):
-    """They go to the end."""
-    assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
-
-
 CHARACTERS = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028", "\u2029")
 
 
@@ -63,105 +58,73 @@ UNITS = "units are rad, mrad, deg"
 QUOTES = "a number with its unit is in quotes, as '20 deg'"
 
 
-@pytest.mark.parametrize(
-    ("text", "settings", "words"),
-    [
+DRAWN = "&sweep parameter(1) = 'initial.phi_rate' combine = 'random' cases = 9 distribution(1) ="
+DRAWN += " 'lognormal' deviation(1) = 0.1 mean(1) = '1 rpm' /"
+DRAGGED = "&effects drag_moment = 0, 0, 0.1 drag_exponent = 2 /\n"
+TILTED = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
+TILTED = TILTED.replace("psi_rate = 1.0", "omega = 0, 0, 1").replace("'lagrange'", "'auto'")
+HINTS = {
+    GOOD: [
         # Degrees where radians belong, and other units.
+        ("initial.theta=20", "theta is out of range", "in [0, pi] rad; theta_deg takes degrees"),
+        ("initial.phi_rate_deg=3", f"'phi_rate' {DEGREES}"),
+        ("output.columns=t,theta_rpm", "'theta_rpm': rpm is no unit of a quantity in rad"),
+        ("output.columns=t,theta_rpm", "theta is in rad", "a suffix: _rad, _mrad, _deg, _rev"),
+        ("output.columns=t,theta_degr", "there is no column 'theta_degr'"),
+        ("output.columns=t,q0_deg", "a number without a unit is wanted"),
+        ("output.columns=t,theta_deg,theta_deg", "column 'theta_deg' is named twice"),
+        ("initial.theta=20 rpm", "rpm is no unit of a quantity in rad", UNITS),
+        ("initial.theta=20 dge", "'dge' is not a unit", UNITS),
+        ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad", UNITS),
+        # Keys and columns that are elsewhere, or need something.
+        ("span.rtol=1e-9", "did you mean 'relative_tolerance' in group &integration?"),
         (
-            GOOD,
-            ["initial.theta=20"],
-            ["theta is out of range", "must be in [0, pi] rad; theta_deg takes degrees"],
+            *("output.columns=t,lyapunov_exponent", "a trajectory has no column"),
+            "'lyapunov_exponent': sweeps and stability studies have it",
         ),
-        (GOOD, ["initial.phi_rate_deg=3"], [f"'phi_rate' {DEGREES}"]),
-        (GOOD.replace("psi_rate", "psi_rate_deg"), [], [f"'psi_rate' {DEGREES}"]),
-        (SWEEP + AXIS.format("initial.omega3_deg", 1), [], ["'omega3' is in rad/s"]),
-        (SWEEP + AXIS.format("initial.theta", "1, 20"), [], ["theta_deg takes degrees"]),
         (
-            GOOD,
-            ["output.columns=t,theta_rpm"],
-            [
-                "column 'theta_rpm': rpm is no unit of a quantity in rad",
-                "theta is in rad, and can have a suffix: _rad, _mrad, _deg, _rev",
-            ],
+            *("output.columns=t,time_s", "a trajectory has no column 'time_s': stability studies,"),
+            "work-precision studies and studies of benchmarks have it",
         ),
-        (GOOD, ["output.columns=t,theta_degr"], ["there is no column 'theta_degr'"]),
-        (GOOD, ["output.columns=t,q0_deg"], ["a number without a unit is wanted"]),
-        (GOOD, ["output.columns=t,theta_deg,theta_deg"], ["column 'theta_deg' is named twice"]),
-        (GOOD, ["initial.theta=20 rpm"], ["rpm is no unit of a quantity in rad", UNITS]),
-        (GOOD, ["initial.theta=20 dge"], ["'dge' is not a unit", UNITS]),
-        (GOOD, ["initial.theta=20 kg m^2/s"], ["kg m^2/s is no unit of a quantity in rad", UNITS]),
-        (GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"), [], [QUOTES]),
-        (GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"), [], [QUOTES]),
-        (
-            GOOD.replace("mass = 1.0", "mass = '25,5 g'"),
-            [],
-            ["a comma in the number '25,5 g'", "decimals follow a point"],
-        ),
+        ("study.kind=stability; stability.methods=rk4,exact", "is not among the compared methods"),
+    ],
+    CLOSED: [("output.columns=work_friction", "'work_friction' needs effects, which this body")],
+    SWEEP: [
+        (AXIS.format("initial.omega3_deg", 1), "'omega3' is in rad/s"),
+        (AXIS.format("initial.theta", "1, 20"), "theta_deg takes degrees"),
         # The unit of an axis is that of its parameter.
         (
-            SWEEP + "&sweep from(1) = '1 rpm', to(1) = 2, count(1) = 2 /",
-            [],
-            ["from(1) has a unit, but sweep.parameter(1) is not given"],
+            *("&sweep from(1) = '1 rpm', to(1) = 2, count(1) = 2 /", "from(1) has a unit, but"),
+            "sweep.parameter(1) is not given",
         ),
+        (DRAWN, "the logarithm of initial.phi_rate: a number without a unit"),
+        (DRAGGED + AXIS.format("effects.drag_exponent", "1, 4"), "drag_exponent must be in [1, 3]"),
         (
-            SWEEP + "&sweep parameter(1) = 'initial.phi_rate' combine = 'random' cases = 9"
-            " distribution(1) = 'lognormal' deviation(1) = 0.1 mean(1) = '1 rpm' /",
-            [],
-            ["the logarithm of initial.phi_rate: a number without a unit"],
-        ),
-        # Keys and columns that are elsewhere, or need something.
-        (GOOD, ["span.rtol=1e-9"], ["did you mean 'relative_tolerance' in group &integration?"]),
-        (
-            GOOD,
-            ["output.columns=t,lyapunov_exponent"],
-            [
-                "a trajectory has no column 'lyapunov_exponent':"
-                " sweeps and stability studies have it"
-            ],
-        ),
-        (
-            SWEEP + AXIS.format("initial.theta", 1),
-            ["output.columns=theta_min,gamma1"],
-            ["a sweep has no column 'gamma1': trajectories have it"],
-        ),
-        (
-            GOOD,
-            ["output.columns=t,time_s"],
-            [
-                "a trajectory has no column 'time_s':"
-                " stability studies, work-precision studies and studies of benchmarks have it"
-            ],
-        ),
-        (
-            CLOSED,
-            ["output.columns=work_friction"],
-            ["column 'work_friction' needs effects, which this body does not have"],
-        ),
-        (
-            GOOD,
-            ["study.kind=stability", "stability.methods=rk4,exact"],
-            ["the exact solution is not among the compared methods"],
-        ),
-        (
-            SWEEP
-            + "&effects drag_moment = 0, 0, 0.1 drag_exponent = 2 /\n"
-            + AXIS.format("effects.drag_exponent", "1, 4"),
-            [],
-            ["effects.drag_exponent must be in [1, 3]"],
-        ),
-        # The length of a quaternion is named.
-        (
-            GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
-            .replace("psi_rate = 1.0", "omega = 0, 0, 1")
-            .replace("'lagrange'", "'auto'"),
-            [],
-            ["norm of the quaternion is 1.004987562112089, not 1"],
+            AXIS.format("initial.theta", 1) + "; output.columns=theta_min,gamma1",
+            "a sweep has no column 'gamma1': trajectories have it",
         ),
     ],
+    GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
+    GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
+    GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],
+    GOOD.replace("mass = 1.0", "mass = '25,5 g'"): [
+        ("", "a comma in the number '25,5 g'", "decimals follow a point")
+    ],
+    # The length of a quaternion is named.
+    TILTED: [("", "norm of the quaternion is 1.004987562112089, not 1")],
+}
+"""Inputs, each with settings and groups that are wrong, and what is said."""
+
+
+@pytest.mark.parametrize(
+    ("text", "case"), [(text, case) for text, cases in HINTS.items() for case in cases]
 )
-def test_hints(spin, text, settings, words):
+def test_hints(spin, text, case):
     """The hint is what is meant."""
-    said = hint(spin, text, *settings)
+    wrong, *words = case
+    parts = wrong.split("; ") if wrong else []
+    text += "".join(part for part in parts if "&" in part)
+    said = hint(spin, text, *(part for part in parts if "&" not in part))
     for word in words:
         assert word in said
 
@@ -211,8 +174,9 @@ def test_foreign_characters(spin, old, new, character, wanted):
     assert re.search(r"\b1 error\n", said)
 
 
-def test_foreign_characters_of_texts(spin):
-    """In texts and comments each of them may stand."""
+def test_characters_of_texts(spin):
+    """In texts and comments each may stand; a text without quotes goes to the end."""
+    assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
     spin(f"! [#;] {MINUS}\n&study title = '[a]; #1: \u201cb\u201d' /\n{GOOD}")
 
 

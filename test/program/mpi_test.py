@@ -4,31 +4,23 @@ import os
 import re
 import shlex
 import signal
-import subprocess
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from conftest import EXE, GOOD, KIND, MPI, MPI_EXE, ROOT, needs_mpi, under, wait_until
+from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, netcdf_is_missing, under, wait_until
+from indices_test import FAILING
+from netcdf_test import GRID, LONG
+from safe_files_test import NETCDF
+from slow_sweep import FAST, SLOW, STEPPING, STEPS, Sweep, undisturbed
+from statistics_test import BARE, MAP
 
 pytestmark = [pytest.mark.slow, needs_mpi]
 
-# For other suites that have ranks.
-MPI_PROGRAM, ENVIRONMENT = MPI_EXE, MPI
-
-# Long enough to be interrupted at any moment; a launcher takes its time to end its ranks.
-STEPS = "steps = 8000" if KIND == "release" else "steps = 2000"
-STEPPING = f"formulation = 'lagrange', method = 'rk4', {STEPS}"
-SLOW = f"""\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 2 /
-&integration {STEPPING} /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 1000 /
-"""
-FAST = SLOW.replace(STEPPING, "method = 'exact'")  # the same in closed form
+# A launcher takes its time to end its ranks.
+MANY = f"steps = {4 * int(STEPS.split()[-1])}"
+SLOWER = SLOW.replace(STEPS, MANY)
 
 
 def ranked(spin, *words, ranks=3, code=0):
@@ -36,27 +28,12 @@ def ranked(spin, *words, ranks=3, code=0):
     return spin.call(*words, command=under(ranks), environment=MPI, code=code)
 
 
-@pytest.fixture(scope="module")
-def reference(tmp_path_factory):
-    """The table of the slow sweep from a build without MPI."""
-    folder = tmp_path_factory.mktemp("reference")
-    (folder / "slow.nml").write_text(SLOW)
-    subprocess.run([EXE, "slow.nml", "-o", "."], cwd=folder, check=True, capture_output=True)
-    return (folder / "slow.csv").read_bytes()
-
-
 @pytest.fixture
 def slow(spin):
-    """The slow sweep."""
-    return spin.write(SLOW, "slow.nml")
-
-
-def check_complete(spin, reference, name="output/slow.csv"):
-    """The table is that of an uninterrupted run, and nothing else is left of it."""
-    path = spin.folder / name
-    assert path.read_bytes() == reference
-    left = sorted(p.name for p in path.parent.glob(f"{path.stem}*"))
-    assert left == [path.name, f"{path.stem}.log"]
+    """The slow sweep under three ranks, whose table is that of the program without MPI."""
+    slow = Sweep(spin, SLOWER)
+    slow.options = {"command": under(3), "environment": MPI}
+    return slow
 
 
 def writers(spin):
@@ -83,10 +60,11 @@ def writes(process):
 
 
 def axis(count, text=SLOW):
-    """The sweep with another number of cases."""
+    """A sweep with another number of cases."""
     return text.replace("count(1) = 1000", f"count(1) = {count}")
 
 
+needs_netcdf = pytest.mark.skipif(netcdf_is_missing() != "", reason="no NetCDF")
 TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
 
 
@@ -102,36 +80,45 @@ TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 5
         (axis(3, FAST), 3, 0),
         # The exit code of failing cases is that of the run.
         (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
+        # Statistics, with rows and without, and indices; NetCDF.
+        (MAP, 800, (0, 3)),
+        (BARE, 0, (0, 3)),
+        (FAILING, 400, (0, 3)),
+        pytest.param(GRID + NETCDF, 0, 3, marks=needs_netcdf),
+        pytest.param(LONG + NETCDF, 0, 0, marks=needs_netcdf),
     ],
 )
 def test_same_bytes(spin, text, cases, code):
     """The tables of any ranks and threads are that of the program without MPI."""
-    whole = spin(text, "--output=alone", code=code).path.read_bytes()
-    assert whole.count(b"\n") > cases
-    output = spin.folder / "output"
+    alone, output = spin(text, "--output=alone", code=code).path.parent, spin.folder / "output"
+    whole = {path.name: path.read_bytes() for path in alone.iterdir() if path.suffix != ".log"}
+    assert max(content.count(b"\n") for content in whole.values()) > cases
     for ranks, threads in ((1, 1), (2, 1), (4, 1), (3, 2)):
-        run = ranked(spin, "scene.nml", "--threads", str(threads), ranks=ranks, code=code)
-        assert run.path.read_bytes() == whole
+        words = ("scene.nml", "--verbose", "--threads", str(threads))
+        run = ranked(spin, *words, ranks=ranks, code=code)
+        for name, content in whole.items():
+            assert (output / name).read_bytes() == content, name
         assert (output / "scene.log").read_text(encoding="utf-8") == run.out
         team = f"{ranks} ranks x {threads} threads" if ranks > 1 else f"{threads} threads"
         assert f" s on {team}, " in run.out
-        assert sorted(path.name for path in output.iterdir()) == ["scene.csv", "scene.log"]
+        assert {path.name for path in output.iterdir()} == {*whole, "scene.log"}
 
 
-def test_several_inputs_and_parts(spin, slow, reference):
+def test_several_inputs_and_parts(spin, slow):
     """One sweep after the other; a part of one is shared out like a whole."""
     alone = spin(FAST, "--output=alone", name="fast").path.read_bytes()
-    ranked(spin, "fast.nml", slow, "--threads", "1")
-    check_complete(spin, reference)
-    assert (spin.folder / "output/fast.csv").read_bytes() == alone
+    ranked(spin, "fast.nml", slow.name, "--threads", "1")
+    whole = undisturbed(SLOWER)["slow.csv"]
+    assert slow.read(slow.table) == whole
+    assert slow.read("output/fast.csv") == alone
     for part in (1, 2):
-        ranked(spin, slow, "--threads", "1", "--shard", f"{part}/2")
+        slow("--threads", "1", "--shard", f"{part}/2")
     merged = ranked(spin, "merge", "m.csv", *sorted(spin.folder.glob("output/*-of-2.csv")))
     assert merged.out == "2 parts, 1000 cases -> m.csv\n"
-    assert (spin.folder / "m.csv").read_bytes() == reference
+    assert slow.read("m.csv") == whole
 
 
-def test_under_slurm(spin, slow, reference):
+def test_under_slurm(spin, slow):
     """The script, with stand-ins for sbatch and srun."""
     (spin.folder / "bin").mkdir()
     for name, body in (
@@ -143,64 +130,51 @@ def test_under_slurm(spin, slow, reference):
     path = f"{spin.folder / 'bin'}:{os.environ['PATH']}"
     script = (ROOT / "scripts/slurm_sweep.sh",)
     environment = MPI | {"PATH": path, "SPINTOP_EXE": MPI_EXE}
-    spin.call(slow, "mpi", "--ntasks=2", command=script, environment=environment)
+    spin.call(slow.name, "mpi", "--ntasks=2", command=script, environment=environment)
     assert " s on 2 ranks x 1 threads, " in (spin.folder / "log").read_text()
-    check_complete(spin, reference)
+    slow.check()
 
 
 @pytest.mark.parametrize("kill_writer", [True, False])
-def test_a_rank_is_killed(spin, slow, reference, kill_writer):
+def test_a_rank_is_killed(spin, slow, kill_writer):
     """All end; what is journalled is taken over, with ranks or without, to the same bytes."""
-    with spin.start(slow, "--threads", "1", command=under(3), environment=MPI) as run:
-        wait_until(lambda: spin.journalled("output/slow.csv") >= 1)
+    with slow.start() as run:
+        slow.wait(run, 1)
         victims = sorted(pid for pid, writer in writers(spin).items() if writer is kill_writer)
         assert len(victims) == (1 if kill_writer else 2)
         os.kill(victims[0], signal.SIGKILL)
         assert run.wait(timeout=300) != 0
         wait_until(lambda: not writers(spin))
-    rows = spin.journalled("output/slow.csv")
+    rows = slow.rows
     assert rows > 0
-    assert "output/slow.csv" not in spin.produced()
-    words = (slow, "--threads", "1", "--resume", "--progress")
-    run = ranked(spin, *words, ranks=2) if kill_writer else spin.call(*words)
+    assert slow.table not in spin.produced()
+    slow.options = {"command": under(2), "environment": MPI} if kill_writer else {}
+    said = slow("--threads", "1", "--resume", "--progress")
     # In the progress, in the summary, and nowhere else.
-    said = run.out + run.stderr
     assert said.count(f"resumes after {rows} rows of an interrupted run") == 2
-    check_complete(spin, reference)
+    slow.check()
 
 
-def test_the_launcher_is_stopped(spin, slow, reference):
+def test_the_launcher_is_stopped(spin, slow):
     """SIGTERM to it ends all ranks, and nothing is lost; a complete table is left alone."""
-    with spin.start(slow, "--threads", "1", command=under(3), environment=MPI) as run:
-        wait_until(lambda: spin.journalled("output/slow.csv") >= 1)
-        run.terminate()
-        assert run.wait(timeout=300) != 0
-        wait_until(lambda: not writers(spin))
-    assert spin.journalled("output/slow.csv") > 0
+    assert slow.interrupt(by=signal.SIGTERM)[0] != 0
+    wait_until(lambda: not writers(spin))
+    assert slow.rows > 0
     for said in (" rows of an interrupted run", "nothing was computed"):
-        run = ranked(spin, slow, "--threads", "1", "--resume")
-        assert said in run.out + run.stderr
-        check_complete(spin, reference)
+        assert said in slow("--threads", "1", "--resume")
+        slow.check()
 
 
-def test_a_disk_that_fills_up(spin, slow, reference):
+def test_a_disk_that_fills_up(spin, slow, disk):
     """All ranks end, with exit code 4 and one message; with more room it goes on."""
-    disk = spin.folder / "disk"
-    disk.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=256k", "none", disk]
-    if os.geteuid() or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("takes root")
-    try:
-        run = ranked(spin, slow, "-o", disk, "--threads", "1", code=4)
-        said = run.out + run.stderr
-        assert said.count("No space left on device") == 1
-        assert said.count("slow.csv are kept; --resume resumes the run") == 1
-        assert writers(spin) == {}
-        subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
-        ranked(spin, slow, "-o", disk, "--threads", "1", "--resume")
-        check_complete(spin, reference, "disk/slow.csv")
-    finally:
-        subprocess.run(["umount", disk], check=True)
+    disk("256k")
+    said = slow("-o", "disk", "--threads", "1", code=4)
+    assert said.count("No space left on device") == 1
+    assert said.count("slow.csv are kept; --resume resumes the run") == 1
+    assert writers(spin) == {}
+    disk("4m")
+    slow("-o", "disk", "--threads", "1", "--resume")
+    slow.check("disk")
 
 
 @pytest.mark.parametrize(
@@ -219,7 +193,7 @@ def test_wrong_input_and_usage(spin, slow, words, said):
 def test_a_file_where_the_folder_should_be(spin, slow):
     """The message comes once, too."""
     spin.write("", "output")
-    assert ranked(spin, slow, code=4).stderr.count("cannot make folder output") == 1
+    assert slow(code=4).count("cannot make folder output") == 1
 
 
 @pytest.mark.parametrize("words", [["--help"], ["list", "methods"], ["--check", "scene.nml"]])
@@ -240,7 +214,7 @@ def test_ranks_that_are_not_alike(spin, slow, scene, reason):
     choose = f'#!/bin/sh\n[ "{rank}" = 0 ] || shift\nexec {shlex.quote(MPI_EXE)} "$1"\n'
     unlike = spin.folder / spin.write(choose, "unlike")
     unlike.chmod(0o755)
-    command = ("mpirun", "-np", "2", unlike, slow)
+    command = ("mpirun", "-np", "2", unlike, slow.name)
     run = spin.call(scene, command=command, environment=MPI, code=2)
     assert run.stderr.count(reason) == 1
     assert not list(spin.folder.rglob("*.csv*"))

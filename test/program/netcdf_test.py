@@ -1,29 +1,19 @@
 """NetCDF tables: the numbers of the CSV, bit for bit, by the conventions of CF."""
 
-import os
 import random
-import resource
-import shutil
+import re
 import signal
 import struct
-import subprocess
-import sys
-import time
-from collections.abc import Mapping
-from pathlib import Path
 
 import pytest
 
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
+from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
+from slow_sweep import SLOW, Sweep
+from spintop_figures.sweeps.scatter import object_to_scatter
+from spintop_figures.tables.netcdf import read_netcdf
+from spintop_figures.tables.table import TableError, read_table
 
-from conftest import GOOD  # noqa: E402
-from mpi_test import ENVIRONMENT  # noqa: E402
-from program_case import PROGRAM, ProgramCase, Table  # noqa: E402
-from spintop_figures.sweeps.scatter import object_to_scatter  # noqa: E402
-from spintop_figures.tables.netcdf import read_netcdf  # noqa: E402
-from spintop_figures.tables.table import TableError, read_table  # noqa: E402
-from survival_test import SurvivalCase, is_larger  # noqa: E402
+pytestmark = pytest.mark.skipif(netcdf_is_missing() != "", reason=netcdf_is_missing() or "-")
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -48,541 +38,324 @@ LONG = """\
 &sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 331
        parameter(2) = 'top.gravity', from(2) = 1, to(2) = 10, count(2) = 421 /
 """
+DRAWN = """\
+&sweep combine = 'latin_hypercube', cases = 9
+    parameter(1) = 'initial.theta_deg', from(1) = 10, to(1) = 80
+    parameter(2) = 'top.gravity', values(2,:) = 1, 5 /
+"""
+DRAWN = GRID.split("&sweep", maxsplit=1)[0] + DRAWN
+PACKED = "output.compression=6"
+needs_packed = pytest.mark.skipif(netcdf_is_missing(PACKED) != "", reason="no NetCDF-4")
 
 
-def bits(value: float) -> bytes:
-    """The bytes of a number; every NaN has the same."""
-    return b"nan" if value != value else struct.pack(">d", value)
+def bits(values):
+    """The bytes of numbers; every NaN has the same."""
+    return [b"nan" if value != value else struct.pack(">d", value) for value in map(float, values)]
 
 
-class NetcdfCase(ProgramCase):
-    """Sweeps in both formats."""
-
-    def setUp(self) -> None:
-        """A scene, and a program that can write it."""
-        super().setUp()
-        self.grid = self.write(GRID, "grid.nml")
-        said = self.run_program("--check", self.grid, "--set", NETCDF).stderr
-        if "this build has no NetCDF" in said:
-            self.skipTest("this build has no NetCDF")
-
-    def sweep(self, scene: Path, *arguments: str | Path, code: int = 0, **options: object) -> str:
-        """Run a sweep to a NetCDF table; returns all that it said."""
-        result = self.run_program(scene, "--set", NETCDF, *arguments, **options)
-        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
-        return result.stdout + result.stderr
-
-    def netcdf(self, name: str) -> tuple[dict, Mapping]:
-        """Read a NetCDF table."""
-        return read_netcdf(self.folder / "output" / name)
-
-    def check_same(self, name: str) -> Table:
-        """The NetCDF table has every cell of the CSV table, and the input; returns the latter."""
-        text = self.table(name)
-        csv, netcdf = (read_table(self.folder / f"output/{name}{end}") for end in (".csv", ".nc"))
-        settings = csv.settings | {"output.format": ["netcdf"]}
-        self.assertEqual(netcdf.settings, settings)
-        self.assertEqual(netcdf.meanings, csv.meanings)
-        self.assertEqual(netcdf.units, csv.units)
-        self.assertEqual(netcdf.header["model"], csv.header["model"])
-        rows = netcdf.rows
-        self.assertEqual(list(rows), text.names)
-        self.assertEqual(len(rows), len(text.rows))
-        for column in text.names:
-            cells = text.texts(column)
-            if column in ("status", "motion_class"):
-                self.assertEqual(list(rows[column]), cells, column)
-            elif column != "notes":
-                self.assertEqual(
-                    [bits(float(value)) for value in rows[column]],
-                    [bits(float(cell)) for cell in cells],
-                    column,
-                )
-        return text
+def sweep(spin, given, *words, **options):
+    """Run an input to a NetCDF table."""
+    return spin(given, NETCDF, *words, **options).path.with_suffix(".nc")
 
 
-class NetcdfTest(NetcdfCase):
-    """The contents of a table."""
-
-    def test_same_numbers_as_the_csv(self) -> None:
-        """In every cell of a grid with good and bad cases."""
-        self.assertEqual(self.run_program(self.grid).returncode, 3)
-        self.sweep(self.grid, code=3)
-        text = self.check_same("grid")
-        self.assertEqual(set(text.texts("status")), {"ok", "pole", "bad_input"})
-        self.assertGreater(len(set(text.texts("motion_class"))), 1)
-        self.assertIn("nan", text.texts("nutation_period"))
-
-    def test_long_table(self) -> None:
-        """Rows gathered and written in several goes; the same bytes for any number of threads."""
-        scene = self.write(LONG, "long.nml")
-        self.assertEqual(self.run_program(scene).returncode, 0)
-        self.sweep(scene, "--threads", "1")
-        first = (self.folder / "output/long.nc").read_bytes()
-        self.check_same("long")
-        for threads in ("2", "5"):
-            self.sweep(scene, "--threads", threads)
-            self.assertEqual((self.folder / "output/long.nc").read_bytes(), first)
-        left = sorted(path.name for path in (self.folder / "output").iterdir())
-        self.assertEqual(left, ["long.csv", "long.log", "long.nc"])
-
-    def test_conventions(self) -> None:
-        """The grid, the coordinates, the attributes that CF asks for, the origin."""
-        self.sweep(self.grid, code=3)
-        attributes, variables = self.netcdf("grid.nc")
-        self.assertEqual(attributes["Conventions"], "CF-1.8")
-        self.assertEqual(attributes["title"], "A grid")
-        self.assertTrue(attributes["program"].startswith("spintop "))
-        self.assertNotIn("date", attributes)
-        axes = ("initial_theta_deg", "top_inertia_3", "top_gravity")
-        for axis in axes:
-            self.assertEqual(variables[axis].dims, (axis,))
-        self.assertEqual(list(variables["top_inertia_3"].values), [0.25, 0.5, 1.8])
-        self.assertEqual(variables["initial_theta_deg"].attrs["units"], "degree")
-        self.assertEqual(variables["top_gravity"].attrs["column"], "top.gravity")
-        for name, variable in variables.items():
-            self.assertRegex(name, r"^[A-Za-z]\w*$")
-            self.assertTrue(variable.attrs["long_name"], name)
-            if name not in axes:
-                self.assertEqual(variable.dims, axes)
-            if variable.values.dtype.kind == "f":
-                self.assertTrue(variable.attrs["units"], name)
-        self.assertEqual(variables["case"].values.reshape(-1).tolist(), list(range(1, 85)))
-        meanings = variables["status"].attrs["flag_meanings"].split()
-        self.assertEqual(variables["status"].attrs["flag_values"].size, len(meanings))
-        # The resolved input runs, and gives the same table.
-        again = self.write(attributes["input"] + "\n", "again.nml")
-        self.sweep(again, code=3)
-        self.assertEqual(
-            (self.folder / "output/again.nc").read_bytes(),
-            (self.folder / "output/grid.nc").read_bytes(),
-        )
-
-    def test_axes_side_by_side(self) -> None:
-        """Without a grid the dimension is the case, with the parameters of each."""
-        text = GRID.split("&sweep", maxsplit=1)[0] + (
-            "&sweep combine = 'latin_hypercube', cases = 9\n"
-            "    parameter(1) = 'initial.theta_deg', from(1) = 10, to(1) = 80\n"
-            "    parameter(2) = 'top.gravity', values(2,:) = 1, 5 /\n"
-        )
-        scene = self.write(text, "drawn.nml")
-        self.assertEqual(self.run_program(scene).returncode, 0)
-        self.sweep(scene)
-        self.check_same("drawn")
-        for name, variable in self.netcdf("drawn.nc")[1].items():
-            self.assertEqual(variable.dims, ("case",), name)
-            self.assertNotIn("coordinates", variable.attrs)
-        for ending in ("csv", "nc"):
-            table = read_table(self.folder / f"output/drawn.{ending}")
-            self.assertEqual(object_to_scatter(table), "")
-
-    def test_ranks(self) -> None:
-        """Under MPI the bytes are the same."""
-        program = os.environ.get("SPINTOP_MPI_EXE")
-        if not program:
-            self.skipTest("no MPI")
-        for text, name, code in ((LONG, "long", 0), (GRID, "grid", 3)):
-            scene = self.write(text, f"{name}.nml")
-            self.sweep(scene, code=code)
-            result = subprocess.run(
-                ["mpirun", "-np", "3", program, scene, "--set", NETCDF, "-o", "ranks"],
-                cwd=self.folder,
-                env=os.environ | ENVIRONMENT,
-                capture_output=True,
-                text=True,
-                check=False,
-                timeout=1200,
-            )
-            self.assertEqual(result.returncode, code, result.stderr)
-            tables = (self.folder / folder / f"{name}.nc" for folder in ("output", "ranks"))
-            self.assertEqual(*(table.read_bytes() for table in tables))
-
-    def test_notes(self) -> None:
-        """A bit for each thing noted, where the CSV has it and its reason."""
-        self.run_program(self.grid)
-        self.sweep(self.grid, code=3)
-        notes = self.netcdf("grid.nc")[1]["notes"]
-        words = notes.attrs["flag_meanings"].split()
-        masks = notes.attrs["flag_masks"].tolist()
-        self.assertEqual(masks, [1 << i for i in range(len(words))])
-        texts = self.table("grid").texts("notes")
-        for flags, text in zip(notes.values.reshape(-1), texts, strict=True):
-            told = {part.split(":")[0].replace(" ", "_") for part in text.split("; ")}
-            noted = {word for mask, word in zip(masks, words, strict=True) if flags & mask}
-            self.assertEqual(noted, told & set(words), text)
-        self.assertGreater(len(set(notes.values.reshape(-1).tolist())), 1)
+def check_cells(csv, path):
+    """A NetCDF table has every cell of a CSV table, of which this is the run; it is read."""
+    netcdf, texts = read_table(path), csv.texts
+    assert list(netcdf.rows) == list(texts)
+    assert len(netcdf.rows) == len(texts)
+    for column in texts:
+        if column in ("status", "motion_class"):
+            assert list(netcdf.rows[column]) == list(texts[column]), column
+        elif column != "notes":
+            assert bits(netcdf.rows[column]) == bits(texts[column]), column
+    return netcdf
 
 
-class FailureTest(NetcdfCase):
-    """Impossible requests, and places where nothing can be written."""
-
-    def test_refusals(self) -> None:
-        """An impossible NetCDF table is an input error with a hint."""
-        stability = "&study kind = 'stability' /\n&stability cases = 'sleeping_above' /\n"
-        said = self.refuse(self.write(stability, "stability.nml"), "--set", NETCDF)
-        self.assertIn("the table of a stability study cannot be NetCDF", said)
-        self.assertIn("set output.format = 'csv'", said)
-        for setting, reason in (
-            ("output.format=csv", "only a NetCDF table can be compressed"),
-            ("output.rows=none", "there are no rows to compress"),
-        ):
-            settings = ["--set", NETCDF, "--set", setting, "--set", "output.compression=4"]
-            if "rows" in setting:
-                settings += ["--set", "statistics.columns=theta_min"]
-            else:
-                settings = settings[2:]
-            self.assertIn(reason, self.refuse(self.grid, *settings))
-        said = self.refuse(self.grid, "--set", NETCDF, "--set", "output.compression=10")
-        self.assertIn("must be in [0, 9]", said)
-
-    def test_disk_that_fills_up(self) -> None:
-        """Exit code 4; what was written is kept, and a run with more room goes on with it."""
-        disk = self.folder / "disk"
-        disk.mkdir()
-        command = ["mount", "-t", "tmpfs", "-o", "size=256k", "none", disk]
-        if (
-            os.geteuid() != 0
-            or subprocess.run(command, capture_output=True, check=False).returncode
-        ):
-            self.skipTest("takes root")
-        self.addCleanup(subprocess.run, ["umount", disk], check=True)
-        said = self.sweep(self.write(LONG, "long.nml"), "-o", disk, code=4)
-        self.assertIn("No space left on device", said)
-        self.assertIn("--resume resumes the run", said)
-        left = sorted(path.name for path in disk.iterdir())
-        self.assertEqual(left, ["long.nc.journal", "long.nc.part"])
-        subprocess.run(["mount", "-o", "remount,size=16m", disk], check=True)
-        self.sweep(self.folder / "long.nml", "-o", disk, "--resume")
-        self.sweep(self.folder / "long.nml")
-        tables = (folder / "long.nc" for folder in (disk, self.folder / "output"))
-        self.assertEqual(*(table.read_bytes() for table in tables))
-
-    def test_file_that_may_not_grow(self) -> None:
-        """The system stops the run in the midst of a write: no table of that name."""
-
-        def limit() -> None:
-            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-
-        scene = self.write(LONG, "long.nml")
-        result = self.run_program(scene, "--set", NETCDF, preexec_fn=limit)
-        self.assertIn(result.returncode, (4, -signal.SIGXFSZ))
-        self.assertFalse((self.folder / "output/long.nc").exists())
-
-    def test_folders_that_cannot_be_written(self) -> None:
-        """Exit code 4, and an older table stays."""
-        self.sweep(self.grid, "-o", "/proc/spintop", code=4)
-        (self.folder / "output/grid.nc.part").mkdir(parents=True)
-        self.assertIn("grid.nc.part", self.sweep(self.grid, code=4))
+@pytest.mark.parametrize(("text", "code"), [(GRID, 3), (LONG, 0), (DRAWN, 0)])
+def test_same_numbers_as_the_csv(spin, text, code):
+    """In every cell, of good and bad cases; head and units are the same, too."""
+    run = spin(text, code=code)
+    netcdf, csv = check_cells(run, sweep(spin, text, code=code)), read_table(run.path)
+    assert netcdf.settings == csv.settings | {"output.format": ["netcdf"]}
+    assert netcdf.meanings == csv.meanings
+    assert netcdf.units == csv.units
+    assert netcdf.header["model"] == csv.header["model"]
+    if text == GRID:
+        assert set(run.texts.status) == {"ok", "pole", "bad_input"}
+        assert run.texts.motion_class.nunique() > 1
+        assert "nan" in set(run.texts.nutation_period)
+    elif text == DRAWN:
+        # Without a grid the dimension is the case, with the parameters of each.
+        for name, variable in read_netcdf(run.path.with_suffix(".nc"))[1].items():
+            assert variable.dims == ("case",), name
+            assert "coordinates" not in variable.attrs
+        assert object_to_scatter(netcdf) == object_to_scatter(csv) == ""
 
 
-class PartsTest(NetcdfCase):
-    """Parts of a sweep, merged to what one run would have written."""
+@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+def test_long_table(spin, packed):
+    """Rows gathered and written in several goes; the same bytes for any number of threads."""
+    tables = {sweep(spin, LONG, *packed, f"--threads={n}").read_bytes() for n in (1, 2, 5)}
+    assert len(tables) == 1
+    for part in ("1/2", "2/2"):
+        sweep(spin, LONG, *packed, f"--shard={part}")
+    merge(spin, "output/merged.nc", *(f"output/scene.{i}-of-2.nc" for i in (1, 2)))
+    assert {(spin.folder / "output/merged.nc").read_bytes()} == tables
+    assert not [name for name in spin.produced() if re.search(r"\.(part|journal)$", name)]
 
-    def parts(self, name: str, count: int, *arguments: str, code: int = 0) -> list[str]:
-        """Compute all parts; returns their tables."""
-        scene = self.folder / f"{name}.nml"
-        for number in range(1, count + 1):
-            result = self.run_program(
-                scene, "--set", NETCDF, "--shard", f"{number}/{count}", *arguments
-            )
-            self.assertIn(result.returncode, (0, code), result.stderr)
-        return [f"output/{name}.{i}-of-{count}.nc" for i in range(1, count + 1)]
 
-    def test_merged_parts_are_the_whole(self) -> None:
-        """Byte for byte, in any order of the parts, also if there are more parts than cases."""
-        self.write(LONG, "long.nml")
-        self.write(GRID.replace("count(3) = 7", "count(3) = 1"), "small.nml")
-        for name, count, code in (("grid", 3, 3), ("long", 2, 0), ("small", 13, 3)):
-            with self.subTest(name):
-                parts = self.parts(name, count, code=code)
-                random.shuffle(parts)
-                said = self.run_program("merge", "output/merged.nc", *parts)
-                self.assertEqual(said.returncode, 0, said.stderr)
-                self.sweep(self.folder / f"{name}.nml", code=code)
-                whole = (self.folder / f"output/{name}.nc").read_bytes()
-                self.assertEqual((self.folder / "output/merged.nc").read_bytes(), whole)
-                self.assertFalse(list((self.folder / "output").glob("*.part")))
-                self.assertFalse(list((self.folder / "output").glob("*.journal")))
+def test_conventions(spin):
+    """The grid, the coordinates, the attributes that CF asks for, the origin."""
+    path = sweep(spin, GRID, code=3)
+    attributes, variables = read_netcdf(path)
+    assert attributes["Conventions"] == "CF-1.8"
+    assert attributes["title"] == "A grid"
+    assert attributes["program"].startswith("spintop ")
+    assert "date" not in attributes
+    axes = ("initial_theta_deg", "top_inertia_3", "top_gravity")
+    for axis in axes:
+        assert variables[axis].dims == (axis,)
+    assert list(variables["top_inertia_3"].values) == [0.25, 0.5, 1.8]
+    assert variables["initial_theta_deg"].attrs["units"] == "degree"
+    assert variables["top_gravity"].attrs["column"] == "top.gravity"
+    for name, variable in variables.items():
+        assert re.fullmatch(r"[A-Za-z]\w*", name)
+        assert variable.attrs["long_name"], name
+        assert name in axes or variable.dims == axes
+        assert variable.values.dtype.kind != "f" or variable.attrs["units"], name
+    assert variables["case"].values.reshape(-1).tolist() == list(range(1, 85))
+    meanings = variables["status"].attrs["flag_meanings"].split()
+    assert variables["status"].attrs["flag_values"].size == len(meanings)
+    # The resolved input runs, and gives the same table.
+    again = sweep(spin, attributes["input"] + "\n", name="again", code=3)
+    assert again.read_bytes() == path.read_bytes()
 
-    def test_a_part_is_a_table_of_its_cases(self) -> None:
-        """One dimension, the case; the rows are those of the CSV part."""
-        parts = self.parts("grid", 3, code=3)
-        self.run_program(self.grid, "--shard", "2/3")
-        attributes, variables = self.netcdf(Path(parts[1]).name)
-        self.assertEqual(attributes["part"], "part 2 of 3: cases 29 to 56 of 84")
-        self.assertEqual({each.dims for each in variables.values()}, {("case",)})
-        self.assertEqual(variables["case"].values.tolist(), list(range(29, 57)))
-        texts = self.table("grid.2-of-3")
-        for name in ("top.gravity", "theta_min", "com_z_min"):
-            column = variables[name.replace(".", "_")]
-            expected = [bits(float(cell)) for cell in texts.texts(name)]
-            self.assertEqual([bits(float(value)) for value in column.values], expected)
 
-    def test_foreign_parts_are_refused(self) -> None:
-        """A part of another sweep, of another format, one that is missing, or twice there."""
-        parts = self.parts("grid", 2, code=3)
-        self.write(GRID.replace("psi_rate = 3", "psi_rate = 4"), "other.nml")
-        others = self.parts("other", 2, code=3)
-        self.run_program(self.grid, "--shard", "2/2")
-        self.sweep(self.grid, code=3)
-        for tables, reason in (
-            ([parts[0], others[1]], "it is a part of another study than"),
-            ([parts[0], "output/grid.2-of-2.csv"], "it is a part of another study than"),
-            ([parts[0]], "missing of 2 parts: 2"),
-            ([parts[0], parts[0]], "it is part 1, as is"),
-            (["output/grid.nc"], "it is not a part of a study"),
-        ):
-            with self.subTest(reason):
-                result = self.run_program("merge", "output/merged.nc", *tables)
-                self.assertEqual(result.returncode, 2)
-                self.assertIn(reason, result.stderr)
-                self.assertFalse((self.folder / "output/merged.nc").exists())
+def test_notes(spin):
+    """A bit for each thing noted, where the CSV has it and its reason."""
+    texts = spin(GRID, code=3).texts.notes
+    notes = read_netcdf(sweep(spin, GRID, code=3))[1]["notes"]
+    words, masks = notes.attrs["flag_meanings"].split(), notes.attrs["flag_masks"].tolist()
+    assert masks == [1 << i for i in range(len(words))]
+    for flags, text in zip(notes.values.reshape(-1), texts, strict=True):
+        told = {part.split(":")[0].replace(" ", "_") for part in text.split("; ")}
+        noted = {word for mask, word in zip(masks, words, strict=True) if flags & mask}
+        assert noted == told & set(words), text
+    assert len(set(notes.values.reshape(-1).tolist())) > 1
 
-    def test_statistics_beside_the_parts(self) -> None:
-        """Both are merged."""
-        text = LONG + "&statistics columns = 'delta_u', over = 'initial.psi_rate', bins = 5 /\n"
-        self.write(text, "gathered.nml")
-        parts = self.parts("gathered", 2)
-        result = self.run_program("merge", "output/merged.nc", *parts)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.sweep(self.folder / "gathered.nml")
-        for ending in (".nc", ".statistics.nc"):
-            whole = (self.folder / f"output/gathered{ending}").read_bytes()
-            self.assertEqual((self.folder / f"output/merged{ending}").read_bytes(), whole)
+
+def test_refusals(spin):
+    """An impossible NetCDF table is an input error with a hint."""
+    stability = "&study kind = 'stability' /\n&stability cases = 'sleeping_above' /\n"
+    said = spin.refuse(stability, NETCDF)
+    assert "the table of a stability study cannot be NetCDF" in said
+    assert "set output.format = 'csv'" in said
+    for settings, reason in (
+        (["output.compression=4"], "only a NetCDF table can be compressed"),
+        (
+            [NETCDF, "output.rows=none", "output.compression=4", "statistics.columns=theta_min"],
+            "there are no rows to compress",
+        ),
+        ([NETCDF, "output.compression=10"], "must be in [0, 9]"),
+    ):
+        assert reason in spin.refuse(GRID, *settings)
+
+
+def test_places_that_cannot_be_written(spin):
+    """The system stops the run in the midst of a write: no table; else exit code 4."""
+    words = (spin.write(LONG), "--set", NETCDF)
+    spin.call(*words, preexec_fn=files_of(200_000), code=(4, -signal.SIGXFSZ))
+    assert "output/scene.nc" not in spin.produced()
+    sweep(spin, GRID, "--output=/proc/spintop", code=4)
+    (spin.folder / "output/grid.nc.part").mkdir(parents=True)
+    assert "grid.nc.part" in spin(GRID, NETCDF, name="grid", code=4).stderr
+
+
+def parts_of(spin, text, count, code=(0, 3), name="grid"):
+    """Compute all parts; their tables."""
+    for number in range(1, count + 1):
+        sweep(spin, text, f"--shard={number}/{count}", code=code, name=name)
+    return [f"output/{name}.{i}-of-{count}.nc" for i in range(1, count + 1)]
+
+
+GATHERED = LONG + "&statistics columns = 'delta_u', over = 'initial.psi_rate', bins = 5 /\n"
+SMALL = GRID.replace("count(3) = 7", "count(3) = 1")
+
+
+@pytest.mark.parametrize(("text", "count"), [(GRID, 3), (SMALL, 13), (GATHERED, 2)])
+def test_merged_parts_are_the_whole(spin, text, count):
+    """Byte for byte, in any order of the parts, also if there are more of them than cases."""
+    parts = parts_of(spin, text, count)
+    random.shuffle(parts)
+    merge(spin, "output/merged.nc", *parts)
+    whole = sweep(spin, text, name="grid", code=(0, 3))
+    for ending in (".nc", ".statistics.nc")[: 2 if text == GATHERED else 1]:
+        merged = whole.with_name(f"merged{ending}").read_bytes()
+        assert merged == whole.with_suffix(ending).read_bytes()
+    assert not [name for name in spin.produced() if re.search(r"\.(part|journal)$", name)]
+
+
+def test_a_part_is_a_table_of_its_cases(spin):
+    """One dimension, the case; the rows are those of the CSV part."""
+    table = sweep(spin, GRID, "--shard=2/3", code=3).with_name("scene.2-of-3.nc")
+    run = spin(GRID, "--shard=2/3", code=3)
+    attributes, variables = read_netcdf(table)
+    assert attributes["part"] == "part 2 of 3: cases 29 to 56 of 84"
+    assert {each.dims for each in variables.values()} == {("case",)}
+    assert variables["case"].values.tolist() == list(range(29, 57))
+    texts = run.table("2-of-3")
+    for name in ("top.gravity", "theta_min", "com_z_min"):
+        assert bits(variables[name.replace(".", "_")].values) == bits(texts[name]), name
+
+
+def test_foreign_parts_are_refused(spin):
+    """A part of another sweep, of another format, one that is missing, or twice there."""
+    parts = parts_of(spin, GRID, 2)
+    others = parts_of(spin, GRID.replace("psi_rate = 3", "psi_rate = 4"), 2, name="other")
+    spin(GRID, "--shard=2/2", code=3, name="grid")
+    sweep(spin, GRID, code=3, name="grid")
+    for tables, reason in (
+        ([parts[0], others[1]], "it is a part of another study than"),
+        ([parts[0], "output/grid.2-of-2.csv"], "it is a part of another study than"),
+        ([parts[0]], "missing of 2 parts: 2"),
+        ([parts[0], parts[0]], "it is part 1, as is"),
+        (["output/grid.nc"], "it is not a part of a study"),
+    ):
+        assert reason in merge(spin, "output/merged.nc", *tables, code=2)
+        assert "output/merged.nc" not in spin.produced()
+
+
+@pytest.fixture
+def slow(spin):
+    """A slow sweep to a NetCDF table; survival_test kills it, too."""
+    return Sweep(spin, SLOW, "--set", NETCDF, table="output/slow.nc")
 
 
 @pytest.mark.slow
-class InterruptionTest(NetcdfCase, SurvivalCase):
-    """Runs that are killed, and go on to the same bytes."""
-
-    result = "output/slow.nc"
-
-    def resume(self, *arguments: str) -> int:
-        """Go on with the slow sweep, and kill it when the journal has some rows more; its rows."""
-        run = self.start("--set", NETCDF, "--resume", *arguments)
-        self.wait_for_rows(run, max(self.journalled_rows(self.result), 0) + 1, self.result)
+@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+def test_killed_while_the_file_is_made(spin, packed):
+    """The rows are there, and the next run makes the file of them, whatever is left of it."""
+    whole = sweep(spin, LONG, *packed, "--output=whole").read_bytes()
+    words = ["scene.nml", *(f"--set={setting}" for setting in (NETCDF, *packed))]
+    new = spin.folder / "output/scene.nc.new"
+    with spin.start(*words) as run:
+        wait_until(lambda: run.poll() is not None or (new.exists() and new.stat().st_size > 0))
         run.kill()
-        run.wait()
-        return self.journalled_rows(self.result)
-
-    def test_killed_and_resumed(self) -> None:
-        """With compression and without, with statistics, as a part: as if nothing had happened."""
-        gathered = ["--set", "statistics.columns=theta_min"]
-        for arguments in ([], ["--set", "output.compression=5"], gathered):
-            with self.subTest(str(arguments)):
-                whole = self.folder / "whole"
-                self.sweep(self.slow, *arguments, "-o", whole)
-                self.resume(*arguments)
-                rows = self.resume(*arguments)
-                said = self.sweep(self.slow, *arguments, "--resume")
-                self.assertIn(f"resumes after {rows} rows of an interrupted run", said)
-                for table in whole.glob("*.nc"):
-                    again = self.folder / "output" / table.name
-                    self.assertEqual(again.read_bytes(), table.read_bytes())
-                left = sorted(path.name for path in (self.folder / "output").iterdir())
-                self.assertEqual(left, sorted(path.name for path in whole.iterdir()))
-                said = self.sweep(self.slow, *arguments, "--resume")
-                self.assertIn("nothing was computed: the table is already complete", said)
-                for path in (self.folder / "output").iterdir():
-                    path.unlink()
-
-    def test_killed_while_the_file_is_made(self) -> None:
-        """The rows are there, and the next run makes the file of them, whatever is left of it."""
-        self.write(LONG, "slow.nml")
-        for arguments in ([], ["--set", "output.compression=9"]):
-            whole = self.folder / "whole"
-            self.sweep(self.slow, *arguments, "-o", whole)
-            run = self.start("--set", NETCDF, *arguments)
-            self.wait_until(run, lambda: is_larger(self.folder / f"{self.result}.new", 0))
-            run.kill()
-            if run.wait():
-                self.assertFalse((self.folder / self.result).exists())
-            self.sweep(self.slow, *arguments, "--resume")
-            self.assertEqual(self.read(self.result), self.read("whole/slow.nc"))
-            left = sorted(path.name for path in (self.folder / "output").iterdir())
-            self.assertEqual(left, ["slow.log", "slow.nc"])
-            shutil.rmtree(self.folder / "output")
-
-    def test_strangers_and_damage_are_refused(self) -> None:
-        """Nothing is discarded unasked, nothing continued that is not the same."""
-        rows = self.resume()
-        part = self.folder / f"{self.result}.part"
-        kept = part.read_bytes()
-        said = self.sweep(self.slow, code=2)
-        self.assertIn(f"an interrupted run of output/slow.nc is there: {rows} rows are kept", said)
-        said = self.sweep(self.slow, "--resume", "--set", "top.mass=2", code=2)
-        self.assertIn("was made by another program, build or input", said)
-        self.assertEqual(part.read_bytes(), kept)
-        damaged = bytearray(kept)
-        damaged[kept.index(struct.pack("=d", 1.0))] ^= 1  # the number of the first case
-        for content, reason in (
-            (bytes(damaged), "was changed after it was written"),
-            (kept[: kept.index(struct.pack("=d", 1.0))], "is shorter than its journal records"),
-            (kept[:100], "was made by another program, build or input"),
-            (b"", "was made by another program, build or input"),
-        ):
-            part.write_bytes(content)
-            self.assertIn(reason, self.sweep(self.slow, "--resume", code=2))
-        part.write_bytes(kept)
-        self.sweep(self.slow, "--resume")
-        self.assertFalse(part.exists())
-
-    def test_a_signal_keeps_what_is_there(self) -> None:
-        """And says so."""
-        run = subprocess.Popen(
-            [PROGRAM, self.slow, "--set", NETCDF, "--threads", "1"],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.wait_for_rows(run, 1, self.result)
-        run.send_signal(signal.SIGTERM)
-        said = run.communicate(timeout=60)[1]
-        self.assertEqual(run.returncode, -signal.SIGTERM)
-        rows = self.journalled_rows(self.result)
-        self.assertIn(f"interrupted: {rows} of 1000 rows of output/slow.nc are kept", said)
+        assert run.wait() == 0 or "output/scene.nc" not in spin.produced()
+    assert sweep(spin, LONG, *packed, "--resume").read_bytes() == whole
+    left = sorted(path.name for path in (spin.folder / "output").iterdir())
+    assert left == ["scene.log", "scene.nc"]
 
 
-class CompressionTest(NetcdfCase):
-    """The format NetCDF-4."""
-
-    def setUp(self) -> None:
-        """Leave out builds without the format."""
-        super().setUp()
-        self.level = ["--set", "output.compression=6"]
-        said = self.run_program("--check", self.grid, "--set", NETCDF, *self.level).stderr
-        if "has no format NetCDF-4" in said:
-            self.skipTest("no NetCDF-4")
-
-    def test_same_cells(self) -> None:
-        """All numbers, words, attributes and coordinates of the classic file, in fewer bytes."""
-        self.write(LONG, "long.nml")
-        for name, code in (("grid", 3), ("long", 0)):
-            scene = self.folder / f"{name}.nml"
-            self.run_program(scene)
-            self.sweep(scene, code=code)
-            plain = (self.folder / f"output/{name}.nc").stat().st_size
-            self.sweep(scene, *self.level, code=code)
-            path = self.folder / f"output/{name}.nc"
-            self.assertEqual(path.read_bytes()[:4], b"\x89HDF")
-            text, table = self.table(name), read_table(path)
-            self.assertEqual(table.settings["output.compression"], ["6"])
-            self.assertEqual(list(table.rows), text.names)
-            for column in text.names:
-                cells = text.texts(column)
-                if column in ("status", "motion_class"):
-                    self.assertEqual(list(table.rows[column]), cells)
-                elif column != "notes":
-                    found = [bits(float(value)) for value in table.rows[column]]
-                    self.assertEqual(found, [bits(float(cell)) for cell in cells], column)
-        self.assertLess(path.stat().st_size, 0.8 * plain)
-
-    def test_same_bytes(self) -> None:
-        """For any number of threads, and merged from parts."""
-        scene = self.write(LONG, "long.nml")
-        self.sweep(scene, *self.level, "--threads", "1")
-        first = (self.folder / "output/long.nc").read_bytes()
-        self.sweep(scene, *self.level, "--threads", "3")
-        self.assertEqual((self.folder / "output/long.nc").read_bytes(), first)
-        for part in ("1/2", "2/2"):
-            self.sweep(scene, *self.level, "--shard", part)
-        parts = [f"output/long.{i}-of-2.nc" for i in (1, 2)]
-        self.assertEqual(self.run_program("merge", "output/merged.nc", *parts).returncode, 0)
-        self.assertEqual((self.folder / "output/merged.nc").read_bytes(), first)
+@pytest.mark.slow
+def test_strangers_and_damage_are_refused(spin, slow):
+    """Nothing is discarded unasked, nothing continued that is not the same."""
+    slow.interrupt()
+    rows, part = slow.rows, spin.folder / "output/slow.nc.part"
+    kept = part.read_bytes()
+    said = slow(code=2)
+    assert f"an interrupted run of output/slow.nc is there: {rows} rows are kept" in said
+    said = slow("--resume", "--set", "top.mass=2", code=2)
+    assert "was made by another program, build or input" in said
+    assert part.read_bytes() == kept
+    first = kept.index(struct.pack("=d", 1.0))  # the number of the first case
+    damaged = bytearray(kept)
+    damaged[first] ^= 1
+    for content, reason in (
+        (bytes(damaged), "was changed after it was written"),
+        (kept[:first], "is shorter than its journal records"),
+        (kept[:100], "was made by another program, build or input"),
+        (b"", "was made by another program, build or input"),
+    ):
+        part.write_bytes(content)
+        assert reason in slow("--resume", code=2)
+    part.write_bytes(kept)
+    slow("--resume")
+    assert not part.exists()
 
 
-class UnitsTest(NetcdfCase):
-    """Columns in other units than their own."""
-
-    def test_units(self) -> None:
-        """The table is finished, and read in the same units as a CSV table."""
-        columns = "theta_max_deg,precession_rate_deg,precession_rate_rev,phi_end_deg__top.gravity"
-        few = LONG.replace("'delta_u', 'phi_end'", repr(columns.split(","))[1:-1])
-        scene = self.write(few.replace("331", "3").replace("421", "2"))
-        self.sweep(scene)
-        self.assertEqual(self.run_program(scene).returncode, 0)
-        csv, netcdf = (read_table(self.folder / f"output/scene{end}") for end in (".csv", ".nc"))
-        self.assertEqual(netcdf.units, csv.units)
-        self.assertEqual(csv.units["precession_rate_deg"], "deg/s")
+@pytest.mark.slow
+def test_a_signal_keeps_what_is_there(slow):
+    """And says so."""
+    code, said = slow.interrupt(by=signal.SIGTERM)
+    assert code == -signal.SIGTERM
+    assert f"interrupted: {slow.rows} of 1000 rows of output/slow.nc are kept" in said
 
 
-class TrajectoryTest(NetcdfCase):
-    """Trajectories in both formats."""
+@needs_packed
+def test_same_cells(spin):
+    """All numbers, words, attributes and coordinates of the classic file, in fewer bytes."""
+    for text, code in ((GRID, 3), (LONG, 0)):
+        run = spin(text, code=code)
+        plain = sweep(spin, text, code=code).stat().st_size
+        path = sweep(spin, text, PACKED, code=code)
+        assert path.read_bytes()[:4] == b"\x89HDF"
+        assert check_cells(run, path).settings["output.compression"] == ["6"]
+    assert path.stat().st_size < 0.8 * plain
 
-    def both(self, text: str, code: int = 0) -> tuple[Table, object]:
-        """Run a trajectory in both formats, and compare all numbers."""
-        scene = self.write(text, "scene.nml")
-        self.assertEqual(self.run_program(scene).returncode, code)
-        csv = read_table(self.folder / "output/scene.csv")
-        for arguments in ([], ["--set", "output.compression=1"]):
-            self.sweep(scene, *arguments, code=code)
-            table = read_table(self.folder / "output/scene.nc")
-            self.assertEqual(table.status, csv.status)
-            self.assertEqual(table.units, csv.units)
-            self.assertEqual(table.meanings, csv.meanings)
-            self.assertEqual(list(table.rows), list(csv.rows))
-            for name in csv.rows:
-                pairs = zip(table.rows[name], csv.rows[name], strict=True)
-                self.assertTrue(all(bits(float(a)) == bits(float(b)) for a, b in pairs), name)
-        left = {path.name for path in (self.folder / "output").iterdir()}
-        self.assertLessEqual(left, {"scene.csv", "scene.nc", "scene.events.csv"})
-        return csv, table
 
-    def test_same_numbers(self) -> None:
-        """Of a complete motion; time is the coordinate."""
-        self.both(GOOD)
-        self.sweep(self.folder / "scene.nml")
-        attributes, variables = self.netcdf("scene.nc")
-        self.assertEqual(attributes["status"], "ok")
-        self.assertIn("date", attributes)
-        self.assertEqual({each.dims for each in variables.values()}, {("t",)})
-        self.assertNotIn("_FillValue", variables["t"].attrs)
+def test_units(spin):
+    """Columns in other units than their own: the table is read as a CSV table."""
+    columns = "'theta_max_deg', 'precession_rate_deg', 'precession_rate_rev'"
+    few = LONG.replace("'delta_u', 'phi_end'", f"{columns}, 'phi_end_deg__top.gravity'")
+    few = few.replace("331", "3").replace("421", "2")
+    csv, netcdf = read_table(spin(few).path), read_table(sweep(spin, few))
+    assert netcdf.units == csv.units
+    assert csv.units["precession_rate_deg"] == "deg/s"
 
-    def test_without_time(self) -> None:
-        """The rows are the dimension."""
-        scene = self.write(GOOD, "scene.nml")
-        self.sweep(scene, "--set", "output.columns=theta,psi")
-        _, variables = self.netcdf("scene.nc")
-        self.assertEqual(variables["theta"].dims, ("row",))
 
-    def test_motions_that_end_early(self) -> None:
-        """At an event, or with a failure: the rows up to there, and why."""
-        span = (
-            "&span t_end = 50, samples = 3001, stop_at = 'upper_turning_points', stop_after = 2 /"
-        )
-        text = GRID.split("&study", maxsplit=1)[0] + (
-            "&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /\n"
-            "&initial theta_deg = 20, psi_rate = 3 /\n"
-            f"{span}\n&integration formulation = 'rigid_body', method = 'dop853' /\n"
-        )
-        csv, _ = self.both(text)
-        self.assertEqual((csv.status, len(csv.rows)), ("ok", 3001))
-        text = text.replace(span, "&span t_end = 50, samples = 3001 /")
-        csv, _ = self.both(text.replace("'dop853'", "'dop853', max_steps = 50"), code=3)
-        self.assertRegex(csv.status, "^step_limit at t = ")
-        self.assertLess(len(csv.rows), 3001)
-        # A method with a fixed step size writes the steps up to the event.
-        steps = text.replace("samples = 3001", "stop_at = 'theta = 1.0'")
-        csv, _ = self.both(steps.replace("'dop853'", "'rk4', steps = 5000"))
-        self.assertEqual(csv.status, "ok")
-        self.assertLess(len(csv.rows), 5001)
+def both(spin, text, *words, code=0):
+    """A trajectory in both formats, with the same numbers, classic and packed."""
+    run = spin(text, *words, code=code)
+    csv = read_table(run.path)
+    for packed in ([], *([] if netcdf_is_missing(PACKED) else [[PACKED]])):
+        table = check_cells(run, sweep(spin, text, *words, *packed, code=code))
+        for part in ("status", "units", "meanings"):
+            assert getattr(table, part) == getattr(csv, part)
+    left = {path.name for path in run.path.parent.iterdir()}
+    assert left <= {"scene.csv", "scene.nc", "scene.events.csv"}
+    return csv
 
-    def test_a_killed_motion_leaves_no_table(self) -> None:
-        """A file that was cut short is reported by those who read it."""
-        long = GOOD.replace("steps = 10", "steps = 20000000, max_steps = 2000000000")
-        scene = self.write(long, "scene.nml")
-        run = subprocess.Popen([PROGRAM, scene, "--set", NETCDF], cwd=self.folder)
-        part = self.folder / "output/scene.nc.part"
-        while not part.exists() or part.stat().st_size < 100_000:
-            self.assertIsNone(run.poll())
-            time.sleep(0.01)
-        run.kill()
-        run.wait()
-        self.assertFalse((self.folder / "output/scene.nc").exists())
-        part.rename(self.folder / "cut.nc")
-        with self.assertRaises(TableError):
-            read_table(self.folder / "cut.nc")
-        # The next run is not in the way of what is left.
-        self.sweep(self.write(GOOD, "scene.nml"))
+
+def test_same_numbers_of_a_motion(spin):
+    """Time is the coordinate; without it the rows are the dimension."""
+    both(spin, GOOD)
+    attributes, variables = read_netcdf(sweep(spin, GOOD))
+    assert attributes["status"] == "ok"
+    assert "date" in attributes
+    assert {each.dims for each in variables.values()} == {("t",)}
+    assert "_FillValue" not in variables["t"].attrs
+    _, variables = read_netcdf(sweep(spin, GOOD, "output.columns=theta,psi"))
+    assert variables["theta"].dims == ("row",)
+
+
+def test_motions_that_end_early(spin):
+    """At an event, or with a failure: the rows up to there, and why."""
+    text = GOOD.replace("'lagrange'", "'rigid_body'").replace("'rk4'", "'dop853'")
+    text = text.replace("    steps = 10\n", "").replace("t_end = 0.5", "t_end = 50, samples = 3001")
+    event = ["span.stop_at=upper_turning_points", "span.stop_after=2"]
+    csv = both(spin, text, *event)
+    assert (csv.status, len(csv.rows)) == ("ok", 3001)
+    csv = both(spin, text, "integration.max_steps=50", code=3)
+    assert csv.status.startswith("step_limit at t = ")
+    assert len(csv.rows) < 3001
+    # A method with a fixed step size writes the steps up to the event.
+    steps = text.replace(", samples = 3001", "").replace("'dop853'", "'rk4', steps = 5000")
+    csv = both(spin, steps, "span.stop_at=theta = 1.0")
+    assert csv.status == "ok"
+    assert len(csv.rows) < 5001
+
+
+def test_a_killed_motion_leaves_no_table(spin):
+    """A file that was cut short is reported by those who read it."""
+    long = GOOD.replace("steps = 10", "steps = 20000000, max_steps = 2000000000")
+    part = spin.folder / "output/scene.nc.part"
+    with spin.start(spin.write(long), f"--set={NETCDF}") as run:
+        wait_until(lambda: part.exists() and part.stat().st_size >= 100_000)
+        assert run.poll() is None
+    assert "output/scene.nc" not in spin.produced()
+    part.rename(spin.folder / "cut.nc")
+    with pytest.raises(TableError):
+        read_table(spin.folder / "cut.nc")
+    # The next run is not in the way of what is left.
+    sweep(spin, GOOD)

@@ -62,7 +62,7 @@ def test_orders(spin):
     for form in ("space_frame", "rigid_body"):
         coarse, fine = (errors["table:pair", form, f"tolerance 1e-0{digit}"] for digit in (4, 6))
         assert fine < coarse / 20
-    assert re.search(r"'table:eighths\.txt@[0-9A-F]{16}'", run.head)
+    assert re.search(r"'table:eighths\.txt@[0-9A-F]{8}'", run.head)
 
 
 def test_a_sweep_and_a_changed_table(spin):

@@ -1,15 +1,12 @@
 """Tests of the program as a user calls it: good input, the paper's numbers, bad input."""
 
 import math
-import os
 import re
-import resource
-import subprocess
 
 import numpy as np
 import pytest
 
-from conftest import CLOSED, GOOD, KIND, ROOT, largest, output, read
+from conftest import CLOSED, GOOD, KIND, ROOT, files_of, largest, output, read
 from supplied_inputs import INPUTS, check_tables, with_less
 
 # Example 1, to as many digits as double precision holds.
@@ -136,14 +133,14 @@ def test_one_bad_input_stops_all(spin):
     assert spin.produced() == set()
 
 
-def test_threads_do_not_change_a_sweep(spin):
-    """The same bytes on one thread and on two, with more cases than a block holds."""
+def test_a_grid_of_cases(spin):
+    """Its values, equally spaced and by ratios, with more cases than a block holds."""
     text = GOOD.replace("t_end = 0.5", "t_end = 0.05").split("&output")[0]
     text = text.replace("theta = 0.19634954084936207", "theta_deg = 5") + SWEPT
     text += "&sweep parameter(1) = 'initial.theta_deg', from(1) = 1,"
     text += " to(1) = 179, count(1) = 15, parameter(2) = 'initial.psi_rate', from(2) = 0.1,"
     text += " to(2) = 1000, count(2) = 14, spacing(2) = 'log' /\n"
-    rows = same_on_threads(spin, text, 1, 2, 5).rows
+    rows = spin(text).rows
     assert len(rows) == 210
     assert list(rows["initial.theta_deg"][:15]) == [1.0] * 14 + [1 + 178 / 14]
     rates = rows["initial.psi_rate"]
@@ -160,24 +157,6 @@ def test_a_sweep_marks_its_failed_cases(spin):
     assert list(rows.theta_end.isna()) == [False, True, False]
     assert "pole" in rows.notes[1]
     assert spin.produced() == {"output", "output/scene.csv", "output/scene.log"}
-
-
-@pytest.mark.parametrize(
-    ("topic", "words"),
-    [
-        ("methods", ["rk4", "ode45", "arkode_dirk", "crank_nicolson_2", "exact"]),
-        ("formulations", ["euler", "lagrange", "energy_rate", "lagrange_energy"]),
-        ("columns", ["orientation_error", "force_n", "nutations_per_turn_fast_top"]),
-        ("shapes", ["spinning_wheel", "ring", "cone", "inertia"]),
-        ("events", ["turning_points", "azimuth_turns", "COLUMN = VALUE"]),
-        ("parameters", ["top.inertia", "initial.theta_deg", "sweep.values", "span.nutations"]),
-    ],
-)
-def test_lists(spin, topic, words):
-    """Every topic lists what the input accepts."""
-    run = spin.call("list", topic)
-    assert run.stderr == ""
-    assert all(word in run.out for word in words)
 
 
 def test_help_and_version(spin):
@@ -370,14 +349,6 @@ def test_table_1_without_a_step(spin, name, inertia):
     assert "exact" in next(line for line in run.comments if "method: " in line)
     assert set(run.rows.evaluations) == {0}
     check_table_1(run.rows, inertia, 1e-12, 1e-12)
-
-
-def test_long_sweeps_do_not_depend_on_threads(spin):
-    """Many blocks of cases; the same bytes on any number of threads."""
-    text = CLOSED.replace("    psi_rate = 1.0\n", "") + SWEPT
-    text += "&sweep parameter(1) = 'initial.psi_rate', from(1) = 0.01,"
-    text += " to(1) = 100, count(1) = 20000, spacing(1) = 'log' /\n"
-    assert len(same_on_threads(spin, text, 1, 2, 4).rows) == 20000
 
 
 def test_classes_of_motion(spin):
@@ -700,12 +671,6 @@ def test_bad_events(spin, setting, advice):
     assert re.search(r"^--set:1:\d+: error: ", error)
 
 
-def test_bad_events_of_a_file(spin):
-    """The same in a file."""
-    error = spin.refuse(GOOD.replace("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'"))
-    assert re.search(r"scene.nml:12:15: error: there is no column 'thta'", error)
-
-
 MASS = "&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
 START = GOOD.split("&output")[0]
 
@@ -757,6 +722,8 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("psi_rate = 1.0", "theta_deg = 20.0", ["given twice"]),
         ("t_end = 0.5", "t_end = 0.5, nutations = 1", ["more than once"]),
         ("t_end = 0.5", "", ["the time span is not given"]),
+        ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
+        ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
         (
             "t_end = 0.5",
             "t_end = 0.5, samples = 4",
@@ -825,11 +792,6 @@ def test_sweeps(spin, axes, part):
     assert part in spin.refuse(f"{START}{SWEPT}&sweep {axes} /\n")
 
 
-def test_a_trajectory_has_no_axes(spin):
-    """They are refused."""
-    assert "a trajectory has no axes" in spin.refuse(GOOD + MASS)
-
-
 def test_files_that_are_no_input(spin):
     """Missing, empty, a folder, binary."""
     (spin.folder / "folder.nml").mkdir()
@@ -857,21 +819,16 @@ def test_files_that_are_no_input(spin):
         (["--set", "span.nutations=2"], "more than once"),
         (["--check=yes"], "takes no value"),
         (["-o", ""], "empty"),
+        (["--quiet"], "no input"),
     ],
 )
 def test_wrong_options(spin, words, part):
     """Options that do not exist, values that make no sense."""
-    run = spin.call(spin.write(GOOD), *words, code=2)
+    scenes = [] if part == "no input" else [spin.write(GOOD)]
+    run = spin.call(*scenes, *words, code=2)
     assert part in run.stderr
     assert run.out == ""
     assert spin.produced() == set()
-
-
-def test_no_input(spin):
-    """Options alone are no call."""
-    run = spin.call("--quiet", code=2)
-    assert "no input" in run.stderr
-    assert run.out == ""
 
 
 def test_a_table_outlives_a_refused_input(spin):
@@ -925,25 +882,9 @@ def test_a_file_where_the_folder_should_be(spin, place):
 
 def test_a_full_disk(spin):
     """A table that does not fit is an error, and leaves neither table nor part."""
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-
-    run = spin.call(spin.write(GOOD), code=4, preexec_fn=limit)
+    run = spin.call(spin.write(GOOD), code=4, preexec_fn=files_of(1000))
     assert "scene.csv.part: File too large" in run.stderr
     assert spin.produced() == {"output"}
-
-
-@pytest.fixture
-def disk(spin):
-    """A folder that is a disk of two megabytes."""
-    path = spin.folder / "disk"
-    path.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=2m", "none", path]
-    if os.geteuid() != 0 or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("takes root")
-    yield path
-    subprocess.run(["umount", path], check=True)
 
 
 DENSE = GOOD.replace("'rk4'", "'ode45'").replace("    steps = 10\n", "")
@@ -958,5 +899,6 @@ DENSE = GOOD.replace("'rk4'", "'ode45'").replace("    steps = 10\n", "")
 )
 def test_a_disk_that_fills_up(spin, disk, text):
     """The same on the way, also while many samples of one step are written."""
+    path = disk("2m")
     assert "scene.csv" in spin(text, "--output=disk", code=4).stderr
-    assert list(disk.iterdir()) == []
+    assert list(path.iterdir()) == []

@@ -4,17 +4,13 @@ import csv
 import itertools
 import math
 import random
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from conftest import read, wait_until  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
+from conftest import read, wait_until
+from spintop_figures.tables.table import read_table
 
 SEED = 20121
 CASES = 41  # of a table: a few blocks of cases that are computed one by one

@@ -10,9 +10,9 @@ import sys
 import numpy as np
 import pytest
 
-from conftest import KIND, ROOT
+from conftest import KIND, ROOT, largest
 from mechanics import product
-from proof_test import needs_flint
+from proof_test import CERTIFIED, change, needs_flint, verify
 
 REFERENCE = ROOT / "reference"
 sys.path.append(str(REFERENCE))
@@ -89,6 +89,29 @@ def test_numbers_are_true(spin):
             assert data["errors"]["omega"]["kind"] == "proved"
             count = 7 * len(columns["t"])
             assert f"{table}: {count} numbers proved, 0 unproved, 0 wrong" in said
+
+
+@needs_flint
+@pytest.mark.parametrize("name", ["free_tensor", "heavy_tensor", "grioli"])
+def test_products_of_inertia(spin, name):
+    """Certified digits are those of the set, and `verify` finds what is not."""
+    names = ["t", *Q, *OMEGA, "omega1_bound", "orientation_bound", "proof"]
+    columns = "output.columns=" + ",".join(names)
+    scene = (REFERENCE / "inputs" / f"{name}.nml").read_text(encoding="utf-8")
+    printed = spin(scene, columns).rows
+    assert set(printed.proof) == {"proved"}
+    assert largest(printed.orientation_bound) < 1e-6
+    assert ", 0 wrong" in verify(spin)
+    certified = spin(scene, columns, CERTIFIED).rows
+    assert largest(certified.orientation_bound) < 4e-16
+    assert "0 unproved, 0 wrong" in verify(spin, "--strict")
+    data, motion = read(name)
+    for names, quantity in ((Q, "attitude"), (OMEGA, "omega")):
+        error = data["errors"][quantity]["value"] + 4e-15
+        for column in names:
+            assert list(certified[column]) == pytest.approx(list(motion[column]), abs=2 * error)
+    change(spin, "q2", 3, repr(float(certified.q2[2]) + 1e-14))
+    assert "first wrong  row 3, q2" in verify(spin, code=3)
 
 
 def test_a_changed_digit_is_found(spin):

@@ -1,22 +1,17 @@
 """Files that a run writes: nothing is changed through links, nothing waited for or shared."""
 
 import os
-import resource
+import re
 import shutil
 import signal
 import subprocess
-import tempfile
-import time
-import unittest
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
-from program_case import PROGRAM, ProgramCase
+from conftest import ROOT, merge, netcdf_is_missing, wait_until
+from slow_sweep import SLOW, Sweep
 from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
-from survival_test import SLOW, SurvivalCase
 
 SWEEP = SLOW.replace("count(1) = 1000", "count(1) = 20")
 STATISTICS = """
@@ -27,7 +22,7 @@ NETCDF = "&output format = 'netcdf' /\n"
 STUDIES = {
     "sweep": SWEEP,
     "sweep_netcdf": SWEEP + NETCDF,
-    "sweep_packed": SWEEP + NETCDF.replace("/", "compression = 4 /"),
+    "sweep_packed_netcdf": SWEEP + NETCDF.replace("/", "compression = 4 /"),
     "statistics": SWEEP + STATISTICS.format("'none'"),
     "both": SWEEP + STATISTICS.format("'all'"),
     "both_netcdf": SWEEP + STATISTICS.format("'all' format = 'netcdf'"),
@@ -49,196 +44,140 @@ int flock(int file, int operation) { (void)file; (void)operation; errno = ENOLCK
 """
 
 
-class StudyCase(ProgramCase):
-    """Runs of studies of all kinds."""
-
-    def setUp(self) -> None:
-        """With the data that an input names."""
-        super().setUp()
-        shutil.copy(ROOT / "input/fit.csv", self.folder)
-
-    def run_study(
-        self, kind: str, *options: str, code: int | None = 0
-    ) -> subprocess.CompletedProcess:
-        """Run a study; it must end soon."""
-        result = subprocess.run(
-            [PROGRAM, self.write(STUDIES[kind], f"{kind}.nml"), "--quiet", *options],
-            cwd=self.folder, capture_output=True, text=True, check=False, timeout=300,
-        )  # fmt: skip
-        if code is not None:
-            self.assertEqual(result.returncode, code, result.stdout + result.stderr)
-        return result
-
-    def studies(self) -> Iterator[tuple[str, list[Path]]]:
-        """Each kind that this build has, and the files that it makes."""
-        for kind in STUDIES:
-            with self.subTest(kind):
-                result = self.run_study(kind, code=None)
-                if "built without NetCDF" in result.stderr or "no NetCDF" in result.stderr:
-                    continue
-                self.assertEqual(result.returncode, 0, result.stderr)
-                yield kind, sorted((self.folder / "output").iterdir())
-                shutil.rmtree(self.folder / "output")
+def run_study(spin, kind, *options, code=0):
+    """Run a study, unless this build cannot."""
+    if kind.endswith("netcdf") and (reason := netcdf_is_missing()):
+        pytest.skip(reason)
+    shutil.copy(ROOT / "input/fit.csv", spin.folder)
+    return spin(STUDIES[kind], "--quiet", *options, name=kind, code=code)
 
 
-class LinksTest(StudyCase):
-    """Names under which a run writes, and that are there already as something else."""
+def files_of_study(spin, kind):
+    """The files that it makes."""
+    run_study(spin, kind)
+    return sorted((spin.folder / "output").iterdir())
 
-    def plant(self, how: str, path: Path) -> None:
-        """Make a file of another kind of a name."""
-        path.unlink(missing_ok=True)
-        match how:
-            case "symbolic link":
-                path.symlink_to(self.victim)
-            case "hard link":
-                path.hardlink_to(self.victim)
-            case "FIFO":
-                os.mkfifo(path)
 
-    @pytest.mark.slow
-    def test_every_file_that_is_written(self) -> None:
-        """A link or a FIFO is refused at once with its name; what it leads to stays as it is."""
-        all_kinds = ("symbolic link", "hard link", "FIFO")
-        self.victim = self.folder / "victim"
-        for kind, files in self.studies():
-            self.victim.write_text("precious\n")
-            again = () if kind in LISTS else ("--restart",)
-            for path in files:
-                refused = 0
-                for ending in NEW:
-                    name = Path(f"{path}{ending}")
-                    for how in all_kinds if kind in ("sweep", "both") else all_kinds[:1]:
-                        self.plant(how, name)
-                        result = self.run_study(kind, *again, code=None)
-                        self.assertEqual(self.victim.read_text(), "precious\n", (name, how))
-                        if result.returncode:
-                            self.assertEqual(result.returncode, 4, (name, how, result.stderr))
-                            self.assertIn(name.name, result.stderr)
-                            self.assertRegex(result.stderr, r"link|FIFO")
-                            self.assertTrue(os.path.lexists(name), (name, how))
-                            refused += 1
-                        name.unlink(missing_ok=True)
-                self.assertGreater(refused, 0, path)
+def plant(how, victim, path):
+    """Make a file of another kind of a name."""
+    path.unlink(missing_ok=True)
+    match how:
+        case "symbolic link":
+            path.symlink_to(victim)
+        case "hard link":
+            path.hardlink_to(victim)
+        case "FIFO":
+            os.mkfifo(path)
 
-    def test_targets(self) -> None:
-        """A table does not take the place of a FIFO or of a device, nor does a merged one."""
-        for part in ("1/2", "2/2"):
-            self.run_study("sweep", "--shard", part)
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", STUDIES)
+def test_every_file_that_is_written(spin, kind):
+    """A link or a FIFO is refused at once with its name; what it leads to stays as it is."""
+    ways = ("symbolic link", "hard link", "FIFO")[: 3 if kind in ("sweep", "both") else 1]
+    files = files_of_study(spin, kind)
+    shutil.rmtree(spin.folder / "output")
+    (spin.folder / "output").mkdir()
+    victim = spin.folder / "victim"
+    victim.write_text("precious\n")
+    again = () if kind in LISTS else ("--restart",)
+    for path in files:
+        refused = 0
+        for name in (Path(f"{path}{ending}") for ending in NEW):
+            for how in ways:
+                plant(how, victim, name)
+                run = run_study(spin, kind, *again, code=(0, 4))
+                assert victim.read_text() == "precious\n", (name, how)
+                if run.code:
+                    assert name.name in run.stderr
+                    assert re.search("link|FIFO", run.stderr)
+                    assert os.path.lexists(name), (name, how)
+                    refused += 1
+                name.unlink(missing_ok=True)
+        assert refused > 0, path
+
+
+def test_targets(spin):
+    """A table does not take the place of a FIFO or of a device, nor does a merged one."""
+    for part in ("1/2", "2/2"):
+        run_study(spin, "sweep", f"--shard={part}")
+    os.mkfifo(spin.folder / "fifo")
+    if os.geteuid() == 0:
+        subprocess.run(["mknod", spin.folder / "zero", "c", "1", "5"], check=True)
+    for name in ("fifo", "zero")[: 2 if os.geteuid() == 0 else 1]:
         parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
-        os.mkfifo(self.folder / "fifo")
-        targets = ["fifo"]
-        if os.geteuid() == 0:
-            targets.append("zero")
-            subprocess.run(["mknod", self.folder / "zero", "c", "1", "5"], check=True)
-        for name in targets:
-            result = self.run_program("merge", name, *parts)
-            self.assertEqual(result.returncode, 4, result.stderr)
-            self.assertIn("not a file", result.stderr)
-            self.assertFalse((self.folder / name).is_file())
-        os.mkfifo(self.folder / "output/sweep.csv")
-        self.assertIn("FIFO", self.run_study("sweep", code=4).stderr)
-
-    def test_what_is_read(self) -> None:
-        """A FIFO as a part, a journal or a part of a merge is refused, not waited for."""
-        self.run_study("sweep")
-        table = self.folder / "output/sweep.csv"
-        for names in ((".part", ".journal"), (".journal",)):
-            shutil.copy(table, f"{table}.part")
-            for ending in names:
-                path = self.folder / f"output/sweep.csv{ending}"
-                path.unlink(missing_ok=True)
-                os.mkfifo(path)
-            result = self.run_study("sweep", "--resume", code=None)
-            self.assertIn(result.returncode, (2, 4))
-            self.assertIn("FIFO", result.stderr)
-            for ending in names:
-                (self.folder / f"output/sweep.csv{ending}").unlink()
-        os.mkfifo(self.folder / "part.csv")
-        result = self.run_program("merge", "all.csv", "part.csv", "part.csv")
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("FIFO", result.stderr)
+        assert "not a file" in merge(spin, name, *parts, code=4)
+        assert not (spin.folder / name).is_file()
+    os.mkfifo(spin.folder / "output/sweep.csv")
+    assert "FIFO" in run_study(spin, "sweep", code=4).stderr
 
 
-@unittest.skipUnless(shutil.which("gcc"), "no gcc")
-class NoLocksTest(SurvivalCase):
-    """Two runs on a file system without locks, and others that write to a part."""
+def test_what_is_read(spin):
+    """A FIFO as a part, a journal or a part of a merge is refused, not waited for."""
+    table = run_study(spin, "sweep").path
+    for endings in ((".part", ".journal"), (".journal",)):
+        shutil.copy(table, f"{table}.part")
+        paths = [Path(f"{table}{ending}") for ending in endings]
+        for path in paths:
+            path.unlink(missing_ok=True)
+            os.mkfifo(path)
+        assert "FIFO" in run_study(spin, "sweep", "--resume", code=(2, 4)).stderr
+        for path in paths:
+            path.unlink()
+    os.mkfifo(spin.folder / "part.csv")
+    assert "FIFO" in merge(spin, "all.csv", "part.csv", "part.csv", code=2)
 
-    def setUp(self) -> None:
-        """A library that stands for such a file system."""
-        super().setUp()
-        source, self.shim = self.folder / "locks.c", self.folder / "locks.so"
-        source.write_text(NO_LOCKS)
-        # The place has no space, at which the loader would divide it.
-        place = tempfile.TemporaryDirectory()
-        self.addCleanup(place.cleanup)
-        self.shim = Path(place.name) / "locks.so"
-        subprocess.run(["gcc", "-shared", "-fPIC", "-o", self.shim, source], check=True)
-        source.unlink()
-        os.environ["LD_PRELOAD"] = str(self.shim)
-        self.addCleanup(os.environ.pop, "LD_PRELOAD")
 
-    def test_two_runs(self) -> None:
-        """The second is refused; the first goes on, and leaves no other file."""
-        first = self.start()
-        self.wait_for_rows(first, 0)
-        for arguments in ([], ["--resume"], ["--restart"]):
-            said = self.run_sweep(*arguments, code=4)
-            self.assertIn("another run is writing it", said)
-            self.assertIn(".lock", said)
-        self.assertEqual(first.wait(), 0)
-        self.check_complete()
+@pytest.fixture
+def slow(spin, preload):
+    """A slow sweep on a file system without locks."""
+    slow = Sweep(spin)
+    slow.options = {"environment": preload(NO_LOCKS)}
+    return slow
 
-    def test_a_killed_run(self) -> None:
-        """What it leaves does not hold up the next; that of another machine does, and is named."""
-        self.interrupt()
-        lock = self.folder / "output/slow.csv.part.lock"
-        text = lock.read_text()
-        lock.write_text(f"elsewhere {text.split()[1]}\n")
-        self.assertIn(".lock", self.run_sweep("--resume", code=4))
-        lock.write_text(text)
-        self.run_sweep("--resume")
-        self.check_complete()
 
-    def test_a_signal(self) -> None:
-        """A run that a signal ends removes its lock."""
-        run = self.start()
-        self.wait_for_rows(run, 1)
-        run.send_signal(signal.SIGTERM)
-        run.wait()
-        self.assertFalse((self.folder / "output/slow.csv.part.lock").exists())
+@pytest.mark.slow
+def test_two_runs(slow):
+    """The second is refused; the first goes on, and leaves no other file."""
+    with slow.start() as first:
+        slow.wait(first, 0)
+        for words in ([], ["--resume"], ["--restart"]):
+            said = slow(*words, code=4)
+            assert "another run is writing it" in said
+            assert ".lock" in said
+        assert first.wait() == 0
+    slow.check()
 
-    def test_others_write_to_the_part(self) -> None:
-        """A part that was changed, or is another file, never becomes a table."""
-        part = self.folder / "output/slow.csv.part"
 
-        def append() -> None:
+@pytest.mark.slow
+def test_a_killed_run(slow):
+    """What it leaves is named, and does not hold up the next when it is removed."""
+    slow.interrupt()
+    assert ".lock" in slow("--resume", code=4)
+    (slow.spin.folder / "output/slow.csv.part.lock").unlink()
+    slow("--resume")
+    slow.check()
+
+
+def test_a_signal(slow):
+    """A run that a signal ends removes its lock."""
+    slow.interrupt(by=signal.SIGTERM)
+    assert "output/slow.csv.part.lock" not in slow.spin.produced()
+
+
+@pytest.mark.parametrize("is_another", [False, True])
+def test_others_write_to_the_part(slow, is_another):
+    """A part that was changed, or is another file, never becomes a table."""
+    part = slow.spin.folder / "output/slow.csv.part"
+    with slow.start() as run:
+        wait_until(lambda: part.exists() and part.stat().st_size >= 2000)
+        if is_another:
+            (slow.spin.folder / slow.spin.write("mine\n", "mine")).rename(part)
+        else:
             with part.open("a") as file:
                 file.write("1,2,3\n")
-
-        def replace() -> None:
-            (self.folder / "mine").write_text("mine\n")
-            (self.folder / "mine").rename(part)
-
-        for change in (append, replace):
-            with self.subTest(change.__name__):
-                part.unlink(missing_ok=True)
-                run = subprocess.Popen(
-                    [PROGRAM, self.slow, "--threads", "1", "--restart"],
-                    cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                )  # fmt: skip
-                self.addCleanup(run.kill)
-                deadline = time.monotonic() + 60
-                while not part.exists() or part.stat().st_size < 2000:
-                    self.assertLess(time.monotonic(), deadline)
-                    time.sleep(0.01)
-                change()
-                said = run.communicate(timeout=300)[1]
-                self.assertEqual(run.returncode, 4, said)
-                self.assertIn("another program changed it", said)
-                self.assertFalse((self.folder / "output/slow.csv").exists())
-        self.assertEqual(part.read_text(), "mine\n")
-
-
-if __name__ == "__main__":
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    unittest.main()
+        said = run.communicate(timeout=300)[1]
+    assert run.returncode == 4, said
+    assert "another program changed it" in said
+    assert "output/slow.csv" not in slow.spin.produced()
+    assert not is_another or part.read_text() == "mine\n"

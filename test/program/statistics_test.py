@@ -1,15 +1,11 @@
 """Statistics of sweeps: their numbers, the same bytes however a run goes, hostile input."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
-
-from conftest import MPI, needs_mpi, under, wait_until
+from conftest import wait_until
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
 
@@ -41,7 +37,6 @@ SLOW = """\
 """
 ROWS = "rows = 'none'"
 COLUMNS = MAP[MAP.index("columns = 'theta_max'") : MAP.index(" /\n&statistics")]
-WITH_ROWS = "columns = 'theta_max', 'theta_end'"
 BARE = MAP.replace(COLUMNS, ROWS)
 OVER = "over = 'initial.phi_rate', 'theta_end'"
 BINS = f"{OVER}  bins(2) = 3  from(2) = 0.1  to(2) = 1.5"
@@ -185,40 +180,18 @@ def test_the_same_numbers_as_netcdf(spin):
             np.testing.assert_array_equal(found.high, rows["to"])
 
 
-def test_threads_rows_and_parts(spin):
-    """The same bytes of one and two threads, with rows and without, as a whole and in parts."""
-    swept(spin, MAP, "--threads=1", "--output=one")
-    swept(spin, MAP, "--threads=2", "--output=two")
-    assert results(spin, "one") == results(spin, "two")
+def test_rows_and_parts(spin):
+    """The same numbers with rows and without; a part without its statistics is refused."""
+    swept(spin, MAP, "--output=one")
     for part in ("1/3", "2/3", "3/3"):
         swept(spin, MAP, f"--shard={part}", "--output=parts")
-    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
-    spin.call("merge", "parts/map.csv", *tables, code=ANY)
-    assert results(spin, "one") == results(spin, "parts")
     (spin.folder / "parts/map.2-of-3.statistics.state").unlink()
+    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
     refused = spin.call("merge", "parts/map.csv", *tables, code=2)
     assert "map.2-of-3.statistics.state" in refused.stderr
-
     swept(spin, BARE, "--output=one", name="bare")
     assert numbers(results(spin, "one")) == numbers(results(spin, "one", "bare"))
     assert not (spin.folder / "one/bare.csv").exists()
-    for part in ("2/2", "1/2"):
-        swept(spin, BARE, f"--shard={part}", "--output=parts", name="bare")
-    states = [f"parts/bare.{part}-of-2.statistics.state" for part in (1, 2)]
-    said = spin.call("merge", "parts/bare.statistics.csv", *states, code=ANY).out
-    assert "2 parts, 868 cases" in said
-    assert results(spin, "one", "bare") == results(spin, "parts", "bare")
-
-
-@needs_mpi
-def test_ranks(spin):
-    """Three ranks, with rows and without."""
-    inputs = spin.write(MAP, "map.nml"), spin.write(SLOW, "bare.nml")
-    spin.call(*inputs, "-o", "one", code=ANY)
-    ranks = (*inputs, "--threads", "1", "-o", "ranks")
-    spin.call(*ranks, command=under(3), environment=MPI, code=ANY)
-    for name in ("map", "bare"):
-        assert results(spin, "one", name) == results(spin, "ranks", name)
 
 
 def test_damaged_parts(spin):
@@ -244,31 +217,6 @@ def test_damaged_parts(spin):
 
 
 RESUMED = ("map.nml", "--resume", "--threads", "1")
-
-
-@pytest.mark.parametrize(
-    ("text", "table"),
-    [(SLOW, "output/map.statistics.csv"), (SLOW.replace(ROWS, WITH_ROWS), "output/map.csv")],
-    ids=("without rows", "with rows"),
-)
-def test_killed(spin, text, table):
-    """Killed at several points and resumed, it has the bytes of a run that nothing stopped."""
-    swept(spin, text, "--output=whole")
-    kept, kills = 0, 0
-    for _ in range(6):
-        with spin.start(*RESUMED) as run:
-            done = lambda: run.poll() is not None or spin.journalled(table) > kept  # noqa: B023, E731
-            wait_until(done, limit=120)
-            kills += run.poll() is None
-        if (spin.folder / "output/map.statistics.csv").exists():
-            break
-        before, kept = kept, max(spin.journalled(table), 0)
-        assert kept >= before
-    assert kills > 0
-    spin.call(*RESUMED, code=ANY)
-    assert results(spin, "output") == results(spin, "whole")
-    folders = [{p.name for p in (spin.folder / name).iterdir()} for name in ("output", "whole")]
-    assert folders[0] == folders[1]
 
 
 def test_damaged_snapshot(spin):
@@ -312,11 +260,7 @@ COLUMNS_REFUSED = [
 BINS_REFUSED = [
     (OVER, "over = 'initial.phi_rate', 'motion_class'", "has words, and no numbers"),
     (OVER, "over = 'initial.phi_rate', 'initial.phi'", "is not swept"),
-    (
-        OVER,
-        "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1",
-        "both quantities are the same",
-    ),
+    (OVER, "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1", "both quantities are the same"),
     ("from(2) = 0.1", "", "is not known before it is computed", "statistics.from(2)"),
     ("to(2) = 1.5", "to(2) = 0.1", "not above 0.1", "give from < to"),
     ("from(2) = 0.1", "from(2) = -1 spacing(2) = 'log'", "needs positive ends, not -1"),
@@ -366,12 +310,7 @@ def test_what_is_refused(spin, old, new, words):
         (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
         (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
         (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
-        (
-            SINGLE,
-            SINGLE[SINGLE.index("&statistics") :],
-            NONE,
-            ["a trajectory always has its rows"],
-        ),
+        (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
     ],
 )
 def test_rows_that_are_refused(spin, text, old, new, words):

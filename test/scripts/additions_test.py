@@ -1,28 +1,29 @@
-"""An effect, a method and a watch are added as `doc/developing.md` says, in few lines.
+"""An effect, a method, a watch and columns are added as `doc/developing.md` says, in few lines.
 
 A copy of the sources takes the patches in `test/additions`, and is built once. It has a second
 effect, too, which only the loads know: everything else has to see that it does not know this one.
 """
 
-import csv
 import faulthandler
 import math
-import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT, Run, Spin, execute, output
+from mechanics import rotation, runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
 """A torque in body axes that decays; Heun's method of order 3; the largest height of the centre."""
+COLUMNS_ADDED = ("sweep_column", "trajectory_column")
+"""cos(theta) at the end of a span; the magnitude of the angular velocity."""
 OF_LOADS = "effect_of_loads"
 """A torque in body axes that is divided by 1 + t."""
-MOST_LINES = 40
+MOST_LINES, MOST_OF_COLUMN = 40, 5
 PATIENCE = 3600  # s
 
 
@@ -34,29 +35,21 @@ def added(name: str) -> int:
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
     """A built copy of the sources with the additions."""
     root = tmp_path_factory.mktemp("additions")
     for name in ("app", "src", "include", "scripts"):
         shutil.copytree(ROOT / name, root / name, symlinks=True)
     shutil.copy(ROOT / "fpm.toml", root)
     (root / ".venv").symlink_to(ROOT / ".venv")
-    for name in (*ADDITIONS, OF_LOADS):
+    for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
         patch = ROOT / f"test/additions/{name}.patch"
         subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {**os.environ, "SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
+    environment = {"SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
-    build = subprocess.run(
-        ["bash", "-c", "source scripts/setup; build release"],
-        cwd=root,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-    assert build.returncode == 0, build.stderr[-2000:]
-    yield root
+    build = ("bash", "-c", "source scripts/setup; build release")
+    execute(*build, cwd=root, environment=environment)
+    yield Spin(root)
     shutil.rmtree(root)
 
 
@@ -84,32 +77,21 @@ def fading(t: float) -> np.ndarray:
     return TORQUE / (1 + t)
 
 
-def path(inertia: np.ndarray, moment: Moment, steps: int = 3000) -> np.ndarray:
-    """Return the states (q, omega) of a motion, by the classical Runge-Kutta method."""
+def path(inertia: np.ndarray, moment: Moment, parts: int = 1) -> np.ndarray:
+    """Return the states (q, omega) of a motion at the ends of its parts."""
     inverse = np.linalg.inv(inertia)
 
     def slope(t: float, y: np.ndarray) -> np.ndarray:
         q, w = y[:4], y[4:]
         turn = np.concatenate([[-q[1:] @ w], q[0] * w + np.cross(q[1:], w)]) / 2
-        torque = MASS * GRAVITY * np.cross(vertical(q), CENTRE) + moment(t)
+        torque = MASS * GRAVITY * np.cross(rotation(q)[2], CENTRE) + moment(t)
         return np.concatenate([turn, inverse @ (np.cross(inertia @ w, w) + torque)])
 
-    h = T_END / steps
-    states = [np.concatenate([START / np.linalg.norm(START), OMEGA])]
-    for i in range(steps):
-        t, y = i * h, states[-1]
-        a = slope(t, y)
-        b = slope(t + h / 2, y + h / 2 * a)
-        c = slope(t + h / 2, y + h / 2 * b)
-        d = slope(t + h, y + h * c)
-        states.append(y + h / 6 * (a + 2 * b + 2 * c + d))
+    states, h = [np.concatenate([START / np.linalg.norm(START), OMEGA])], T_END / parts
+    for i in range(parts):
+        later = lambda t, y, i=i: slope(i * h + t, y)  # noqa: E731
+        states.append(runge_kutta(later, states[-1], h, 3000 // parts))
     return np.array(states)
-
-
-def vertical(q: np.ndarray) -> np.ndarray:
-    """Return the upward vertical in body axes."""
-    a, b, c, d = q
-    return np.array([2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c])
 
 
 def listed(values: np.ndarray) -> str:
@@ -133,29 +115,31 @@ DECAYS = f"decaying_torque = {listed(TORQUE)} decay_rate = {RATE}"
 FADES = f"fading_torque = {listed(TORQUE)}"
 
 
-def call(copy: Path, *words: object) -> subprocess.CompletedProcess[str]:
+def call(copy: Spin, *words: str, code: int | tuple[int, ...] = 0) -> Run:
     """Call the program of the copy."""
-    command = [copy / "build/release/spintop", *words]
-    return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+    return copy.call(*words, command=(copy.folder / "build/release/spintop",), code=code)
 
 
-def rows(copy: Path, text: str, *options: str) -> list[dict[str, str]]:
+def rows(copy: Spin, text: str, *options: str) -> pd.DataFrame:
     """Return the rows of the table of an input."""
-    (copy / "scene.nml").write_text(text, encoding="utf-8")
-    done = call(copy, "--quiet", "-o", "out", *options, "scene.nml")
-    assert done.returncode == 0, done.stderr
-    table = (copy / "out/scene.csv").read_text(encoding="utf-8")
-    return list(csv.DictReader(x for x in table.splitlines() if not x.startswith("#")))
+    return call(copy, "--quiet", *options, copy.write(text)).rows
 
 
-def last_state(row: dict[str, str]) -> np.ndarray:
-    """Return the state in a row."""
-    return np.array([float(row[name]) for name in NAMES])
+def refusal(copy: Spin, text: str) -> str:
+    """Return why an input is refused; nothing if it is not."""
+    return call(copy, "--check", copy.write(text), code=(0, 2)).stderr
 
 
-NAMES = ("q0", "q1", "q2", "q3", "omega1", "omega2", "omega3")
-COLUMNS = f"&output columns = 't', {', '.join(map(repr, NAMES))}, 'energy_error' /"
+NAMES = [*(f"q{i}" for i in range(4)), *(f"omega{i}" for i in (1, 2, 3))]
+COLUMNS = output("t", *NAMES, "energy_error")
 ADAPTIVE = "relative_tolerance = 1e-13"
+
+
+def check_end(copy: Spin, text: str, expected: np.ndarray, method: str) -> None:
+    """The motion by a method ends where it should, and its account of energy is right."""
+    end = rows(copy, f"{text}&integration method = {method} /\n{COLUMNS}").iloc[-1]
+    assert distance(end[NAMES].to_numpy(dtype=float), expected) < 1e-9, method
+    assert abs(end.energy_error) < 1e-10, method
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> float:
@@ -169,48 +153,61 @@ def test_additions_are_short() -> None:
     assert sum(map(added, ADDITIONS)) < MOST_LINES
 
 
-def test_lists_have_them(copy: Path) -> None:
+@pytest.mark.parametrize("name", COLUMNS_ADDED)
+def test_column_is_a_line(name: str) -> None:
+    """A line of the registry, its number, and where that is computed."""
+    assert added(name) <= MOST_OF_COLUMN
+
+
+def test_new_columns_have_values(copy: Spin) -> None:
+    """Also in another unit, and as a derivative."""
+    output = "&output columns = 't', 'omega1', 'omega2', 'omega3', 'speed', 'speed_rpm' /"
+    row = rows(copy, scene(SMOOTH, "", output))[-1]
+    omega = np.array([float(row[f"omega{i}"]) for i in (1, 2, 3)])
+    assert abs(float(row["speed"]) - np.linalg.norm(omega)) < 1e-14 * np.linalg.norm(omega)
+    assert abs(float(row["speed_rpm"]) * math.pi / 30 / float(row["speed"]) - 1) < 1e-14
+    sweep = (
+        "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega(3)' values(1,:) = 9, 10 /\n"
+        "&output columns = 'theta_end', 'gamma3_end', 'gamma3_end__initial.omega(3)' /"
+    )
+    for case in rows(copy, scene(SMOOTH, "", sweep)):
+        assert abs(float(case["gamma3_end"]) - math.cos(float(case["theta_end"]))) < 1e-15
+        assert math.isfinite(float(case["gamma3_end__initial.omega(3)"]))
+
+
+def test_lists_have_them(copy: Spin) -> None:
     """Keys, methods and columns are listed."""
-    parameters = call(copy, "list", "parameters").stdout
+    parameters = call(copy, "list", "parameters").out
     assert "effects.decaying_torque" in parameters
     assert "effects.decay_rate" in parameters
-    assert "heun_3" in call(copy, "list", "methods").stdout
-    assert "com_z_max" in call(copy, "list", "columns").stdout
+    assert "heun_3" in call(copy, "list", "methods").out
+    assert "com_z_max" in call(copy, "list", "columns").out
 
 
 @pytest.mark.parametrize("inertia", [SMOOTH, SKEW], ids=["principal", "tensor"])
-def test_effect_changes_the_motion(copy: Path, inertia: np.ndarray) -> None:
+def test_effect_changes_the_motion(copy: Spin, inertia: np.ndarray) -> None:
     """By slopes and by series, also in quadruple precision, as another integration says."""
     expected = path(inertia, decaying)[-1]
     assert distance(expected, path(inertia, lambda _: np.zeros(3))[-1]) > 0.1
     adaptive = [f"{name!r} {ADAPTIVE}" for name in ("dop853", "taylor", "auto")]
     for method in (*adaptive, "'taylor_quadruple'", "'rk4' steps = 6000"):
-        text = scene(inertia, DECAYS, f"&integration method = {method} /\n{COLUMNS}")
-        row = rows(copy, text)[-1]
-        assert distance(last_state(row), expected) < 1e-9, method
-        assert abs(float(row["energy_error"])) < 1e-10, method
+        check_end(copy, scene(inertia, DECAYS, ""), expected, method)
 
 
-def test_effect_of_loads_alone(copy: Path) -> None:
+def test_effect_of_loads_alone(copy: Spin) -> None:
     """It is right with every method that takes it; series are refused, and not chosen."""
-    expected = path(SMOOTH, fading)[-1]
+    text = scene(SMOOTH, FADES, "")
     for method in (f"'dop853' {ADAPTIVE}", f"'auto' {ADAPTIVE}", "'gauss_8' steps = 3000"):
-        text = scene(SMOOTH, FADES, f"&integration method = {method} /\n{COLUMNS}")
-        row = rows(copy, text)[-1]
-        assert distance(last_state(row), expected) < 1e-9, method
-        assert abs(float(row["energy_error"])) < 1e-10, method
+        check_end(copy, text, path(SMOOTH, fading)[-1], method)
     for method in ("taylor", "taylor_quadruple"):
-        text = scene(SMOOTH, FADES, f"&integration method = '{method}' /")
-        (copy / "scene.nml").write_text(text, encoding="utf-8")
-        check = call(copy, "--check", "scene.nml")
-        assert check.returncode != 0
-        assert "those with these effects have none" in check.stderr
+        error = refusal(copy, f"{text}&integration method = '{method}' /")
+        assert "those with these effects have none" in error
 
 
 @pytest.mark.parametrize(
     ("key", "moment"), [("decaying_torque", decaying), ("fading_torque", fading)]
 )
-def test_sweep_takes_the_effect_one_by_one(copy: Path, key: str, moment: Moment) -> None:
+def test_sweep_takes_the_effect_one_by_one(copy: Spin, key: str, moment: Moment) -> None:
     """Lanes leave the cases that they do not know."""
     text = scene(
         SMOOTH,
@@ -219,36 +216,36 @@ def test_sweep_takes_the_effect_one_by_one(copy: Path, key: str, moment: Moment)
         f"to = {TORQUE[0]} count = 3 /\n"
         "&output columns = 'theta_end', 'com_z_min', 'com_z_max', 'energy_error_max' /",
     )
-    for i, row in enumerate(rows(copy, text)):
+    for i, row in rows(copy, text).iterrows():
         scaled = np.array([i / 2, 1, 1])
 
         def torque(t: float, scaled: np.ndarray = scaled) -> np.ndarray:
             return scaled * moment(t) + np.array([0.1, 0, 0])
 
-        check_extremes(row, path(SMOOTH, torque), 1e-7)
-        assert float(row["energy_error_max"]) < 1e-6
+        check_extremes(row, path(SMOOTH, torque, 1500), 1e-7)
+        assert row.energy_error_max < 1e-6
 
 
-def check_extremes(row: dict[str, str], states: np.ndarray, tolerance: float) -> None:
+def check_extremes(row: pd.Series, states: np.ndarray, tolerance: float) -> None:
     """Compare the end and the extremes of the height with those of a motion."""
-    ups = np.array([vertical(y[:4]) for y in states])
+    ups = np.array([rotation(y[:4])[2] for y in states])
     heights = ups @ CENTRE
-    assert abs(float(row["theta_end"]) - math.acos(ups[-1, 2])) < tolerance
-    assert abs(float(row["com_z_max"]) - heights.max()) < 1e-6
-    assert abs(float(row["com_z_min"]) - heights.min()) < 1e-6
+    assert abs(row.theta_end - math.acos(ups[-1, 2])) < tolerance
+    assert [row.com_z_min, row.com_z_max] == pytest.approx([heights.min(), heights.max()], abs=1e-6)
     assert heights.max() > heights.min() + 0.05
 
 
-def test_watch_in_lanes_and_alone(copy: Path) -> None:
+def test_watch_in_lanes_and_alone(copy: Spin) -> None:
     """The new column is the same in lanes, and one by one by a method that has none."""
     sweep = "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega(3)' values(1,:) = 9 /\n"
     columns = "&output columns = 'theta_end', 'com_z_min', 'com_z_max' /"
     for method in ("taylor", "dop853"):
         text = scene(SMOOTH, "", f"{sweep}&integration method = '{method}' {ADAPTIVE} /\n{columns}")
-        check_extremes(rows(copy, text)[0], path(SMOOTH, lambda _: np.zeros(3)), 1e-9)
+        still = path(SMOOTH, lambda _: np.zeros(3), 1500)
+        check_extremes(rows(copy, text).iloc[0], still, 1e-9)
 
 
-def test_watch_of_closed_forms(copy: Path) -> None:
+def test_watch_of_closed_forms(copy: Spin) -> None:
     """The new column of a symmetric top is that of its closed form."""
     top = (
         "&study kind = 'sweep' /\n&top mass = 1 inertia = 0.9, 0.9, 0.3 length = 0.5 /\n"
@@ -256,28 +253,27 @@ def test_watch_of_closed_forms(copy: Path) -> None:
         "&sweep parameter = 'initial.omega3' from = 8 to = 12 count = 3 /\n"
         "&output columns = 'theta_min', 'theta_max', 'com_z_min', 'com_z_max' /\n"
     )
-    for row in rows(copy, top):
-        for height, angle in (("com_z_max", "theta_min"), ("com_z_min", "theta_max")):
-            assert abs(float(row[height]) - 0.5 * math.cos(float(row[angle]))) < 1e-14
+    found = rows(copy, top)
+    for height, angle in (("com_z_max", "theta_min"), ("com_z_min", "theta_max")):
+        assert list(found[height]) == pytest.approx(list(0.5 * np.cos(found[angle])), abs=1e-14)
 
 
-def test_proof_does_not_enclose_the_effect(copy: Path) -> None:
+def test_proof_does_not_enclose_the_effect(copy: Spin) -> None:
     """Balls do not know it, so nothing is proved of it."""
     columns = "&output columns = 't', 'omega3', 'omega3_bound' /"
     text = scene(SMOOTH, DECAYS, f"&integration {ADAPTIVE} /\n{columns}")
-    (copy / "scene.nml").write_text(text, encoding="utf-8")
-    if "has no FLINT" in call(copy, "--check", "scene.nml").stderr:
+    if "has no FLINT" in refusal(copy, text):
         pytest.skip("this build has no FLINT")
-    bounds = [float(row["omega3_bound"]) for row in rows(copy, text, "--set", "span.samples=3")]
-    assert all(math.isinf(bound) for bound in bounds)
+    assert np.isinf(rows(copy, text, "--set", "span.samples=3").omega3_bound).all()
 
 
-def test_method_converges(copy: Path) -> None:
+def test_method_converges(copy: Spin) -> None:
     """With half the step, an eighth of the error."""
     expected = path(SMOOTH, decaying)[-1]
     errors = []
     for steps in (400, 800, 1600):
         text = scene(SMOOTH, DECAYS, f"&integration method = 'heun_3' steps = {steps} /\n{COLUMNS}")
-        errors.append(distance(last_state(rows(copy, text)[-1]), expected))
+        end = rows(copy, text).iloc[-1][NAMES].to_numpy(dtype=float)
+        errors.append(distance(end, expected))
     assert 7.5 < errors[0] / errors[1] < 8.5
     assert 7.5 < errors[1] / errors[2] < 8.5

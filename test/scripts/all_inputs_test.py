@@ -4,29 +4,17 @@ Studies of methods are computed with fewer settings, and the largest sweep with 
 """
 
 import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TESTS.parent / "python"))
-
-from conftest import ROOT  # noqa: E402
-from spintop_figures.registry import FIGURES  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
-from spintop_figures.tables.words import words_of  # noqa: E402
-from supplied_inputs import (  # noqa: E402
-    COMPARISONS,
-    FAILING,
-    INPUTS,
-    LARGEST,
-    NEEDS_FLINT,
-    check_tables,
-)
+from conftest import ROOT
+from spintop_figures.registry import FIGURES
+from spintop_figures.tables.table import read_table
+from spintop_figures.tables.words import words_of
+from supplied_inputs import COMPARISONS, FAILING, INPUTS, LARGEST, NEEDS_FLINT, check_tables
 
 pytestmark = pytest.mark.slow
 

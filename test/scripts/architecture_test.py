@@ -2,15 +2,12 @@
 
 import itertools
 import re
-import sys
 import unittest
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "test"))
-
-from docstrings import Source, match_procedure, statements  # noqa: E402
+from conftest import ROOT
+from docstrings import Source, match_procedure, statements
 
 SOURCES = sorted([*ROOT.glob("src/**/*.f90"), *ROOT.glob("app/*.f90")])
 

@@ -1,13 +1,11 @@
 """What figures and the live top assume of a scene: they are left out where it does not hold."""
 
-import json
 import math
-import os
-import subprocess
 from pathlib import Path
 
 import pytest
 
+from conftest import ROOT, Spin, listed
 from plot_case import a_trajectory
 from reporting.live_link import live_link
 from spintop_figures.motion.reduced import find_reduced
@@ -18,10 +16,6 @@ from spintop_figures.moving.motion import find_omega, scene_of
 from spintop_figures.registry import COMPARISONS, FIGURES
 from spintop_figures.tables.table import Table, read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-ROOT = TESTS.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 BESIDE = {
     "friction_coefficient": ["friction_radius=1e-3"],
     "vibration_amplitude": ["vibration_rate=60"],
@@ -37,13 +31,6 @@ TABLES = {
 """Keys whose value is a file, with its contents."""
 STRONG = {"earth_rate": 1e-4}
 """Values of keys in place of 0.02, which would be too large."""
-
-
-def listed(topic: str) -> list[dict]:
-    """A registry of the program."""
-    command = [EXE, "list", topic, "--json"]
-    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    return json.loads(text)[topic]
 
 
 EFFECTS = [entry for entry in listed("parameters") if entry["group"] == "effects"]
@@ -67,15 +54,8 @@ CONDITIONAL = [kind for kind in (*FIGURES, *COMPARISONS) if kind.assumes]
 
 def compute(folder: Path, name: str, *settings: str) -> Table:
     """The table of an input with settings: of a supplied one by its name, or of a text."""
-    path = ROOT / "input" / f"{name}.nml"
-    if "&" in name:
-        path = folder / "top.nml"
-        path.write_text(name, encoding="utf-8")
-    words = [word for setting in settings for word in ("--set", setting)]
-    command = [EXE, "--quiet", "-o", folder, *words, path]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode in (0, 3), done.stderr
-    return read_table(folder / f"{path.stem}.csv")
+    run = Spin(folder)(name, *settings, "--quiet", "--output=.", name="top", code=(0, 3))
+    return read_table(run.path)
 
 
 def check_true(table: Table) -> None:

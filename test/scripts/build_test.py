@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT, execute
+
 ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
 SAID = [
     " + mkdir -p build/dependencies",
@@ -22,14 +23,8 @@ SAID = [
 
 def call(folder: Path, commands: str, **environment: str) -> subprocess.CompletedProcess:
     """Commands of a shell with the functions of scripts/setup, in a checkout."""
-    return subprocess.run(
-        ["bash", "-c", f"source scripts/setup; {commands}"],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ("bash", "-c", f"source scripts/setup; {commands}")
+    return execute(*words, code=None, cwd=folder, environment=environment)
 
 
 @pytest.fixture
@@ -40,7 +35,7 @@ def checkout(tmp_path: Path) -> Path:
         (root / name).mkdir(parents=True)
     for name in (
         "scripts/setup",
-        "scripts/requirements.txt",
+        "scripts/requirements.lock",
         "scripts/compiler/gfortran",
         "fpm.toml",
     ):
@@ -107,21 +102,9 @@ def test_levels(tmp_path: Path, source: str, level: str) -> None:
     compiler.chmod(0o755)
     light = "-DSPINTOP_LIGHT=app:src/studies"
     full = "-DSPINTOP_FULL=src/studies/fit:src/studies/trial.f90"
-    done = subprocess.run(
-        [
-            ROOT / "scripts/compiler/gfortran",
-            "-c",
-            *source.split(),
-            "-O3",
-            light,
-            full,
-            "-I/src/studies/x y",
-        ],
-        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    words = ("-c", *source.split(), "-O3", light, full, "-I/src/studies/x y")
+    path = {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    done = execute(ROOT / "scripts/compiler/gfortran", *words, environment=path)
     words = done.stdout.splitlines()
     assert [word for word in words if word.startswith("-O")][-1] == level
     assert "-I/src/studies/x y" in words
@@ -180,7 +163,7 @@ def test_users_install_no_linters() -> None:
 
 def test_every_package_is_locked() -> None:
     """All packages of the groups have a version and hashes in the lock, which has no others."""
-    lock = (ROOT / "scripts/requirements.txt").read_text(encoding="utf-8")
+    lock = (ROOT / "scripts/requirements.lock").read_text(encoding="utf-8")
     locked = re.findall(r"^([\w.-]+)==", lock, re.MULTILINE)
     assert lock.count("--hash=sha256:") >= len(locked)
     named = call(ROOT, 'printf "%s\\n" ${packages[@]}').stdout.split()

@@ -2,30 +2,24 @@
 
 import dataclasses
 import math
-import os
 import subprocess
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
-
-import pandas as pd  # noqa: E402
-
-from comparing import ENGINES, SOLVERS, bodies, crew, table  # noqa: E402
-from comparing.equations import EQUATIONS, python_rates  # noqa: E402
-from comparing.problem import MOTIONS, Problem  # noqa: E402
-from comparing.program import RunError  # noqa: E402
-from comparing.scene import pose, read_scene, with_truth  # noqa: E402
-from referencing.extrapolation import extrapolated  # noqa: E402
-from spintop_figures.registry import FIGURES  # noqa: E402
-from spintop_figures.tables.table import read_table  # noqa: E402
+from comparing import ENGINES, SOLVERS, bodies, crew, table
+from comparing.equations import EQUATIONS, python_rates
+from comparing.problem import MOTIONS, Problem
+from comparing.program import RunError
+from comparing.scene import pose, read_scene, with_truth
+from conftest import ROOT, execute
+from referencing.extrapolation import extrapolated
+from spintop_figures.registry import FIGURES
+from spintop_figures.tables.table import read_table
 
 pytestmark = pytest.mark.slow
 
@@ -38,14 +32,11 @@ SHORT = """\
 PROGRAMS = {program.module: program for program in (*SOLVERS, *ENGINES)}
 
 
+@pytest.mark.usefixtures("folder")
 class CompareCase(unittest.TestCase):
     """Works in a folder that goes away."""
 
-    def setUp(self) -> None:
-        """Make the folder."""
-        folder = tempfile.TemporaryDirectory(prefix="compare test ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def put(self, more: str = "") -> Path:
         """An input of a short motion."""
@@ -59,20 +50,11 @@ class CompareCase(unittest.TestCase):
 
     def compare(self, *arguments: object, **environment: str) -> subprocess.CompletedProcess:
         """Run the script."""
-        command = [sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments]
-        return subprocess.run(
-            list(map(str, command)),
-            capture_output=True,
-            text=True,
-            timeout=1200,
-            check=False,
-            env=os.environ | environment,
-        )
+        command = (sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments)
+        return execute(*command, code=None, environment=environment)
 
 
-class EquationsTest(CompareCase):
-    """The peers solve the motion of spintop."""
-
+class CompareTest(CompareCase):
     def check(self, problem: Problem, count: int, steps: int) -> None:
         """All equations that suit the problem end where spintop does."""
         suited = [form for form in EQUATIONS.values() if form.suits(problem)]
@@ -125,10 +107,6 @@ class EquationsTest(CompareCase):
         with self.assertRaisesRegex(RunError, "sweep"):
             self.pose(ROOT / "input/map_spin_tilt.nml")
 
-
-class CrewTest(CompareCase):
-    """Programs do their work, or are found out."""
-
     def start(self, name: str) -> crew.Worker:
         """A program, where it is there."""
         worker = crew.Worker(PROGRAMS[name])
@@ -168,7 +146,7 @@ class CrewTest(CompareCase):
         """Each, where it is there: SUNDIALS from C always is."""
         for name, setting, limit in (
             ("sundials", 1e-10, 1e-5), ("odeint", 1e-10, 1e-6), ("scipy", 1e-10, 1e-6),
-            ("heyoka", 1e-10, 1e-8), ("octave", 1e-8, 1e-5), ("mujoco", 10000, 1e-2),
+            ("heyoka", 1e-10, 1e-8), ("mujoco", 10000, 1e-2),
         ):  # fmt: skip
             with self.subTest(name):
                 self.solve(name, setting, limit)
@@ -220,6 +198,57 @@ class CrewTest(CompareCase):
         self.assertEqual(self.fail_with("").status, "crashed")
         trial = self.fail_with('input()\nprint(\'{"failure": "a pole"}\', flush=True)')
         self.assertEqual((trial.status, trial.remark, trial.answer), ("failed", "a pole", {}))
+
+    def test_comparison(self) -> None:
+        """The table has all rows, can be read and drawn, and has a summary."""
+        result = self.compare("--quick", "--budget", 200, "--programs", "SUNDIALS", self.put())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        whole = read_table(self.folder / "peers.csv")
+        self.assertEqual(whole.kind, "work_precision")
+        rows = whole.rows
+        self.assertEqual(set(rows["problem"]), {"short"})
+        self.assertIn("SUNDIALS", whole.header["peer sundials"])
+        for program in ("spintop", "SUNDIALS"):
+            mine = rows[(rows["program"] == program) & (rows["status"] == "ok")]
+            self.assertGreater(len(mine), 5)
+            self.assertLess(mine["orientation_error"].min(), 1e-6)
+            self.assertTrue((mine["time_s"] > 0).all())
+        exact = rows[rows["method"] == "exact"].iloc[0]
+        self.assertLess(exact["orientation_error"], 1e-14)
+        (kind,) = (kind for kind in FIGURES if kind.name == "peers")
+        self.assertEqual(kind.refusal(whole), "")
+        self.assertGreater((self.folder / "peers_short.png").stat().st_size, 10_000)
+        self.assertIn("| 1e-06 |", result.stdout)
+        self.assertIn("| SUNDIALS, relative to that |", result.stdout)
+        good = table.cheapest(rows[rows["program"] == "SUNDIALS"], 1e-3)
+        self.assertLessEqual(good["orientation_error"], 1e-3)
+        self.assertIsNone(table.cheapest(rows, 0.0))
+
+    def test_nothing_is_there(self) -> None:
+        """Without compilers their peers are left out, and spintop is measured."""
+        names = "Boost.odeint,SUNDIALS"
+        result = self.compare("--quick", "--programs", names, self.put(), PATH=str(self.folder))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for name in names.split(","):
+            self.assertIn(f"{name} is left out: ", result.stderr)
+        rows = read_table(self.folder / "peers.csv").rows
+        self.assertEqual(set(rows["program"]), {"spintop"})
+
+    def test_complaints(self) -> None:
+        """An error has a message of one line, and nothing is written."""
+        for arguments, message in (
+            (["--programs", "scipi"], "there is no program scipi; there are SciPy, heyoka"),
+            (["--engines", "--programs", "Mujoco"], "no program Mujoco; there are spintop"),
+            (["--set", "span.t_end=1"], "--set and --general need an input"),
+            (["--bodies", self.put()], "--bodies takes no input"),
+            ([ROOT / "input/map_spin_tilt.nml"], "has a sweep"),
+            ([self.folder / "missing.nml"], "missing.nml"),
+        ):
+            with self.subTest(message):
+                result = self.compare("--quick", *arguments)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(message, result.stderr)
+                self.assertFalse((self.folder / "peers.csv").exists())
 
 
 class TableTest(unittest.TestCase):
@@ -283,62 +312,3 @@ class TableTest(unittest.TestCase):
         texts = {2.5e-7: "0.250 us", 9.996e-4: "1.00 ms", 0.0123: "12.3 ms", 123.4: "123 s"}
         for seconds, text in texts.items():
             self.assertEqual(table.as_time(seconds), text)
-
-
-class ScriptTest(CompareCase):
-    """Runs the script."""
-
-    def test_comparison(self) -> None:
-        """The table has all rows, can be read and drawn, and has a summary."""
-        result = self.compare("--quick", "--budget", 200, "--programs", "SUNDIALS", self.put())
-        self.assertEqual(result.returncode, 0, result.stderr)
-        whole = read_table(self.folder / "peers.csv")
-        self.assertEqual(whole.kind, "work_precision")
-        rows = whole.rows
-        self.assertEqual(set(rows["problem"]), {"short"})
-        self.assertIn("SUNDIALS", whole.header["peer sundials"])
-        for program in ("spintop", "SUNDIALS"):
-            mine = rows[(rows["program"] == program) & (rows["status"] == "ok")]
-            self.assertGreater(len(mine), 5)
-            self.assertLess(mine["orientation_error"].min(), 1e-6)
-            self.assertTrue((mine["time_s"] > 0).all())
-        exact = rows[rows["method"] == "exact"].iloc[0]
-        self.assertLess(exact["orientation_error"], 1e-14)
-        (kind,) = (kind for kind in FIGURES if kind.name == "peers")
-        self.assertEqual(kind.refusal(whole), "")
-        self.assertGreater((self.folder / "peers_short.png").stat().st_size, 10_000)
-        self.assertIn("| 1e-06 |", result.stdout)
-        self.assertIn("| SUNDIALS, relative to that |", result.stdout)
-        good = table.cheapest(rows[rows["program"] == "SUNDIALS"], 1e-3)
-        self.assertLessEqual(good["orientation_error"], 1e-3)
-        self.assertIsNone(table.cheapest(rows, 0.0))
-
-    def test_nothing_is_there(self) -> None:
-        """Without compilers and Octave their peers are left out, and spintop is measured."""
-        names = "Boost.odeint,GNU Octave,SUNDIALS"
-        result = self.compare("--quick", "--programs", names, self.put(), PATH=str(self.folder))
-        self.assertEqual(result.returncode, 0, result.stderr)
-        for name in ("Boost.odeint", "GNU Octave", "SUNDIALS"):
-            self.assertIn(f"{name} is left out: ", result.stderr)
-        rows = read_table(self.folder / "peers.csv").rows
-        self.assertEqual(set(rows["program"]), {"spintop"})
-
-    def test_complaints(self) -> None:
-        """An error has a message of one line, and nothing is written."""
-        for arguments, message in (
-            (["--programs", "scipi"], "there is no program scipi; there are SciPy, heyoka"),
-            (["--engines", "--programs", "Mujoco"], "no program Mujoco; there are spintop"),
-            (["--set", "span.t_end=1"], "--set and --general need an input"),
-            (["--bodies", self.put()], "--bodies takes no input"),
-            ([ROOT / "input/map_spin_tilt.nml"], "has a sweep"),
-            ([self.folder / "missing.nml"], "missing.nml"),
-        ):
-            with self.subTest(message):
-                result = self.compare("--quick", *arguments)
-                self.assertEqual(result.returncode, 2, result.stderr)
-                self.assertIn(message, result.stderr)
-                self.assertFalse((self.folder / "peers.csv").exists())
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,16 +5,16 @@ name is one of the program; and colours differ for all eyes.
 """
 
 import itertools
-import json
-import os
-import subprocess
 import unittest
+import unittest.mock
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
@@ -22,6 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
+from conftest import listed
 from figure_checks import problems_of
 from plot_case import (
     TRAJECTORY,
@@ -36,17 +37,15 @@ from plot_case import (
     some_events,
 )
 from spintop_figures import draw, read_table, save_as
-from spintop_figures.registry import FIGURES, choose_figures
+from spintop_figures.files import Files, draw_to
+from spintop_figures.registry import FIGURES, FigureKind, choose_figures
 from spintop_figures.style.axes import Powers, scale_for
 from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
 from spintop_figures.style.numbers import with_comma, write, write_fixed
-from spintop_figures.tables.names import axis_of, name_of, sign_of
+from spintop_figures.sweeps.quantities import column_shown, known_quantities
+from spintop_figures.tables.names import axis_of, name_of, sign_of, with_unit
 from spintop_figures.tables.table import Table, TableError
-
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
 RUNS = {
     "gyrocompass": ("span.samples=200",),
@@ -98,17 +97,13 @@ def made_up() -> dict[str, str]:
     }
 
 
-class LookTest(TableCase):
-    """What a reader of any figure would complain of."""
-
+class FigureLookTest(TableCase):
     def tables(self) -> Iterator[Table]:
         """Made-up tables, and those of inputs."""
         for name, text in made_up().items():
             yield read_table(self.put(f"{name}.csv", text))
         for name, settings in RUNS.items():
-            words = [word for setting in settings for word in ("--set", setting)]
-            command = [EXE, "--quiet", "--restart", "-o", self.folder, *words]
-            subprocess.run([*command, INPUTS / f"{name}.nml"], check=False, capture_output=True)
+            self.compute(name, *settings)
             for path in sorted(self.folder.glob(f"{name}*.csv")):
                 if "histogram" not in path.name:
                     yield read_table(path)
@@ -134,7 +129,7 @@ class LookTest(TableCase):
     def test_faults_are_found(self) -> None:
         """The checks find each fault that they are for."""
 
-        table = read_table(self.put("a.csv", a_trajectory()))
+        table = self.read(a_trajectory())
 
         def fault(change: object) -> str:
             figure = draw(table, y="phi")
@@ -155,13 +150,9 @@ class LookTest(TableCase):
 
         assert "beside" in fault(shift)
 
-
-class OptionsTest(TableCase):
-    """What a user asks of a figure."""
-
     def motion(self, **other: object) -> Table:
         """A made-up motion."""
-        return read_table(self.put("a.csv", a_trajectory(**other)))
+        return self.read(a_trajectory(**other))
 
     def test_widths(self) -> None:
         """A figure is as wide as it should be, and its letters suit that."""
@@ -176,7 +167,7 @@ class OptionsTest(TableCase):
         assert sizes["slide"] > 13
         letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(letters, 12)
-        page = read_table(self.put("b.csv", a_sweep()))
+        page = self.read(a_sweep())
         with self.assertRaisesRegex(TableError, r"needs a width of \d+ cm: no table1 figure"):
             draw(page, "table1", width="column")
 
@@ -231,11 +222,9 @@ class OptionsTest(TableCase):
 
     def test_dark_maps(self) -> None:
         """A legend of a map has the colours of the map, which are those on white."""
-        scene = [EXE, "--quiet", "-o", self.folder, INPUTS / "kapitza_map.nml"]
-        few = [word for i in (1, 2) for word in ("--set", f"sweep.count({i})=4")]
-        subprocess.run([*scene, *few], check=True, capture_output=True)
-        narrow = a_map(across=40)  # its classes have no room for their names
-        for path in (self.folder / "kapitza_map.csv", self.put("narrow.csv", narrow)):
+        few = self.compute("kapitza_map", "sweep.count=4,4")
+        narrow = self.put("narrow.csv", a_map(across=40))  # its classes have no room for names
+        for path in (few.path, narrow):
             looks = []
             for dark in (False, True):
                 panels = draw(read_table(path), "maps", dark=dark).axes
@@ -258,7 +247,7 @@ class OptionsTest(TableCase):
 
     def test_columns(self) -> None:
         """Columns of choice of two tables, each with a line and a name, in ranges, on log axes."""
-        tables = [self.motion(), read_table(self.put("b.csv", a_trajectory(theta=0.7)))]
+        tables = [self.motion(), self.read(a_trajectory(theta=0.7))]
         figure = draw(tables, y=["theta", "phi"], range={"y": (0.1, None)})
         assert problems_of(figure) == []
         upper, lower = figure.axes
@@ -304,8 +293,6 @@ class OptionsTest(TableCase):
 
 
 class WordsTest(unittest.TestCase):
-    """Numbers and names as a reader has them."""
-
     def test_numbers(self) -> None:
         """One notation: a true minus, raised powers, separators, no false zero."""
         times, minus = "\N{MULTIPLICATION SIGN}", "\N{MINUS SIGN}"
@@ -378,14 +365,27 @@ class WordsTest(unittest.TestCase):
     def test_all_names(self) -> None:
         """Nothing that the program lists has a raw name."""
         for topic in ("methods", "formulations", "columns", "statuses", "studies", "parameters"):
-            for entry in listed_names(topic):
-                self.assertNotRegex(name_of(entry), r"[_.]")
+            for entry in listed(topic):
+                self.assertNotRegex(name_of(entry["name"]), r"[_.]")
 
+    def check(self, of_axis: float, of_quantity: float) -> None:
+        """Draw all; look at those of the quantities and of the last parameter that are about 1."""
+        for last in AXES:
+            first = next(name for name in AXES if name != last)
+            one, two = (a_study(axes, of_axis, of_quantity) for axes in ((last,), (first, last)))
+            for kind, study in (("curves", one), ("means", one), ("maps", two), ("means", two)):
+                with self.subTest(axes=study.axes(), kind=kind):
+                    figure = draw(binned(study) if kind == "means" else study, kind)
+                    if of_axis == 1:
+                        name = "xy"[len(study.axes()) - 1]
+                        assert axis_of(last, AXES[last]) in labels(figure, name)
+                    if of_quantity == 1:
+                        assert named(study, kind) <= {*headings(figure)}
 
-def listed_names(topic: str) -> list[str]:
-    """The names that the program lists."""
-    answer = subprocess.run([EXE, "list", topic, "--json"], capture_output=True, check=True)
-    return [entry["name"] for entry in json.loads(answer.stdout)[topic]]
+    def test_units(self) -> None:
+        """Neither its unit nor its prefix is that of the other one."""
+        self.check(1e-5, 1.0)
+        self.check(1.0, 1e-5)
 
 
 DEUTERANOPE = (
@@ -446,3 +446,149 @@ class ColourTest(unittest.TestCase):
             for colour, ground in zip(pair, ROLES["ground"], strict=True):
                 one, other = (TO_XYZ[1] @ to_linear(each) + 0.05 for each in (colour, ground))
                 assert max(one / other, other / one) > 3, colour
+
+
+# Tests of the units in figures: those of headings and labels, and of tables in other units.
+
+AXES = {
+    "initial.omega3": "rad/s",
+    "initial.theta": "rad",
+    "initial.theta_deg": "deg",
+    "initial.spin_ratio": "",
+    "top.mass": "kg",
+    "top.length": "m",
+    "span.t_end": "s",
+}
+"""Parameters of each unit."""
+SIZE = 6
+"""Values of a parameter."""
+
+
+def quantities_by_unit() -> dict[str, str]:
+    """A column of sweeps for each unit that they have."""
+    columns = columns_of("sweep").values()
+    return {each["unit"] or "": each["name"] for each in columns if not each["words"]}
+
+
+def a_study(axes: tuple[str, ...], of_axis: float, of_quantity: float) -> Table:
+    """A sweep over a grid, with a column of each unit; sizes of the last parameter and of these."""
+    values = [np.linspace(1, 2, SIZE) * (of_axis if name == axes[-1] else 1) for name in axes]
+    grid = np.array(list(itertools.product(*values)))
+    found = of_quantity * (1 + np.arange(len(grid)) / len(grid))
+    columns = quantities_by_unit()
+    cells = {"case": np.arange(len(grid)) + 1}
+    cells |= dict(zip(axes, grid.T, strict=True)) | {"status": "ok"}
+    cells |= dict.fromkeys(columns.values(), found)
+    units = {name: unit for unit, name in columns.items()} | {name: AXES[name] for name in axes}
+    settings = {"study.kind": ["sweep"], "output.columns": list(columns.values())}
+    rows = pd.DataFrame(cells)
+    return Table(Path("sweep.csv"), {"program": "spintop"}, settings, units, {}, rows, None)
+
+
+def binned(study: Table) -> Table:
+    """Its statistics, each case in a bin of its own."""
+    names = list(quantities_by_unit().values())
+    cells: dict[str, np.ndarray] = {"bin": np.arange(len(study.rows)) + 1}
+    units = {}
+    for name in study.axes():
+        middles = study.rows[name].to_numpy()
+        half = np.diff(np.unique(middles)).min() / 2
+        cells |= {name: middles, f"{name}_from": middles - half, f"{name}_to": middles + half}
+        units[name] = study.units[name]
+    cells |= {"cases": 10.0 + np.arange(len(study.rows)) ** 2, "failed": 0 * middles}
+    for name in names:
+        numbers = study.rows[name].to_numpy()
+        cells |= {f"{name}_{end}": numbers for end in ("mean", "min", "max")}
+        cells |= {f"{name}_deviation": 0 * numbers, f"{name}_count": 0 * numbers + 1}
+        units[f"{name}_mean"] = study.units[name]
+    rows = pd.DataFrame(cells)
+    rows = pd.concat([rows.iloc[:1].assign(bin=0), rows], ignore_index=True)
+    return replace(study, rows=rows, units=units)
+
+
+def headings(figure: Figure) -> list[str]:
+    """The headings of the panels, each in one line."""
+    found = (axes.get_title(loc="left") for axes in figure.axes)
+    return [" ".join(text.split()) for text in found if text]
+
+
+def named(study: Table, kind: str) -> set[str]:
+    """The headings that the quantities of a study are to have, in plain units."""
+    if kind == "means":
+        known = [column_shown(study, name) for name in quantities_by_unit().values()]
+    else:
+        known = known_quantities(study)
+    return {with_unit(each.label, each.unit) for each in known}
+
+
+def labels(figure: Figure, name: str) -> set[str]:
+    """The labels along x or y."""
+    found = (getattr(axes, f"get_{name}label")() for axes in figure.axes if axes.get_subplotspec())
+    return {" ".join(text.split()) for text in found} - {""}
+
+
+def texts(figure: Figure) -> list[str]:
+    """All texts of a figure."""
+    return sorted(text.get_text() for text in figure.findobj(Text))
+
+
+class OtherUnitsTest(TableCase):
+    """Tables whose columns have other units are drawn as those in their own."""
+
+    def tables(self) -> list[Table]:
+        """Tables that have all figures of columns with units."""
+        found = [read_table(self.put("events.csv", some_events(400)))]
+        sweep = read_table(self.put("sweep.csv", a_sweep()))
+        found.append(
+            replace(sweep, units={name: units_of_columns().get(name) for name in sweep.rows})
+        )
+        for name in ("separatrix", "slow_top_euler_ode45", "friction_to_rest", "fit"):
+            settings = ["span.samples=60"] if name != "fit" else []
+            settings += ["output.columns=all"] if name == "separatrix" else []
+            self.compute(name, *settings)
+            end = ".residuals.csv" if name == "fit" else ".csv"
+            found.append(read_table(self.folder / f"{name}{end}"))
+        return found
+
+    def in_other_units(self, table: Table, names: list[str], number: int) -> Table:
+        """The table with these columns in the other unit of this number."""
+        rows, units, meanings = table.rows.copy(), dict(table.units), dict(table.meanings)
+        for name in names:
+            own = units_of_columns()[name]
+            others = [each for (of, _), each in column_units().items() if of == own]
+            if not others:
+                continue
+            other = others[number % len(others)]
+            new = f"{name}_{other['suffix']}"
+            rows = rows.assign(**{name: rows[name] / other["size"]}).rename(columns={name: new})
+            units[new], meanings[new] = other["unit"], meanings.pop(name, "")
+        return replace(table, rows=rows, units=units, meanings=meanings)
+
+    def test_units(self) -> None:
+        """Every figure of columns, which are in another unit each time, has the same texts."""
+        most = max(sum(of == unit for of, _ in column_units()) for unit in ("s", "rad", "m", "N"))
+        warnings.simplefilter("ignore")
+        drawn: set[str] = set()
+        for table in self.tables():
+            for kind in choose_figures(table)[0]:
+                names = [
+                    name
+                    for name in (kind.columns if kind.name == "fit" else table.rows)
+                    if name in units_of_columns() and table.numeric(name)
+                ]
+                others = [self.in_other_units(table, names, number) for number in range(most)]
+                with self.subTest(kind=kind.name):
+                    assert {kind.refusal(other) for other in others} == {""}
+                    self.compare(kind, table, others[len(drawn) % most])
+                drawn.add(kind.name)
+        wanted = {each.name for each in FIGURES if set(each.columns) & {"t", "theta", "com_z"}}
+        assert wanted <= drawn
+
+    def compare(self, kind: FigureKind, own: Table, other: Table) -> None:
+        """Draw two tables that say the same."""
+        files = Files(formats=("own",))
+        with unittest.mock.patch("spintop_figures.files.save_as") as save:
+            for table in (other, own):
+                draw_to(kind, table, self.folder / "a", files)
+        one, two = (texts(call.args[0]) for call in save.call_args_list)
+        assert one == two

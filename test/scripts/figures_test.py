@@ -3,10 +3,8 @@
 import itertools
 import math
 import os
-import subprocess
 import unittest
 from dataclasses import replace
-from pathlib import Path
 from unittest import mock
 
 import matplotlib as mpl
@@ -17,7 +15,7 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 import spintop_figures
-from plot_case import TRAJECTORY, TableCase, a_stability, a_sweep, a_table, a_trajectory
+from plot_case import TableCase, a_stability, a_sweep, a_table, a_trajectory
 from spintop_figures.methods.trials import cases_by_reference, draw_costs, trials
 from spintop_figures.methods.trials import lay_out as lay_out_verdicts
 from spintop_figures.motion.events import describe_event, draw_events
@@ -34,29 +32,9 @@ from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.style.axes import draw_sizes
 from spintop_figures.style.saving import lay_out, save, save_as, save_small
 from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
-from spintop_figures.sweeps.maps import SIGNED, draw_maps, jumps, spots
+from spintop_figures.sweeps.maps import SIGNED, draw_maps, spots
 from spintop_figures.sweeps.scatter import draw_scatter
-from spintop_figures.tables.table import Table, TableError, read_table
-
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
-
-
-class FigureCase(TableCase):
-    """Reads made-up tables, and those that the program makes of inputs."""
-
-    def read(self, text: str) -> Table:
-        """A made-up table."""
-        return read_table(self.put("a.csv", text))
-
-    def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "--restart", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / f"{name}.csv")
+from spintop_figures.tables.table import TableError
 
 
 def texts_of(axes: mpl.axes.Axes) -> list[str]:
@@ -65,9 +43,7 @@ def texts_of(axes: mpl.axes.Axes) -> list[str]:
     return [*(text.get_text() for text in axes.texts), *filter(None, titles)]
 
 
-class PackageTest(FigureCase):
-    """The figures as a package that others import."""
-
+class FiguresTest(TableCase):
     def test_public(self) -> None:
         """A table is read, drawn and saved by the public names; wrong names are refused by name."""
         table = spintop_figures.read_table(self.put("a.csv", a_trajectory()))
@@ -166,19 +142,6 @@ class PackageTest(FigureCase):
                 inside = box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
                 assert inside, label.get_text()
 
-
-class MapTest(FigureCase):
-    """Fields over two parameters."""
-
-    def test_jumps(self) -> None:
-        """A change of sign by a branch cut is a jump, one of a slope is none."""
-        x = np.linspace(-2, 3, 40)
-        slope = np.ma.masked_invalid(np.tile(x, (5, 1)))
-        assert not jumps(slope)[0].any()
-        cut, size = jumps(np.ma.masked_invalid(np.where(slope > 0.3, slope - 360, slope + 5)))
-        assert cut.sum() == 10
-        self.assertAlmostEqual(size, 365, delta=1)
-
     def test_zero(self) -> None:
         """The line of zero is not drawn along a jump; signed data have a neutral zero."""
         settings = ["sweep.count=40,30", "sweep.combine=grid"]
@@ -228,10 +191,6 @@ class MapTest(FigureCase):
         assert set(found) == {0, 1}
         for code, spot in found.items():
             assert codes[int(spot.y * 30), int(spot.x * 40)] == code
-
-
-class ResidualTest(FigureCase):
-    """Residuals and true errors."""
 
     def test_exact_solution(self) -> None:
         """It has no figure of residuals; other runs have it as the last one."""
@@ -287,10 +246,6 @@ class ResidualTest(FigureCase):
         np.testing.assert_allclose(force, 0, atol=1e-10)
         assert panels[0].get_ylim() == panels[1].get_ylim()
 
-
-class ExtremesTest(FigureCase):
-    """Numbers on a figure belong to the motion, or are marked as those of the rows."""
-
     def test_sparse(self) -> None:
         """Turning points between few rows are those of the same motion with many."""
         many = self.compute("slow_top", "span.samples=4001")
@@ -334,10 +289,6 @@ class ExtremesTest(FigureCase):
             told = [path.get_suptitle(), *texts_of(trace.axes[1])]
             assert sum(words in text for text in told if words) == 2 * is_sparse
 
-
-class SphereTest(FigureCase):
-    """Both halves of a sphere are distinguished."""
-
     def test_halves(self) -> None:
         """The far half has a paler tint of the colour of the near one; a legend says so."""
         figure = draw_trace(self.compute("tip_wave"))
@@ -368,10 +319,6 @@ class SphereTest(FigureCase):
             assert shown[z > 0].all()
             assert shown[z < 0].sum() < 10
         assert sum(to_rgb(below.get_color())) > sum(to_rgb(above.get_color()))
-
-
-class SweepTest(FigureCase):
-    """The figure of Table 1."""
 
     def test_azimuth(self) -> None:
         """The line of the full turn does not strike the legend."""
@@ -420,10 +367,6 @@ class SweepTest(FigureCase):
                 shown = lines[f"{equation} {words}"].get_ydata()
                 np.testing.assert_array_equal(np.isfinite(shown), sign * deviation > 0)
 
-
-class EventsTest(FigureCase):
-    """The instants of events."""
-
     def test_names(self) -> None:
         """Events have names that can be read."""
         names = {
@@ -451,11 +394,7 @@ class EventsTest(FigureCase):
         assert "(400)" in label
         self.assertRegex(label, r"per 0\.0\d+ s: up to [78]")
 
-
-class CloudTest(FigureCase):
-    """Cases as points."""
-
-    def test_density(self) -> None:
+    def test_density_of_cloud(self) -> None:
         """Thousands of cases are counted in cells; each case is in one."""
         table = self.compute("random_tops")
         figure = draw_scatter(table)
@@ -473,10 +412,6 @@ class CloudTest(FigureCase):
         labels = " ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
         assert "energy error" not in labels
         assert "largest energy error at rounding" in figure.get_suptitle().replace("\n", " ")
-
-
-class StudyTest(FigureCase):
-    """Stability studies."""
 
     def test_order_of_cases(self) -> None:
         """Verdicts have the cases in the order of references."""
@@ -511,12 +446,3 @@ class ThresholdTest(unittest.TestCase):
             sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5])) is None
         )
         assert sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")) is None
-
-
-class MarksTest(FigureCase):
-    """Tables of the kinds that scripts write by hand."""
-
-    def test_plain(self) -> None:
-        """A sweep and a trajectory without meanings of their columns are drawn."""
-        assert len(draw_sweep(self.read(a_sweep())).axes) == 6
-        assert len(draw_residuals(self.read(a_trajectory(TRAJECTORY))).axes) == 4

@@ -1,11 +1,8 @@
 """Tests of scripts/film."""
 
-import contextlib
-import io
 import os
 import shutil
 import subprocess
-import sys
 import unittest
 import unittest.mock
 from dataclasses import dataclass
@@ -16,20 +13,16 @@ import pytest
 from matplotlib.text import Text
 from PIL import Image
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
-
-from filming import __main__ as command  # noqa: E402
-from filming import encode  # noqa: E402
-from filming.picture import Camera, describe_speed  # noqa: E402
-from filming.solids import surface  # noqa: E402
-from filming.stage import View, project  # noqa: E402
-from filming.take import FINE, FilmError, Part, compute, span_of  # noqa: E402
+from conftest import EXE, ROOT, called
+from filming import __main__ as command
+from filming import encode
+from filming.picture import Camera, describe_speed
+from filming.solids import surface
+from filming.stage import View, project
+from filming.take import FINE, FilmError, Part, compute, span_of
 
 pytestmark = pytest.mark.slow
 
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 INPUT = ROOT / "input" / "tip_loop.nml"
 SIZE = (320, 180)
 QUICK = ("--seconds", "0.5", "--rate", "10", "--size", "320x180")
@@ -46,18 +39,9 @@ class Done:
 
 def film(*arguments: object, **changes: str) -> Done:
     """Call scripts/film, without the set-up."""
-    said, ways = io.StringIO(), {"stdout": io.TextIOWrapper(io.BytesIO())}
-    with (
-        unittest.mock.patch.object(sys, "argv", ["film", *map(str, arguments)]),
-        unittest.mock.patch.dict(os.environ, changes),
-        unittest.mock.patch.multiple(sys, **ways),
-        contextlib.redirect_stderr(said),
-    ):
-        try:
-            code = command.main()
-        except SystemExit as end:
-            code = end.code
-    return Done(code, said.getvalue())
+    with unittest.mock.patch.dict(os.environ, changes):
+        code, _, complaints = called(command.main, "film", *arguments)
+    return Done(code, complaints)
 
 
 def pixels_of(camera: Camera, picture: int) -> np.ndarray:
@@ -103,7 +87,7 @@ class FilmTest(unittest.TestCase):
 
     def test_table(self) -> None:
         """A table is filmed by the input in its header; what is no trajectory is refused."""
-        command = [PROGRAM, "--quiet", "-o", self.folder]
+        command = [EXE, "--quiet", "-o", self.folder]
         subprocess.run(
             [*command, "--set", "span.samples=5", INPUT], check=True, capture_output=True
         )
@@ -282,7 +266,3 @@ class PictureTest(unittest.TestCase):
                 self.assertAlmostEqual(heights.min(), low)
                 self.assertAlmostEqual(heights.max(), high)
                 self.assertAlmostEqual(polygons[:, :, 0].max(), girth)
-
-
-if __name__ == "__main__":
-    unittest.main()

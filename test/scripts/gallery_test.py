@@ -1,8 +1,5 @@
 """Tests of scripts/gallery: its table of figures, what it draws, what it complains of."""
 
-import contextlib
-import io
-import os
 import re
 import runpy
 import subprocess
@@ -12,15 +9,12 @@ from pathlib import Path
 
 from PIL import Image
 
+from conftest import EXE, ROOT, called
 from manual.pages import links_of, manual_pages
 from plot_case import TableCase
 from spintop_figures.methods.peers import DOCUMENTED as PEERS
 from spintop_figures.registry import COMPARISONS, FIGURES
 
-TESTS = Path(__file__).resolve().parent.parent
-ROOT = TESTS.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "gallery"))
 GALLERY, Run = SCRIPT["GALLERY"], SCRIPT["Run"]
 DRIFT = next(exhibit.runs for exhibit in GALLERY if exhibit.name == "drift")
@@ -84,9 +78,7 @@ class TableTest(unittest.TestCase):
         assert len({run.table for run in runs}) == len(runs)
 
 
-class CostTest(TableCase):
-    """The methods whose drift is compared cost what the picture says."""
-
+class GalleryTest(TableCase):
     def test_equal_cost(self) -> None:
         """In a short part of the runs, to four percent."""
         short = ["--set", f"span.nutations={NUTATIONS}", "--set", "span.samples=2"]
@@ -105,26 +97,12 @@ class CostTest(TableCase):
                 cost = finest if "integration.method=taylor" in run.settings else usual
                 self.assertAlmostEqual(int(count[1]) / NUTATIONS / cost, 1, delta=0.04)
 
-
-class DrawTest(TableCase):
-    """Runs the script."""
-
     def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
         """Run its main procedure with the program under test."""
         script = str(ROOT / "scripts" / "gallery")
         main = runpy.run_path(script)["main"]
-        output, complaints = io.StringIO(), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", [script, *map(str, arguments)]),
-            unittest.mock.patch("subprocess.run", run_program),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            try:
-                code = main()
-            except SystemExit as end:
-                code = end.code
-        return code, output.getvalue(), complaints.getvalue()
+        with unittest.mock.patch("subprocess.run", run_program):
+            return called(main, script, *arguments)
 
     def test_draw(self) -> None:
         """Figures, tables and an index with captions; a table is computed once."""

@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,10 +11,8 @@ from typing import ClassVar
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts"))
-
-from manual.pages import blocks_of  # noqa: E402
+from conftest import ROOT, execute
+from manual.pages import blocks_of
 
 HEADER = ROOT / "include/spintop.h"
 BLOCKS = [block for block in blocks_of(ROOT / "doc/c.md") if block.tags[:1] == ("c",)]
@@ -57,16 +54,7 @@ class InstallTest(unittest.TestCase):
 
     def call(self, *command: str | Path, **environment: str) -> str:
         """The output of a command that must succeed."""
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=self.folder,
-            env={**os.environ, **environment},
-        )
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return done.stdout
+        return execute(*command, cwd=self.folder, environment=environment).stdout
 
     def check_example(self, program: Path) -> None:
         """The motion that it prints is that of the program."""
@@ -93,12 +81,7 @@ class InstallTest(unittest.TestCase):
                 self.assertIn(words, text)
         if not shutil.which("groff"):
             self.skipTest("no groff")
-        done = subprocess.run(
-            ["groff", "-man", "-Tutf8", "-P-cbou", "-ww", page],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        done = execute("groff", "-man", "-Tutf8", "-P-cbou", "-ww", page)
         self.assertEqual(done.stderr, "")
         for heading in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES"):
             self.assertIn(heading, done.stdout)
@@ -202,7 +185,3 @@ class InstallTest(unittest.TestCase):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 2)
             self.assertIn("usage: scripts/install PREFIX", done.stderr)
-
-
-if __name__ == "__main__":
-    unittest.main()

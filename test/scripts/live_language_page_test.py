@@ -2,17 +2,11 @@
 
 import json
 import re
-import sys
 import unittest
-from html.parser import HTMLParser
-from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import LiveCase, wait_for  # noqa: E402
-from reporting.packages import DICTIONARY, PAGE  # noqa: E402
+from browser_case import LiveCase, wait_for
+from report_test import Reader
+from reporting.packages import DICTIONARY, PAGE
 
 LANGUAGES = ["en", "de", "fr"]
 WORDS = json.loads(DICTIONARY.read_text(encoding="utf-8"))
@@ -46,23 +40,6 @@ TEXTS = """
 """All that one reads or hears on the page, but for inputs of the program."""
 
 
-class Reader(HTMLParser):
-    """Collects what a template says by itself."""
-
-    def __init__(self) -> None:
-        """Nothing is read yet."""
-        super().__init__()
-        self.texts: list[str] = []
-
-    def handle_data(self, data: str) -> None:
-        """A text between tags."""
-        self.texts.append(data)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """The spoken attributes of a tag."""
-        self.texts += [value or "" for name, value in attrs if name in SPOKEN]
-
-
 class DictionaryTest(unittest.TestCase):
     """The dictionary, and the sources that use it."""
 
@@ -91,9 +68,9 @@ class DictionaryTest(unittest.TestCase):
         """A template names its words, and says none."""
         for name in ("live_top", "live", "keys"):
             text = (PAGE / f"{name}.html").read_text(encoding="utf-8")
-            reader = Reader()
-            reader.feed(re.sub(r"\{\{.*?\}\}|\{%.*?%\}|>spintop<", "", text, flags=re.DOTALL))
-            said = [text for text in reader.texts if re.search(r"[A-Za-z]{2}", text)]
+            reader = Reader(re.sub(r"\{\{.*?\}\}|\{%.*?%\}|>spintop<", "", text, flags=re.DOTALL))
+            spoken = [facts.get(key) or "" for _, facts in reader.elements for key in SPOKEN]
+            said = [part for part in (reader.text, *spoken) if re.search(r"[A-Za-z]{2}", part)]
             self.assertEqual(said, [], name)
 
     def test_scripts_have_no_words(self) -> None:
@@ -182,7 +159,3 @@ class LanguageTest(LiveCase):
         self.assertEqual(self.part(self.section, "preset").get_property("value"), "wave")
         self.assertIn("lang=de", self.run_script("return location.hash"))
         self.assertEqual(self.browser.title, WORDS["live_top"]["de"] + " \N{EN DASH} spintop")
-
-
-if __name__ == "__main__":
-    unittest.main()

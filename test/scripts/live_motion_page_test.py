@@ -1,26 +1,22 @@
 """Tests of the motion that the live top computes, against the program's tables."""
 
-import csv
 import json
 import math
 import os
 import random
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import BROWSER, PROGRAM, need_packages, open_browser  # noqa: E402
-from random_tops import CLASSES, draw_top  # noqa: E402
-from reporting.packages import bundle, esbuild_package  # noqa: E402
+from browser_case import BROWSER, need_packages, open_browser
+from conftest import ROOT, Spin
+from random_tops import CLASSES, draw_top
+from reporting.packages import bundle, esbuild_package
 
 BODIES = int(os.environ.get("SPINTOP_LIVE_BODIES", "60"))
 """Random bodies of all kinds."""
@@ -113,10 +109,7 @@ AT_REST = {
         free(1.0, (0.3, 0.3, 0.2), (0, 0, 0), (0, 0.4, 0, 0, 0, 10), friction=0.5),
         6,
     ),
-    "pendulum, swings and sticks": (
-        free(**PENDULUM, start=(0, 2.0, 0, 0, 0, 0), friction=0.3),
-        40,
-    ),
+    "pendulum, swings and sticks": (free(**PENDULUM, start=(0, 2.0, 0, 0, 0, 0), friction=0.3), 40),
     "held where it is": (free(**PENDULUM, start=(0, 3.0, 0, 0, 0, 0), friction=1.0), 5),
     "wakes, falls, lies still": (
         free(1.0, (0.9, 0.9, 0.3), (0, 0, 0.5), (0, 0.1, 0, 0, 0, 20), friction=0.4),
@@ -229,26 +222,12 @@ def by_program(folder: Path, bodies: list[tuple[Body, float]], columns: str) -> 
         row = {"span.t_end": span}
         for key, value in body.items():
             row |= flat(key, value)
-        rows.append({key: repr(float(value)) for key, value in row.items()})
-    with (folder / "bodies.csv").open("w", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+        rows.append({key: float(value) for key, value in row.items()})
     effects = "&effects vibration_amplitude = 0, 0, 1 /\n" if "amplitude" in bodies[0][0] else ""
-    (folder / "sweep.nml").write_text(
-        SWEEP.format(columns=columns, effects=effects), encoding="utf-8"
-    )
-    command = [PROGRAM, "--quiet", "-o", folder / "out", folder / "sweep.nml"]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
-    if done.returncode not in (0, NOT_ALL_FINITE):
-        raise AssertionError(done.stderr)
-    return read_rows(folder / "out" / "sweep.csv")
-
-
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a table."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return list(csv.DictReader(line for line in lines if line[0] != "#"))
+    text = SWEEP.format(columns=columns, effects=effects)
+    table = pd.DataFrame(rows).to_csv(index=False)
+    run = Spin(folder)(text, "--restart", bodies=table, code=(0, NOT_ALL_FINITE))
+    return run.rows.to_dict("records")
 
 
 def quaternion(phi: float, theta: float, psi: float) -> np.ndarray:
@@ -312,7 +291,7 @@ class MotionTest(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="motion ", ignore_cleanup_errors=True)
         cls.addClassCleanup(scratch.cleanup)
         cls.folder = Path(scratch.name)
-        cls.page = Page(cls.folder, bundle(TESTS / "page" / "motion_entry.js"))
+        cls.page = Page(cls.folder, bundle(ROOT / "test/page" / "motion_entry.js"))
         if cls.page.browser:
             cls.addClassCleanup(cls.page.browser.quit)
 
@@ -395,13 +374,8 @@ class MotionTest(unittest.TestCase):
             if key == "amplitude":
                 values = (0, 0, value)
             settings.append(f"{PAIRS[key].replace('(3)', '')}={','.join(map(repr, values))}")
-        words = [word for setting in settings for word in ("--set", setting)]
-        path = self.folder / "one.nml"
-        path.write_text(ONE, encoding="utf-8")
-        command = [PROGRAM, "--quiet", "-o", self.folder, *words, path]
-        subprocess.run(command, check=True, capture_output=True)
-        rows = read_rows(self.folder / "one.csv")
-        (motion,) = self.page.motions([(body, [float(row["t"]) for row in rows])])
+        rows = Spin(self.folder)(ONE, *settings, "--restart").rows.to_dict("records")
+        (motion,) = self.page.motions([(body, [row["t"] for row in rows])])
         sizes = {name: max(1.0, *(abs(float(row[name])) for row in rows)) for name in COLUMNS}
         for row, state in zip(rows, motion["states"], strict=True):
             values = [*state["angle"], *state["rate"], *state["omega"], *state["quaternion"]]
@@ -424,7 +398,3 @@ class MotionTest(unittest.TestCase):
         for p in rates:
             self.assertAlmostEqual(0.9 * math.cos(1.1) * p**2 - 0.4 * 12 * p + 9.81, 0, places=11)
         self.assertLess(rates[0], rates[1])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,22 +3,11 @@
 import base64
 import math
 import subprocess
-import sys
-import unittest
-from pathlib import Path
+from collections.abc import Callable
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import (  # noqa: E402
-    DESKTOP,
-    PROGRAM,
-    SOFTWARE_WEBGL,
-    LiveCase,
-    wait_for,
-)
-from spintop_figures.tables.table import read_table  # noqa: E402
+from browser_case import DESKTOP, SOFTWARE_WEBGL, LiveCase, wait_for
+from conftest import EXE
+from spintop_figures.tables.table import read_table
 
 BYTES = 1_000_000
 THRESHOLD = 2 * math.sqrt(9.81 * 0.8660254037844387 * 0.875) / 0.25
@@ -70,31 +59,6 @@ class LiveTest(LiveCase):
         self.run_script("liveTop.clock.seek(2)")
         wait_for(lambda: pane.screenshot_as_png != before, "another chart")
         wait_for(lambda: self.text("t") == "2.000 s", "the time")
-
-    def test_threshold_of_sleep(self) -> None:
-        """The spin at which the top sleeps is written, marked, and can be set."""
-        self.choose("falling")
-        self.assertIn("upright it falls", self.text("sleep"))
-        self.assertIn("21.81 rad/s", self.text("sleep"))
-        self.assertIn("almost upright it falls", self.text("meaning"))
-        tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
-        self.assertTrue(tick.is_displayed())
-        widest = "return liveTop.track.thetaMax * 180 / Math.PI"
-        self.assertGreater(self.run_script(widest), 40)
-        self.part(self.section, "threshold").click()
-        wait_for(
-            lambda: abs(self.run_script("return liveTop.state.omega3") - THRESHOLD) < 1e-9,
-            "the threshold",
-        )
-        shown = float(self.control("omega3", "text").get_property("value"))
-        self.assertEqual(shown, self.run_script("return liveTop.state.omega3"))
-        box = self.control("omega3", "text")
-        self.type_into(box, "26\n")
-        wait_for(lambda: "upright it sleeps" in self.text("sleep"), "sleep")
-        self.assertIn("almost upright it sleeps", self.text("meaning"))
-        self.assertLess(self.run_script(widest), 3)
-        self.choose("example1")
-        wait_for(lambda: "upright it" not in self.text("meaning"), "a tilted top")
 
     def test_link(self) -> None:
         """The address holds the state, and another address is another state."""
@@ -281,7 +245,7 @@ class LiveTest(LiveCase):
         path = self.folder / f"{name}.nml"
         path.write_text(text, encoding="utf-8")
         tight = ("--set", "integration.relative_tolerance=1e-12")
-        command = [PROGRAM, "--quiet", "-o", self.folder, *tight, path]
+        command = [EXE, "--quiet", "-o", self.folder, *tight, path]
         subprocess.run(command, check=True, capture_output=True)
         rows = read_table(self.folder / f"{name}.csv").rows
         last = self.run_script("return liveTop.track.at(liveTop.track.span)")
@@ -547,5 +511,89 @@ class ShadedTest(LiveCase):
         self.assertEqual(size, [1920, 1080])
 
 
-if __name__ == "__main__":
-    unittest.main()
+# A new user's five minutes with the live top: where it sleeps, a cusp that becomes a loop.
+
+WIDE, NARROW = 40, 10
+"""Largest tilts of a top that falls, and of one that sleeps, in degrees."""
+
+
+class WalkTest(LiveCase):
+    """One walk, in one page that is opened once."""
+
+    def setUp(self) -> None:
+        """Open the page; the top stands: in motion a slow machine takes seconds for a key."""
+        self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
+        self.browser.get(self.page.as_uri())
+        wait_for(lambda: self.read("class"), "the top")
+
+    def read(self, name: str) -> str:
+        """What one reads on the screen."""
+        return self.part(self.section, name).text
+
+    def choose_by_title(self, title: str) -> None:
+        """Choose a preset from the menu."""
+        menu = self.part(self.section, "preset")
+        menu.find_element("xpath", f"option[. = '{title}']").click()
+
+    def widest_tilt(self) -> float:
+        """The largest tilt that the panel gives, in degrees."""
+        facts = self.read("facts").splitlines()
+        return float(facts[facts.index("Tilt") + 1].partition(" to ")[2].rstrip("°"))
+
+    def press(self, name: str, key: str, until: Callable[[], bool]) -> None:
+        """Press an arrow key on a slider until one sees what one wants."""
+        slider = self.control(name, "range")
+        for _ in range(40):
+            if until():
+                return
+            slider.send_keys(key * 5)
+            self.next_picture()
+        self.fail(f"{self.read('class')} and {self.read('sleep')} to the end of the slider")
+
+    def next_picture(self) -> None:
+        """Wait for the picture that has what was changed."""
+        self.browser.execute_async_script(
+            "const [done] = arguments; requestAnimationFrame(() => requestAnimationFrame(done));"
+        )
+
+    def find_where_it_sleeps(self) -> None:
+        """A top that is too slow falls; its spin is set to the threshold, and raised: it sleeps."""
+        from selenium.webdriver.common.keys import Keys
+
+        self.choose_by_title("Sleeping top, too slow")
+        wait_for(lambda: "it falls" in self.read("meaning"), "a top that falls")
+        self.assertIn("the threshold 21.81 rad/s: upright it falls", self.read("sleep"))
+        tick = self.section.find_element("css selector", ".control[data-name=omega3] .tick")
+        self.assertTrue(tick.is_displayed())
+        self.assertGreater(self.widest_tilt(), WIDE)
+        self.part(self.section, "threshold").click()
+        box, omega3 = self.control("omega3", "text"), "return liveTop.state.omega3"
+        wait_for(lambda: abs(self.run_script(omega3) - THRESHOLD) < 1e-9, "the threshold")
+        self.assertEqual(float(box.get_property("value")), self.run_script(omega3))
+        self.press("omega3", Keys.ARROW_RIGHT, lambda: self.widest_tilt() < NARROW)
+        self.assertIn("it sleeps", self.read("meaning"))
+        self.assertIn("upright it sleeps", self.read("sleep"))
+        spin = float(box.get_property("value"))
+        self.assertTrue(21.8119 < spin < 24, spin)
+        self.choose("example1")
+        wait_for(lambda: "upright it" not in self.read("meaning"), "a tilted top")
+
+    def see_a_cusp_become_a_loop(self) -> None:
+        """Released at rest, the axis makes cusps; less precession makes loops, more makes waves."""
+        from selenium.webdriver.common.keys import Keys
+
+        self.choose_by_title("Cusps")
+        wait_for(lambda: self.read("class") == "Cusps", "cusps")
+        self.assertEqual(self.control("phi_rate", "text").get_property("value"), "0")
+        self.press("phi_rate", Keys.ARROW_LEFT, lambda: self.read("class") == "Loops")
+        self.assertIn("reverses in every nutation", self.read("meaning"))
+        self.assertLess(float(self.control("phi_rate", "text").get_property("value")), 0)
+        self.press("phi_rate", Keys.ARROW_RIGHT, lambda: self.read("class") == "Waves")
+        self.assertGreater(float(self.control("phi_rate", "text").get_property("value")), 0)
+        self.assertEqual(self.part(self.section, "preset").get_property("value"), "")
+        self.press("phi_rate", Keys.ARROW_LEFT, lambda: self.read("class") == "Loops")
+
+    def test_walk(self) -> None:
+        """From the open page to loops."""
+        self.find_where_it_sleeps()
+        self.see_a_cusp_become_a_loop()

@@ -1,14 +1,10 @@
 """Tests of the figures of the motion: what they show is what the program computes."""
 
-import os
-import subprocess
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from plot_case import TRAJECTORY, TableCase, a_sweep, a_trajectory
+from spintop_figures.motion import sphere
 from spintop_figures.motion.drift import method_of, running_maximum
 from spintop_figures.motion.fits import draw_fit, tell_values
 from spintop_figures.motion.reduced import (
@@ -18,51 +14,15 @@ from spintop_figures.motion.reduced import (
     draw_potential,
     find_reduced,
 )
-from spintop_figures.motion.sphere import (
-    WHOLE,
-    body_at_start,
-    directions,
-    draw_cones,
-    draw_trace,
-    find_cap,
-    in_body,
-    in_space,
-    on_sphere,
-    project,
-    tell_turn,
-    view_of,
-)
-from spintop_figures.motion.trajectory import draw_angles, mark_sign_changes
+from spintop_figures.motion.trajectory import draw_account, draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
 from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
 from spintop_figures.style.look import GROUND
 from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, read_table
-
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
-INPUTS = TESTS.parent / "input"
+from spintop_figures.tables.table import read_table
 
 
-class MotionCase(TableCase):
-    """Runs the program on the inputs of the gallery."""
-
-    def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input."""
-        words = [word for setting in settings for word in ("--set", setting)]
-        command = [EXE, "--quiet", "-o", self.folder, *words, INPUTS / f"{name}.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        return read_table(self.folder / f"{name}.csv")
-
-    def refusal(self, name: str, table: Table) -> str:
-        """Why a table has no figure of this name."""
-        return next(kind for kind in FIGURES if kind.name == name).refusal(table)
-
-
-class ReducedTest(MotionCase):
-    """The effective potential is found from the columns of a table."""
-
+class MotionFiguresTest(TableCase):
     def test_turning_points(self) -> None:
         """They are the least and the largest inclination, which these rows have among them."""
         for name in ("tip_loop", "tip_cusp", "tip_wave", "slow_top"):
@@ -117,10 +77,6 @@ class ReducedTest(MotionCase):
             "potential", self.compute("long_drift", "span.nutations=3")
         )
 
-
-class BifurcationTest(MotionCase):
-    """A motion is a point among all motions with its momentum about the axis."""
-
     def test_classes(self) -> None:
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
         for name, sign in (("tip_loop", 1), ("tip_cusp", 0), ("tip_wave", -1)):
@@ -155,10 +111,6 @@ class BifurcationTest(MotionCase):
         assert {text.get_text() for text in axes.texts} == {"loops", "waves", "no motion"}
         spinless = self.compute("tip_wave", "initial.omega3=0")
         assert "without a momentum about its axis" in self.refusal("bifurcation", spinless)
-
-
-class DrawnTest(MotionCase):
-    """Curves are drawn at the right places."""
 
     def test_portrait(self) -> None:
         """The motion and the separatrix lie on one curve; their ends are the turning points."""
@@ -195,27 +147,21 @@ class DrawnTest(MotionCase):
         """A path that keeps to a cap is seen from above it, all of it, and large."""
         for name, theta in (("kapitza", 0.0), ("composed_top", 0.0), ("spinning_wheel", 22.3)):
             table = self.compute(name)
-            tip = on_sphere(*(table.rows[angle].to_numpy() for angle in ("theta", "phi")))
-            view = view_of(tip)
+            tip = sphere.on_sphere(*(table.rows[angle].to_numpy() for angle in ("theta", "phi")))
+            view = sphere.view_of(tip)
             self.assertAlmostEqual(np.degrees(np.arccos(view.towards[2])), theta, 0)
             basis = np.array([view.right, view.up, view.towards])
             np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
-            seen = np.hypot(*project(*tip, view)[:2]).max() / view.window
+            seen = np.hypot(*sphere.project(*tip, view)[:2]).max() / view.window
             assert 0.85 < seen < 1, (name, seen)
-        assert view_of(on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))) is WHOLE
-
-    def test_cap(self) -> None:
-        """The least cap about a circle off the pole is the circle's own."""
-        around = np.linspace(0, 2 * np.pi, 90)
-        x, y, z = on_sphere(np.full_like(around, 0.2), around)
-        turned = x, y * np.cos(1) - z * np.sin(1), y * np.sin(1) + z * np.cos(1)
-        middle, radius = find_cap(turned)
-        np.testing.assert_allclose(middle, (0, -np.sin(1), np.cos(1)), atol=2e-3)
-        self.assertAlmostEqual(radius, 0.2, 2)
+        assert (
+            sphere.view_of(sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50)))
+            is sphere.WHOLE
+        )
 
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
-        told = [tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
+        told = [sphere.tell_turn(degrees) for degrees in (312.5, -12.25, 14131.92, 0.0)]
         assert told == ["+312.5°", "\N{MINUS SIGN}12.25°", "+39.26 turns", "0°"]
 
     def test_poles(self) -> None:
@@ -228,26 +174,20 @@ class DrawnTest(MotionCase):
         turning = draw_angles(self.compute("slow_top")).axes[0].lines[0].get_ydata()
         assert np.isfinite(turning).all()
 
-    def test_sign_changes(self) -> None:
-        """Zeros at all inclinations of a chain are no zeros at some of them."""
-        axes = Figure().subplots()
-        t = np.arange(400.0)
-        chain = np.radians(5 * np.abs(np.sin(t / 60)))
-        mark_sign_changes(axes, t, np.where(t % 8 < 4, 1.0, -1.0), chain)
-        assert len(axes.lines) == 0
-
     def test_trace(self) -> None:
         """Points of the sphere are seen at their distance; the path is all drawn, in two parts."""
-        points = on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
-        seen = project(*points)
+        points = sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
+        seen = sphere.project(*points)
         np.testing.assert_allclose(sum(part**2 for part in seen), 1)
-        front = project(*on_sphere(np.array([np.pi / 2]), np.array([0.0])))
+        front = sphere.project(*sphere.on_sphere(np.array([np.pi / 2]), np.array([0.0])))
         assert front[2][0] > 0
         table = self.compute("tip_wave")
         theta, phi = (table.rows[name].to_numpy() for name in ("theta", "phi"))
-        x, _, _ = project(*on_sphere(theta, phi))
+        x, _, _ = sphere.project(*sphere.on_sphere(theta, phi))
         whole = [
-            line for line in draw_trace(table).axes[0].lines if len(line.get_xdata()) == len(x)
+            line
+            for line in sphere.draw_trace(table).axes[0].lines
+            if len(line.get_xdata()) == len(x)
         ]
         drawn = np.array([line.get_xdata() for line in whole])
         assert len(whole) == 2
@@ -257,7 +197,7 @@ class DrawnTest(MotionCase):
         """In steady precession the angular velocity turns about the vertical with the axis."""
         table = self.compute("regular_precession")
         rows = table.rows
-        x, y, z = in_space(table)
+        x, y, z = sphere.in_space(table)
         np.testing.assert_allclose(z, rows["phi_rate"] + rows["psi_rate"] * np.cos(rows["theta"]))
         np.testing.assert_allclose(np.hypot(x, y), rows["psi_rate"][0] * np.sin(rows["theta"][0]))
         np.testing.assert_allclose(
@@ -267,17 +207,15 @@ class DrawnTest(MotionCase):
     def test_rolling(self) -> None:
         """The cones touch at the start, and roll: their curves have one speed there."""
         table = self.compute("separatrix")
-        np.testing.assert_allclose(body_at_start(table)[:, 0], in_space(table)[:, 0], atol=1e-12)
+        np.testing.assert_allclose(
+            sphere.body_at_start(table)[:, 0], sphere.in_space(table)[:, 0], atol=1e-12
+        )
         lengths = [
-            np.linalg.norm(np.diff(directions(omega)[:, :20], axis=1), axis=0).sum()
-            for omega in (in_body(table), in_space(table))
+            np.linalg.norm(np.diff(sphere.directions(omega)[:, :20], axis=1), axis=0).sum()
+            for omega in (sphere.in_body(table), sphere.in_space(table))
         ]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
-        assert len(draw_cones(table).axes) == 4
-
-
-class TogetherTest(MotionCase):
-    """Figures of several tables."""
+        assert len(sphere.draw_cones(table).axes) == 4
 
     def test_drift(self) -> None:
         """The running maximum rises, and ends at the largest error."""
@@ -320,10 +258,6 @@ class TogetherTest(MotionCase):
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         assert len(names) == len(set(names))
 
-
-class UnitsTest(MotionCase):
-    """Tables in other units than those of the columns."""
-
     def test_own_units(self) -> None:
         """They have the figures of others, which are the same."""
         own = ("t", "phi", "theta", "psi", "com_z")
@@ -346,10 +280,6 @@ class UnitsTest(MotionCase):
         assert in_own_units(tables[0]) is tables[0]
         assert in_own_units(shown) is shown
         assert motion_refusal(shown) == ""
-
-
-class FitTest(MotionCase):
-    """The measurements with the fitted motion, the residuals, and the values found."""
 
     def test_degrees(self) -> None:
         """Angles are in degrees; the band is twice the size; values have their intervals."""
@@ -394,3 +324,48 @@ class FitTest(MotionCase):
         )  # fmt: skip
         words = [line for line, _ in tell_values(values)]
         assert words[1:3] == ["3.002\N{MULTIPLICATION SIGN}10⁻⁶ N m s", "95 %: 2.990 to 3.014"]
+
+    def test_motion(self) -> None:
+        """It sleeps, wakes, sinks below the pivot and comes to rest, with a balanced account."""
+        table = self.compute("friction_to_rest")
+        rows = table.rows
+        assert "account" in [kind.name for kind in choose_figures(table)[0]]
+        assert rows["energy_error"].abs().max() < 1e-9
+        early, late = rows[rows["t"] < 10], rows[rows["t"] > 120]
+        assert early["theta"].max() < np.radians(5)
+        assert rows["theta"].max() > np.radians(150)
+        assert late["kinetic"].abs().max() == 0
+        assert late["omega3"].abs().max() == 0
+        spent = rows["energy"].iloc[0] - rows["energy"].iloc[-1]
+        self.assertAlmostEqual(-rows["work"].iloc[-1] / spent, 1, 10)
+
+    def test_lines(self) -> None:
+        """The panels show the columns; energy and what was taken add up to that of the start."""
+        table = self.compute(
+            "friction_to_rest", "span.samples=601", "output.columns=all", "effects.drag_force=0"
+        )
+        figure = draw_account(table)
+        theta, spin, energy, error = figure.axes
+        words = [text.get_text() for text in energy.get_legend().get_texts()]
+        for name in ("taken by friction", "taken by drag"):
+            assert name in words
+        assert "taken by vibration" not in words
+        top = max(area.get_paths()[0].vertices[:, 1].max() for area in energy.collections)
+        self.assertAlmostEqual(top, table.rows["energy"].iloc[0], 9)
+        lowest = energy.collections[-1].get_paths()[0].vertices[:, 1].min()
+        assert lowest > table.rows["energy"].iloc[-1]
+        np.testing.assert_allclose(theta.lines[0].get_ydata(), np.degrees(table.rows["theta"]))
+        np.testing.assert_array_equal(spin.lines[-1].get_ydata(), table.rows["omega3"])
+        shown = {line.get_label(): line.get_ydata() for line in energy.lines}
+        np.testing.assert_array_equal(shown["energy"], table.rows["energy"])
+        np.testing.assert_array_equal(shown["potential energy"], table.rows["potential"])
+        largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
+        assert largest == table.rows["energy_error"].abs().max()
+
+    def test_other_tables(self) -> None:
+        """A table without works has no such figure."""
+        kind = next(kind for kind in FIGURES if kind.name == "account")
+        assert "has no column" in kind.refusal(self.read(a_trajectory()))
+
+
+# The figure of the account of energy: what it shows is what the program computes.

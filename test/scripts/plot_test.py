@@ -1,10 +1,15 @@
 """Tests of scripts/plot: reading tables, choosing figures, drawing them, complaining."""
 
+import dataclasses
+import itertools
 import math
+import os
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 
 from plot_case import (
     HEAD,
@@ -12,31 +17,29 @@ from plot_case import (
     TRAJECTORY,
     TRIALS,
     TableCase,
+    a_map,
     a_stability,
     a_sweep,
     a_table,
     a_trajectory,
     some_events,
 )
+from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letters_of, trials
+from spintop_figures.moving.data import lines_of
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.style.saving import lay_out
-from spintop_figures.sweeps.table1 import (
-    COLUMNS,
-    RIGHT_EDGES,
-    as_column,
-    as_text,
-    draw_table1,
-    notes_on,
-)
-from spintop_figures.tables.table import TableError, read_table
+from spintop_figures.sweeps import table1
+from spintop_figures.sweeps.curves import draw_curves
+from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid
+from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of
+from spintop_figures.sweeps.statistics import is_even
+from spintop_figures.tables.table import Table, TableError, read_table
 
 
-class ReaderTest(TableCase):
-    """The reader takes good tables, and says in a line what is wrong with others."""
-
+class PlotTest(TableCase):
     def test_head(self) -> None:
         """Key lines, settings over several lines, quotes in quotes, units."""
-        table = read_table(self.put("a.csv", a_trajectory()))
+        table = self.read(a_trajectory())
         assert table.title == "A top, trajectory: $5"
         assert table.header["revision"] == "0123456789ab-dirty"
         assert table.setting("study.title") == "It's a top, = trajectory"
@@ -50,9 +53,9 @@ class ReaderTest(TableCase):
     def test_numbers_keep_their_bits(self) -> None:
         """Numbers of 17 digits, huge ones and what is none are read as they were written."""
         for value in (0.1 + 0.2, 1e100, 5e-324, -0.0, math.inf, math.pi):
-            table = read_table(self.put("a.csv", a_trajectory(count=1, R1=value)))
+            table = self.read(a_trajectory(count=1, R1=value))
             assert table.rows["R1"][0].hex() == value.hex()
-        table = read_table(self.put("a.csv", a_trajectory(count=1, R1=math.nan)))
+        table = self.read(a_trajectory(count=1, R1=math.nan))
         assert math.isnan(table.rows["R1"][0])
 
     def test_bad_tables(self) -> None:
@@ -80,10 +83,6 @@ class ReaderTest(TableCase):
         with self.assertRaisesRegex(TableError, "is a directory"):
             read_table(self.folder)
 
-
-class ChoiceTest(TableCase):
-    """The table decides which figures belong to it."""
-
     def test_trajectory(self) -> None:
         """Its columns, and numbers in them, bring the figures."""
         assert self.figures_of(a_trajectory()) == "angles forces trace path error residuals"
@@ -102,31 +101,27 @@ class ChoiceTest(TableCase):
         assert self.figures_of(a_sweep(cases=1, status="pole")) == "table1"
         assert self.figures_of(a_sweep().replace("1.5", "nan")) == "sweep table1"
 
-
-class PageTest(TableCase):
-    """The cells and notes of the Table 1 page."""
-
     def test_numbers(self) -> None:
         """Five digits in one notation; powers of ten at the ends; a dash for what is not there."""
         values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
         for value, text in values.items():
-            assert as_text(value) == text
-        assert as_text(math.nan) == "\N{EN DASH}"
-        assert as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
+            assert table1.as_text(value) == text
+        assert table1.as_text(math.nan) == "\N{EN DASH}"
+        assert table1.as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
         powers = [
             "1.0000\N{MULTIPLICATION SIGN}10⁻⁹",
             "\N{MINUS SIGN}2.0000\N{MULTIPLICATION SIGN}10⁰",
         ]
-        assert as_column(np.array([1e-9, -2.0])) == powers
+        assert table1.as_column(np.array([1e-9, -2.0])) == powers
 
     def test_decimal_points(self) -> None:
         """The decimal points of a column stand below each other."""
-        table = read_table(self.put("a.csv", a_sweep()))
+        table = self.read(a_sweep())
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
-        figure = draw_table1(replace(table, rows=rows))
+        figure = table1.draw_table1(replace(table, rows=rows))
         lay_out(figure)
         renderer = FigureCanvasAgg(figure).get_renderer()
-        right = RIGHT_EDGES[next(c for c in COLUMNS if c.column == "delta_u")]
+        right = table1.RIGHT_EDGES[next(c for c in table1.COLUMNS if c.column == "delta_u")]
         cells = ("1234.5", "0.00012345", "9.5000", "77.000")
         points = []
         for text in figure.axes[0].texts:
@@ -139,12 +134,12 @@ class PageTest(TableCase):
 
     def test_title(self) -> None:
         """The title names the source of the inertia."""
-        table = read_table(self.put("a.csv", a_sweep()))
+        table = self.read(a_sweep())
         wheel = {"top.shape": ["spinning_wheel"]}
         authors = {"top.shape": ["inertia"], "top.mass": ["2.45"], "top.length": ["1"]}
         authors |= {"top.inertia": ["0.00614", "0.00614", "0.0122"], "top.inertia_about": ["pivot"]}
         titles = [
-            draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
+            table1.draw_table1(replace(table, settings=table.settings | settings)).get_suptitle()
             for settings in (wheel, authors, authors | {"top.inertia": ["3"]})
         ]
         assert "of the wheel about the pivot" in titles[0]
@@ -154,12 +149,8 @@ class PageTest(TableCase):
     def test_failures_are_marked(self) -> None:
         """A case that failed has a note with its status and the reason."""
         text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
-        table = read_table(self.put("a.csv", text))
-        assert notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
+        table = self.read(text)
+        assert table1.notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
 
     def test_trajectory_beside_its_table(self) -> None:
         """All figures, in a locale with decimal commas, of a run that overflowed."""
@@ -224,3 +215,300 @@ class DrawTest(TableCase):
                 assert result == code
                 assert message in complaint
         self.check_pictures(self.folder / "b", set())
+
+    def test_grid(self) -> None:
+        """Two parameters bring maps if all their values are combined, else points; one, curves."""
+        assert self.figures_of(a_map()) == "maps"
+        assert self.figures_of(a_map(axes=1)) == "curves"
+        lines = a_map().splitlines()
+        assert self.figures_of("\n".join([*lines[:-1], ""])) == "scatter"
+        assert self.figures_of("\n".join([*lines, lines[-1], ""])) == "scatter"
+        assert self.figures_of(a_map(across=1)) == "scatter"
+        assert self.figures_of(a_map().replace(",ok,", ",pole,")) == ""
+
+    def test_stability_and_events(self) -> None:
+        """Tables with verdicts or events are recognised by their columns."""
+        assert self.figures_of(a_stability()) == "verdicts costs"
+        assert self.figures_of(a_stability().replace("wrong", "odd")) == ""
+        assert self.figures_of(some_events()) == "events sections"
+        assert self.figures_of(some_events(19)) == "events"
+        assert self.figures_of(some_events(swing=1e-9)) == "events"
+        assert self.figures_of(some_events(0)) == ""
+
+    def test_grey(self) -> None:
+        """Verdicts darken in steps of at least a tenth; the text in them is readable."""
+        whole = [verdict for verdict in VERDICTS.values() if verdict.name not in NO_TRIAL[1:]]
+        faces = [lightness(verdict.face) for verdict in whole]
+        order = sorted(faces, reverse=True)
+        assert faces[:-1] == [grey for grey in order if grey in faces[:-1]]
+        for lighter, darker in itertools.pairwise(order):
+            assert lighter - darker > 0.1
+        for verdict in VERDICTS.values():
+            assert abs(lightness(verdict.face) - lightness(verdict.ink)) > 0.4
+        for name in NO_TRIAL:  # without a trial: white, distinguished by their marks
+            assert lightness(VERDICTS[name].face) == order[0]
+        marks = {verdict.mark for verdict in VERDICTS.values()}
+        assert len(marks) == len(VERDICTS)
+
+    def test_classes(self) -> None:
+        """The colours of maps lighten from end to end."""
+        shades = [lightness(COLOURS(i / 9)) for i in range(10)]
+        assert shades == sorted(shades)
+
+    def test_entries(self) -> None:
+        """A method has an entry; its other formulations have entries of their own."""
+        rows = trials(self.read(a_stability()))
+        expected = ["RK4", "RK4, Lagrange", "new"]
+        assert list(rows["entry"]) == 2 * expected
+        families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
+        assert list(rows["family"]) == 2 * families
+        alone = self.read("\n".join(a_stability().splitlines()[:-3]) + "\n")
+        expected = ["RK4, space frame", "RK4, Lagrange", "new"]
+        assert list(trials(alone)["entry"]) == expected
+
+    def test_digits(self) -> None:
+        """Whole digits, none of a wrong attitude, sixteen at most."""
+        expected = {3.1: 0, 0.02: 1, 1e-3: 3, 9e-8: 7, 1e-20: 16, 0.0: 16}
+        for error, digits in expected.items():
+            assert digits_of(error) == digits
+
+    def test_letters(self) -> None:
+        """Reasons to give up that begin alike have letters of their own."""
+        status = ["pole", "pole", "parted", "step_limit"]
+        rows = pd.DataFrame({"verdict": "failed", "status": status})
+        letters = letters_of(rows)
+        assert (letters["pole"], letters["step_limit"]) == ("P", "S")
+        assert letters["parted"] == "A"
+
+    def test_grid_of_map(self) -> None:
+        """Cells lie about their values, by ratios on a log axis; rows run through y first."""
+        listed = "values(1,:) = 0.5, 1.0,"
+        spaced = a_map().replace(listed, "spacing = 'linear', 'linear',")
+        grid = make_grid(self.read(spaced))
+        assert grid.logs == (False, False)
+        assert grid.fill(np.arange(20.0))[:, 1].tolist() == [4, 5, 6, 7]
+        assert grid.edges()[1].tolist() == [-5, 5, 15, 25, 35]
+        for text in (a_map(), a_map().replace(listed, "spacing = 'log', 'linear',")):
+            grid = make_grid(self.read(text))
+            assert grid.logs == (True, False)
+        np.testing.assert_allclose(grid.edges()[0], 10.0 ** np.arange(-0.5, 5))
+
+    def test_words(self) -> None:
+        """The type of a column follows from its cells."""
+        table = self.read(a_map())
+        words = [name for name in table.rows if not table.numeric(name)]
+        assert words == ["status", "motion_class", "notes"]
+        with self.assertRaisesRegex(TableError, "'wave' in theta_min is no number"):
+            self.read(a_map().replace("wave,0.1", "wave,wave", 1))
+
+    def test_scales(self) -> None:
+        """Errors are compared by ratios; growth that is rounding is none."""
+        known = {quantity.columns[0]: quantity for quantity in QUANTITIES}
+        values = np.array([0.0, 1e-9, 2e-8])
+        assert known["orientation_error"].has_log_scale(values)
+        assert not known["theta_min"].has_log_scale(values)
+        growth = np.array([2.0, 1e-2, -1e-15, 1e-9, math.nan])
+        none = known["growth_rate"].is_none(growth).tolist()
+        assert none == [False, False, True, True, False]
+
+    def sweep(self, columns: dict[str, object], count: int = 80) -> Table:
+        """A sweep over one parameter; columns are functions of the number of the case."""
+        names = list(columns)
+        rows = [[i + 1, 1.0 + i, "ok", *(columns[name](i) for name in names)] for i in range(count)]
+        table = a_table("sweep", ["case", "initial.omega3", "status", *names], rows)
+        return read_table(self.put("sweep.csv", table))
+
+    def test_constants(self) -> None:
+        """What is constant has no panel but its value in the title; costs come last."""
+        columns = {
+            "evaluations": lambda i: 100 + i,
+            "lyapunov_exponent": lambda i: 0.25,
+            "growth_rate": lambda i: 1.0 + i,
+        }
+        table = self.sweep(columns)
+        shown = [quantity.columns[0] for quantity in quantities_of(table)]
+        assert shown == ["growth_rate", "evaluations"]
+        title = draw_curves(table).get_suptitle().replace("\n", " ")
+        assert "in all cases Lyapunov exponent: 0.25 1/s" in title
+        free = self.sweep({"evaluations": lambda i: 0, "growth_rate": lambda i: 1.0 + i})
+        assert len(draw_curves(free).axes) == 1
+        assert "evaluations" not in draw_curves(free).get_suptitle()
+        alone = self.sweep({"growth_rate": lambda i: 2.0})
+        assert len(quantities_of(alone)) == 1
+
+    def test_equal_panels(self) -> None:
+        """Panels have one size; the lowest of each column, and no other, names the parameter."""
+        names = ("growth_rate", "lyapunov_exponent", "evaluations")
+        axes = draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
+        assert [bool(panel.get_xlabel()) for panel in axes] == [False, True, True]
+        assert {len(panel.get_subplotspec().colspan) for panel in axes} == {1}
+
+    def test_chaos(self) -> None:
+        """Of many cases those that are far apart are dots, not joined by lines."""
+        table = self.sweep({"growth_rate": lambda i: 1.0 + (i if i < 40 else 60 * (i % 2))})
+        line, dots = draw_curves(table).axes[0].lines[-2:]
+        assert dots.get_linestyle() == "None"
+        assert len(dots.get_xdata()) >= 38
+        joined = np.isfinite(line.get_ydata()[:40])
+        assert joined.all()
+
+    def test_even(self) -> None:
+        """Numbers of random cases in bins are noise; those of a trend are not."""
+        random = np.random.default_rng(1)
+        assert is_even(random.poisson(20, 500))
+        assert not is_even(np.arange(40.0))
+
+    def test_kapitza(self) -> None:
+        """The limit is where the multipliers of the program begin to be 1, for fast vibrations."""
+        settings = ["sweep.count=2,40", "sweep.from=200,0.012", "sweep.to=400,0.05"]
+        table = self.compute("kapitza_map", *settings)
+        limit = find_kapitza_limit(table)
+        for rate, part in table.rows.groupby("effects.vibration_rate"):
+            amplitudes = part["effects.vibration_amplitude(3)"].to_numpy()
+            stable = np.abs(part["upright_multiplier"].to_numpy() - 1) < 1e-6
+            self.assertAlmostEqual(amplitudes[stable].min() / limit(rate), 1, delta=0.04)
+            assert not stable[amplitudes < 0.99 * limit(rate)].any()
+        labels = [line.get_label() for axes in draw_maps(table).axes for line in axes.lines]
+        assert KAPITZA in labels
+        spun = dataclasses.replace(table, settings=table.settings | {"initial.omega3": ["2"]})
+        assert find_kapitza_limit(spun) is None
+
+    def test_studies(self) -> None:
+        """Stability, maps, curves and events, without a warning of the layout."""
+        tables = {
+            "stability": (a_stability(), {"verdicts", "costs"}),
+            "map": (a_map(), {"maps"}),
+            "curve": (a_map(axes=1), {"curves"}),
+            "all_well": (a_map(axes=1).rpartition("20,")[0], {"curves"}),
+            "top.events": (some_events(), {"events", "sections"}),
+        }
+        self.check_drawn(tables)
+
+    def draw(self, name: str = "a.csv", **environment: str) -> None:
+        """A figure is drawn, and its files are named."""
+        path = self.put(name, a_trajectory())
+        done = self.plot("--figure", "angles", path, **environment)
+        assert (done.returncode, done.stderr) == (0, "")
+        names = [f"{path.with_suffix('')}_angles.{ending}" for ending in ("png", "svg")]
+        assert os.fsencode(done.stdout).splitlines() == list(map(os.fsencode, names))
+
+    def test_backend(self) -> None:
+        """The backend of a notebook, or one that does not exist."""
+        self.draw(MPLBACKEND="module://matplotlib_inline.backend_inline")
+        self.draw(MPLBACKEND="nothing")
+
+    def test_latex(self) -> None:
+        """LaTeX is asked for, and is not there, or fails."""
+        (self.folder / "matplotlibrc").write_text("text.usetex: True\n", encoding="utf-8")
+        programs = self.folder / "programs"
+        programs.mkdir()
+        settings = {"MATPLOTLIBRC": str(self.folder), "PATH": str(programs)}
+        self.draw(**settings)
+        for name in ("latex", "dvipng"):
+            (programs / name).write_text("#!/bin/sh\necho wrong; exit 1\n", encoding="utf-8")
+            (programs / name).chmod(0o755)
+        path = self.put("b.csv", a_trajectory())
+        cache = {"MPLCONFIGDIR": str(self.folder / "cache"), "PATH": f"{programs}:/usr/bin:/bin"}
+        done = self.plot("--figure", "angles", path, **(settings | cache))
+        assert done.returncode == 2
+        self.assertRegex(done.stderr, r"angles figure cannot be drawn: latex was not able")
+        assert "Traceback" not in done.stderr
+
+    def test_broken_settings(self) -> None:
+        """Settings that cannot be read."""
+        (self.folder / "matplotlibrc").write_bytes(b"font.size: \xff\xfe\n")
+        path = self.put("a.csv", a_trajectory())
+        done = self.plot(path, MATPLOTLIBRC=str(self.folder))
+        assert (done.returncode, done.stdout) == (1, "")
+        assert "scripts/plot: matplotlib cannot be loaded" in done.stderr
+        assert "Traceback" not in done.stderr
+
+    def test_encoding(self) -> None:
+        """Names that the encoding of the output does not have."""
+        for encoding in ("ascii", "ascii:strict", "latin-1:strict"):
+            self.draw("Kreisel für Łódź.csv", PYTHONIOENCODING=encoding)
+
+    def complaint(self, text: str | bytes) -> str:
+        """What is said of a table."""
+        path = self.folder / "a.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        code, said = self.call("-o", self.folder, path)
+        assert code == 2
+        assert said.count("\n") == 1, said
+        with self.assertRaises(TableError):
+            read_table(path)
+        return said
+
+    def test_taken(self) -> None:
+        """A mark of UTF-8 and other ends of lines change nothing."""
+        for kind, text in KINDS.items():
+            first = read_table(self.put("first.csv", text))
+            ends = {end: text.replace("\n", end) for end in ("\r\n", "\r", "\n")}
+            for name, changed in {**ends, "mark": f"\ufeff{text}"}.items():
+                with self.subTest(kind, change=name):
+                    path = self.folder / "again.csv"
+                    path.write_bytes(changed.encode())
+                    again = read_table(path)
+                    assert again.header == first.header
+                    assert again.rows.equals(first.rows)
+                    assert lines_of(again) == lines_of(first)
+
+    def test_encodings(self) -> None:
+        """Other encodings are named."""
+        for kind, text in KINDS.items():
+            for encoding in ("utf-16", "utf-16-be", "utf-32"):
+                with self.subTest(kind, encoding=encoding):
+                    mark = "\ufeff" if encoding.endswith("be") else ""
+                    said = self.complaint((mark + text).encode(encoding))
+                    assert "is no text in UTF-8" in said
+
+    def test_separators(self) -> None:
+        """Semicolons, also with decimal commas, and tabs."""
+        for kind, text in KINDS.items():
+            lines = text.split("\n")
+            rows = "\n".join(
+                line if line.startswith("#") else line.replace(",", ";").replace(".", ",")
+                for line in lines
+            )
+            for changed in (text.replace(",", ";"), rows, text.replace(",", "\t")):
+                with self.subTest(kind):
+                    assert "has a space or a separator in its name" in self.complaint(changed)
+
+    def test_header(self) -> None:
+        """Quotes around its lines, and lines before it."""
+        for kind, text in KINDS.items():
+            with self.subTest(kind):
+                quoted = "\n".join(
+                    f'"{line}";;' if line.startswith("#") else line for line in text.split("\n")
+                )
+                assert "its header names no program" in self.complaint(quoted)
+                assert self.read(f"\n{text}").rows.size
+
+    def test_spaces(self) -> None:
+        """No-break spaces in the header, in a name and in a number; spaces around names."""
+        for kind, text in KINDS.items():
+            name = {"trajectory": ",theta,", "sweep": ",delta_u,"}[kind]
+            for space in NO_BREAK:
+                with self.subTest(kind, space=space):
+                    said = self.complaint(text.replace("# ", f"#{space}"))
+                    assert "its header names no program" in said
+                    said = self.complaint(text.replace(name, f",{name[1:-1]}{space},"))
+                    self.assertRegex(said, r"column \d+ has a space or a separator in its name")
+                    said = self.complaint(text.replace(",0.5,", f",0{space}.5,"))
+                    self.assertRegex(said, r"line \d+: .* is no number")
+            said = self.complaint(text.replace(name, f", {name[1:]}"))
+            self.assertRegex(said, r"column \d+ has a space or a separator in its name")
+
+
+# Tests of scripts/plot: the figures of stability studies, of sweeps over grids, of events.
+
+
+def lightness(colour: object) -> float:
+    """Lightness of a colour in print without colours, from 0 to 1 (ITU-R BT.601)."""
+    return float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114)))
+
+
+# Tests of scripts/plot under settings of others, and on tables that another program has saved.
+
+NO_BREAK = ("\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}", "\N{FIGURE SPACE}")
+KINDS = {"trajectory": a_trajectory(), "sweep": a_sweep()}

@@ -2,71 +2,25 @@
 
 import dataclasses
 import itertools
-import json
-import os
 import subprocess
 import unittest
 import unittest.mock
-import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+from conftest import listed
 from plot_case import STAGES, TableCase, a_precision
-from spintop_figures.methods import known
-from spintop_figures.methods.known import (
-    MARKERS,
-    OTHER,
-    families,
-    family_of,
-    ink_of,
-    known_methods,
-    look_of,
-    order_of,
-    style_of,
-)
-from spintop_figures.methods.precision import (
-    STEP,
-    TARGET,
-    Curve,
-    best_of_families,
-    curves_of,
-    draw_orders,
-    draw_precision_time,
-    draw_precision_work,
-    equal_steps,
-    measured_order,
-    object_to_precision,
-    spread,
-    time_to,
-    with_order,
-)
-from spintop_figures.methods.tolerance import (
-    choices_of,
-    draw_choice,
-    draw_tolerance_map,
-    object_to_choice,
-    object_to_tolerance_map,
-    table_of_problems,
-    tell,
-    unit_of,
-)
+from spintop_figures.methods import known, precision, tolerance
 from spintop_figures.registry import FIGURES
-from spintop_figures.tables.table import read_table
 
-TESTS = Path(__file__).resolve().parent.parent
-
-EXE = os.environ["SPINTOP_EXE"]
 AXES = ("initial.spin_ratio", "initial.theta")
 
 
 def listed_methods() -> dict[str, dict]:
     """The methods that the program lists, by their names."""
-    command = [EXE, "list", "methods", "--json"]
-    answer = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    return {entry["name"]: entry for entry in answer["methods"]}
+    return {entry["name"]: entry for entry in listed("methods")}
 
 
 def a_map_of_problems() -> str:
@@ -86,42 +40,43 @@ class StyleTest(unittest.TestCase):
         assert len(methods) > 20
         styles = set()
         for name, entry in methods.items():
-            assert (family_of(name), order_of(name)) == (entry["family"], entry["order"])
-            style = style_of(name)
+            assert (known.family_of(name), known.order_of(name)) == (
+                entry["family"],
+                entry["order"],
+            )
+            style = known.style_of(name)
             styles.add((style["marker"], str(style["linestyle"])))
             for table in entry["tables"] or ():
-                assert family_of(table) == entry["family"]
+                assert known.family_of(table) == entry["family"]
         assert len(styles) == len(methods)
-        assert len({*MARKERS, look_of(OTHER).marker}) == len(MARKERS) + 1
-        assert len(MARKERS) > len({entry["family"] for entry in methods.values()})
-        assert family_of("heyoka") == OTHER
+        assert len({*known.MARKERS, known.look_of(known.OTHER).marker}) == len(known.MARKERS) + 1
+        assert len(known.MARKERS) > len({entry["family"] for entry in methods.values()})
+        assert known.family_of("heyoka") == known.OTHER
 
     def test_no_program(self) -> None:
         """No program is asked, which may be another one or slow."""
-        self.addCleanup(known_methods.cache_clear)
-        known_methods.cache_clear()
+        self.addCleanup(known.known_methods.cache_clear)
+        known.known_methods.cache_clear()
         with unittest.mock.patch.object(subprocess, "run", side_effect=AssertionError):
-            assert order_of("rkmk_4") == 4
+            assert known.order_of("rkmk_4") == 4
 
     def test_new_method(self) -> None:
         """A method that the program gets is drawn with its family and its order."""
         entry = {"name": "new_6", "family": "Lie group", "order": 6, "kind": "fixed"}
-        self.addCleanup(known_methods.cache_clear)
-        known_methods.cache_clear()
+        self.addCleanup(known.known_methods.cache_clear)
+        known.known_methods.cache_clear()
         registry = [*listed_methods().values(), entry | {"tables": None}]
         with unittest.mock.patch.object(known, "read_registry", return_value=registry):
-            assert (family_of("new_6"), order_of("new_6")) == ("Lie group", 6)
-            assert style_of("new_6")["marker"] == style_of("rkmk_4")["marker"]
+            assert (known.family_of("new_6"), known.order_of("new_6")) == ("Lie group", 6)
+            assert known.style_of("new_6")["marker"] == known.style_of("rkmk_4")["marker"]
 
     def test_formulations(self) -> None:
         """A formulation fills the marker, and changes nothing else."""
-        one, other = (style_of("dop853", name) for name in ("lagrange", "rigid_body"))
+        one, other = (known.style_of("dop853", name) for name in ("lagrange", "rigid_body"))
         assert {key for key in one if one[key] != other[key]} == {"fillstyle"}
 
 
-class ChoiceTest(TableCase):
-    """Which figures belong to a study."""
-
+class PrecisionFiguresTest(TableCase):
     def test_choice(self) -> None:
         """Curves of few problems; a map of many over two parameters."""
         curves = "precision_time precision_work orders"
@@ -131,25 +86,23 @@ class ChoiceTest(TableCase):
 
     def test_refusals(self) -> None:
         """The reason is given."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
-        assert object_to_precision(table) == "has 12 problems, more than fit (6)"
+        table = self.read(a_map_of_problems())
+        assert precision.object_to_precision(table) == "has 12 problems, more than fit (6)"
         failed = a_precision().replace(",ok,", ",pole,")
-        table = read_table(self.put("b.csv", failed))
-        assert "no method that went well and takes steps" in object_to_precision(table)
-        assert object_to_tolerance_map(table) == "is no study over two parameters"
+        table = self.read(failed)
+        assert "no method that went well and takes steps" in precision.object_to_precision(table)
+        assert tolerance.object_to_tolerance_map(table) == "is no study over two parameters"
         text = "\n".join(line for line in a_precision().split("\n") if ",steps " not in line)
         refusal = next(k for k in FIGURES if k.name == "orders").refusal
-        table = read_table(self.put("c.csv", text))
+        table = self.read(text)
         assert "with several fixed step sizes" in refusal(table)
 
-
-class CurveTest(TableCase):
-    """The curves and what is found from them."""
-
-    def curves(self) -> dict[str, Curve]:
+    def curves(self) -> dict[str, precision.Curve]:
         """The curves of a made-up study, by their labels."""
-        rows = read_table(self.put("a.csv", a_precision())).rows
-        return {curve.label: curve for curve in curves_of(rows[::-1], ("time_s", "error_max"))}
+        rows = self.read(a_precision()).rows
+        return {
+            curve.label: curve for curve in precision.curves_of(rows[::-1], ("time_s", "error_max"))
+        }
 
     def test_curves(self) -> None:
         """From coarse to fine; formulations where there are several; without what failed."""
@@ -163,8 +116,8 @@ class CurveTest(TableCase):
 
     def test_drawn(self) -> None:
         """Lines have the times and errors of the table, and the exact solution is there."""
-        table = read_table(self.put("a.csv", a_precision()))
-        axes = draw_precision_time(table).axes[0]
+        table = self.read(a_precision())
+        axes = precision.draw_precision_time(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
         rows = self.curves()["splitting 8"].rows
         for data, name in zip(
@@ -177,17 +130,22 @@ class CurveTest(TableCase):
     def test_best(self) -> None:
         """Of each family the method that is the cheapest at the target has its name and colour."""
         curves = [curve for curve in self.curves().values() if curve.method != "exact"]
-        table = read_table(self.put("a.csv", a_precision()))
-        best = best_of_families(table.rows, "time_s")
-        assert len({family_of(curve.method) for curve in best}) == len(best)
+        table = self.read(a_precision())
+        best = precision.best_of_families(table.rows, "time_s")
+        assert len({known.family_of(curve.method) for curve in best}) == len(best)
         for curve in curves:
-            mate = next(c for c in best if family_of(c.method) == family_of(curve.method))
-            if np.isfinite(time_to(curve)):
-                assert time_to(mate) <= time_to(curve)
-        for draw, cost in ((draw_precision_time, "time_s"), (draw_precision_work, "evaluations")):
+            mate = next(
+                c for c in best if known.family_of(c.method) == known.family_of(curve.method)
+            )
+            if np.isfinite(precision.time_to(curve)):
+                assert precision.time_to(mate) <= precision.time_to(curve)
+        for draw, cost in (
+            (precision.draw_precision_time, "time_s"),
+            (precision.draw_precision_work, "evaluations"),
+        ):
             figure = draw(table)
             axes = figure.axes[0]
-            named = {curve.label for curve in best_of_families(table.rows, cost)}
+            named = {curve.label for curve in precision.best_of_families(table.rows, cost)}
             texts = {text.get_text() for text in axes.texts}
             assert named <= texts
             labels = {curve.label for curve in curves}
@@ -199,25 +157,25 @@ class CurveTest(TableCase):
 
     def test_every_set(self) -> None:
         """Two or three methods of one study, whose curves are short: the best have names."""
-        table = read_table(self.put("a.csv", a_precision()))
+        table = self.read(a_precision())
         table = dataclasses.replace(table, rows=table.rows[table.rows["steps"].between(1e3, 4e3)])
         methods = dict.fromkeys(name for name, _ in STAGES)
         pairs, threes = ([*itertools.combinations(methods, count)] for count in (2, 3))
-        draws = [(chosen, draw_precision_work) for chosen in pairs]
-        draws += [(chosen, draw_precision_time) for chosen in pairs + threes]
+        draws = [(chosen, precision.draw_precision_work) for chosen in pairs]
+        draws += [(chosen, precision.draw_precision_time) for chosen in pairs + threes]
         for chosen, draw in draws:
             rows = table.rows[table.rows["method"].isin(chosen)]
             with self.subTest(chosen, figure=draw.__name__):
                 axes = draw(dataclasses.replace(table, rows=rows)).axes[0]
-                cost = "time_s" if draw is draw_precision_time else "evaluations"
-                best = best_of_families(rows, cost)
+                cost = "time_s" if draw is precision.draw_precision_time else "evaluations"
+                best = precision.best_of_families(rows, cost)
                 texts = {text.get_text() for text in axes.texts}
                 assert {curve.label for curve in best} <= texts
 
     def test_slopes(self) -> None:
         """The lines of the fan fall by their orders."""
-        table = read_table(self.put("a.csv", a_precision()))
-        axes = draw_precision_work(table).axes[0]
+        table = self.read(a_precision())
+        axes = precision.draw_precision_work(table).axes[0]
         fan = [line for line in axes.lines if len(line.get_xdata()) == 2]
         slopes = [
             -np.diff(np.log(line.get_ydata()))[0] / np.diff(np.log(line.get_xdata()))[0]
@@ -228,38 +186,41 @@ class CurveTest(TableCase):
     def test_spread(self) -> None:
         """Names keep their order and their distance, near their points."""
         heights = np.array([0.02, 0.03, 0.04, 0.5, 0.9])
-        moved = spread(heights)
+        moved = precision.spread(heights)
         assert np.diff(moved).min() >= 0.06 - 1e-9
         assert moved[3:] == pytest.approx([0.5, 0.9])
         assert (moved >= 0).all() and (moved <= 1).all()
 
     def test_measured_orders(self) -> None:
         """The methods of the program have their orders; rounding has none."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "convergence.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        rows = equal_steps(read_table(self.folder / "convergence.csv"))
-        curves = curves_of(rows, (STEP, "error_max"))
+        rows = precision.equal_steps(self.compute("convergence"))
+        curves = precision.curves_of(rows, (precision.STEP, "error_max"))
         fixed = {name for name, entry in listed_methods().items() if entry["kind"] == "fixed"}
         assert {curve.method for curve in curves} == fixed
         for curve in curves:
-            self.assertAlmostEqual(measured_order(curve.rows), order_of(curve.method), delta=0.3)
+            self.assertAlmostEqual(
+                precision.measured_order(curve.rows), known.order_of(curve.method), delta=0.3
+            )
         flat = rows.head(5).assign(error_max=[1e-15, 2e-15, 1e-15, 1e-15, 2e-15])
-        assert np.isnan(measured_order(flat))
+        assert np.isnan(precision.measured_order(flat))
 
     def test_orders_are_named(self) -> None:
         """Each curve has its name with both orders at its side, not over another, and no legend."""
-        table = read_table(self.put("a.csv", a_precision()))
-        axes = draw_orders(table).axes[0]
+        table = self.read(a_precision())
+        axes = precision.draw_orders(table).axes[0]
         assert axes.get_legend() is None
-        curves = curves_of(equal_steps(table), (STEP, "error_max"))
+        curves = precision.curves_of(precision.equal_steps(table), (precision.STEP, "error_max"))
         names = {text.get_text(): text.get_position()[1] for text in axes.texts}
-        heights = sorted(names[with_order(curve)] for curve in curves)
+        heights = sorted(names[precision.with_order(curve)] for curve in curves)
         assert np.diff(heights).min() >= 0.06 - 1e-9
 
     def test_ink(self) -> None:
         """The names of families can be read on white, and keep their hue."""
-        for family in (*families(), OTHER):
-            ink, colour = np.array(ink_of(family)), np.array(to_rgb(look_of(family).colour))
+        for family in (*known.families(), known.OTHER):
+            ink, colour = (
+                np.array(known.ink_of(family)),
+                np.array(to_rgb(known.look_of(family).colour)),
+            )
             linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
             contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)
             assert contrast >= 4.4, family
@@ -270,56 +231,50 @@ class CurveTest(TableCase):
         curve = self.curves()["Gauss 8"]
         rows = curve.rows[curve.rows["error_max"] > 1e-13]
         slope, height = np.polyfit(np.log(rows["error_max"]), np.log(rows["time_s"]), 1)
-        expected = np.exp(height + slope * np.log(TARGET))
-        self.assertAlmostEqual(time_to(curve._replace(rows=rows)) / expected, 1, 6)
-        assert np.isnan(time_to(curve, 1e-30))
-        self.assertAlmostEqual(time_to(curve, 10.0) / curve.rows["time_s"].iloc[0], 1)
-
-
-class MapTest(TableCase):
-    """The map over two parameters."""
+        expected = np.exp(height + slope * np.log(precision.TARGET))
+        self.assertAlmostEqual(precision.time_to(curve._replace(rows=rows)) / expected, 1, 6)
+        assert np.isnan(precision.time_to(curve, 1e-30))
+        self.assertAlmostEqual(precision.time_to(curve, 10.0) / curve.rows["time_s"].iloc[0], 1)
 
     def test_cheapest(self) -> None:
         """Each problem has the shortest time of its methods; the exact solution is left out."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
-        problems = table_of_problems(table)
+        table = self.read(a_map_of_problems())
+        problems = tolerance.table_of_problems(table)
         assert problems.axes() == list(AXES)
         assert len(problems.rows) == 12
         for problem, row in zip(
             table.rows["problem"].unique(), problems.rows.itertuples(), strict=True
         ):
             part = table.rows[table.rows["problem"] == problem]
-            curves = [c for c in curves_of(part, ("time_s", "error_max")) if c.method != "exact"]
-            times = sorted(time for c in curves if np.isfinite(time := time_to(c)))
+            curves = [
+                c for c in precision.curves_of(part, ("time_s", "error_max")) if c.method != "exact"
+            ]
+            times = sorted(time for c in curves if np.isfinite(time := precision.time_to(c)))
             assert row.time_s == times[0]
             self.assertAlmostEqual(row.ratio, times[1] / times[0])
         assert set(problems.rows["method"]) & {"exact"} == set()
 
     def test_cells(self) -> None:
         """Each cell has its number; methods are told once, the unit of times in the heading."""
-        table = read_table(self.put("a.csv", a_map_of_problems()))
-        rows = table_of_problems(table).rows
-        panels = draw_tolerance_map(table).axes[:2]
-        unit, factor = unit_of(rows["time_s"].to_numpy())
+        table = self.read(a_map_of_problems())
+        rows = tolerance.table_of_problems(table).rows
+        panels = tolerance.draw_tolerance_map(table).axes[:2]
+        unit, factor = tolerance.unit_of(rows["time_s"].to_numpy())
         assert panels[0].get_title(loc="left").endswith(unit)
         numbers = (rows["time_s"] * factor, rows["ratio"])
         for axes, column, values in zip(panels, ("method", "next"), numbers, strict=True):
-            assert [text.get_text() for text in axes.texts] == [*map(tell, values)]
+            assert [text.get_text() for text in axes.texts] == [*map(tolerance.tell, values)]
             told = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
             assert sorted(told) == sorted(rows[column].unique())
-        assert [tell(value) for value in (9.96, 12.3, np.nan)] == ["10.0", "12", ""]
+        assert [tolerance.tell(value) for value in (9.96, 12.3, np.nan)] == ["10.0", "12", ""]
 
     def test_unreached(self) -> None:
         """A problem that no method solves well enough has no time."""
         lines = a_map_of_problems().split("\n")
         text = "\n".join(line for line in lines if "top.0" not in line or ",rk2," in line)
-        rows = table_of_problems(read_table(self.put("a.csv", text))).rows
+        rows = tolerance.table_of_problems(self.read(text)).rows
         assert list(rows["status"]) == ["not reached", *["ok"] * 11]
         assert rows["method"][0] == "none"
-
-
-class ChoiceOfMethodTest(TableCase):
-    """The automatic choice of a method beside the cheapest one."""
 
     def study(self, chosen: str) -> str:
         """Six problems in which a method is the automatic choice."""
@@ -334,55 +289,44 @@ class ChoiceOfMethodTest(TableCase):
             for i, (line, mark) in enumerate(zip(lines, marks, strict=True))
         )
 
-    def test_choice(self) -> None:
+    def test_choice_of_choice_of_method(self) -> None:
         """Ratios are those of the least times of rows that are exact enough."""
-        table = read_table(self.put("a.csv", self.study("gauss_8,space_frame")))
-        choices = choices_of(table)
+        table = self.read(self.study("gauss_8,space_frame"))
+        choices = tolerance.choices_of(table)
         rows = table.rows[(table.rows["problem"] == "top.0") & (table.rows["status"] == "ok")]
         good = rows[rows["orientation_error"] <= 1e-6]
         own = good[good["auto"] == "yes"]["time_s"].min()
         (found,) = (c for c in choices[:4] if c.target == 1e-6)
         self.assertAlmostEqual(found.ratio, own / good["time_s"].min())
-        figure = draw_choice(table)
+        figure = tolerance.draw_choice(table)
         assert "in 0 of 24 comparisons" in figure.get_suptitle().replace("\n", " ")
         self.assert_good_look(table, "choice")
-        best = read_table(self.put("b.csv", self.study("exact,closed_form")))
-        title = draw_choice(best).get_suptitle().replace("\n", " ")
+        best = self.read(self.study("exact,closed_form"))
+        title = tolerance.draw_choice(best).get_suptitle().replace("\n", " ")
         assert (
             title == "The automatic choice takes at most 1.00 times as long as the cheapest method"
         )
 
-    def test_refusals(self) -> None:
+    def test_refusals_of_choice_of_method(self) -> None:
         """A study of few problems, or without the choice, has no such figure."""
-        none = read_table(self.put("a.csv", self.study("nobody")))
-        assert object_to_choice(none) == "has no row of the automatic choice"
+        none = self.read(self.study("nobody"))
+        assert tolerance.object_to_choice(none) == "has no row of the automatic choice"
         few = self.study("exact,closed_form").replace("top.5", "top.4").replace("top.3", "top.4")
-        table = read_table(self.put("b.csv", few))
-        assert "fewer than 5 problems" in object_to_choice(table)
-
-
-class BenchmarksTest(TableCase):
-    """Published benchmarks."""
+        table = self.read(few)
+        assert "fewer than 5 problems" in tolerance.object_to_choice(table)
 
     def test_figure(self) -> None:
         """A line a publication, with the errors of its quantities and the time of the run."""
-        command = [EXE, "--quiet", "-o", self.folder, TESTS.parent / "input" / "benchmarks.nml"]
-        subprocess.run(command, check=True, capture_output=True)
-        table = read_table(self.folder / "benchmarks.csv")
-        kind = next(kind for kind in FIGURES if kind.name == "benchmarks")
-        assert kind.refusal(table) == ""
+        table = self.compute("benchmarks")
+        assert self.refusal("benchmarks", table) == ""
         self.assert_good_look(table, "benchmarks", ("'cvode_gyro'", "'engine_forward_test'"))
-        axes = kind.draw(table).axes[0]
+        axes = next(kind for kind in FIGURES if kind.name == "benchmarks").draw(table).axes[0]
         rows = table.rows[table.rows["published_error"].notna()]
         groups = rows.groupby(["benchmark", "published_method"], sort=False)
         assert len(axes.get_yticks()) == len(groups)
         drawn = [line for line in axes.lines if line.get_marker() == "D"]
         for line, (_, part) in zip(drawn, groups, strict=True):
             np.testing.assert_array_equal(line.get_xdata(), part["published_error"])
-
-
-class DrawTest(TableCase):
-    """Runs the script."""
 
     def test_studies(self) -> None:
         """All figures, without a warning of the layout."""
@@ -392,9 +336,4 @@ class DrawTest(TableCase):
             "two": (a_precision({"slow": 1.0, "wheel": 2.0}), curves),
             "grid": (a_map_of_problems(), {"tolerance_map"}),
         }
-        paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", UserWarning)
-            assert self.call(*paths) == (0, "")
-        expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
-        self.check_pictures(self.folder, expected)
+        self.check_drawn(tables)

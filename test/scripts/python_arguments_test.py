@@ -38,9 +38,7 @@ def quantities_in_a_process() -> float:
     return TOP.quantities("theta_max")["theta_max"]
 
 
-class CopiesTest(unittest.TestCase):
-    """A body and a top are what they were when they were made."""
-
+class PythonArgumentsTest(unittest.TestCase):
     def test_changed_arguments(self) -> None:
         """Later changes of lists and arrays change neither body nor top."""
         inertia, centre, psi_rate = [0.875, 0.875, 0.25], np.array([0, 0, 0.8]), np.array(1.0)
@@ -97,10 +95,6 @@ class CopiesTest(unittest.TestCase):
         with get_context("fork").Pool(1) as pool:
             found = pool.apply_async(quantities_in_a_process).get(timeout=60)
         assert found == quantities_in_a_process()
-
-
-class ValuesTest(unittest.TestCase):
-    """Arrays of numbers, and of what is none."""
 
     def test_no_numbers(self) -> None:
         """Dates, durations, complex numbers, words and masked values are refused by name."""
@@ -172,10 +166,6 @@ class ValuesTest(unittest.TestCase):
         ):
             with self.assertRaisesRegex(spintop.InputError, name):
                 call()
-
-
-class NamesTest(unittest.TestCase):
-    """Names of columns and quantities."""
 
     def test_one_name(self) -> None:
         """One name needs no list."""

@@ -3,12 +3,7 @@
 A top that dry friction brings to rest goes through all, and one whose steps do not suffice.
 """
 
-import contextlib
-import io
-import os
 import re
-import sys
-import unittest.mock
 from pathlib import Path
 
 import numpy as np
@@ -16,15 +11,13 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
+from conftest import called
 from filming import __main__ as film
 from reporting.study import read_study
 from spintop_figures.style.provenance import warning_of
 from spintop_figures.sweeps.quantities import succeeded, tell_failed
 from spintop_figures.tables import words as ends
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, effects={"friction_torque": 9.0}, theta_deg=40, psi_rate=10)
 TIMES = np.linspace(0, 2, 41)
@@ -145,9 +138,6 @@ def test_film(folder: Path) -> None:
     scene = folder / "scene.nml"
     scene.write_text(spintop.inputs.namelist(TOP.input(span=SPAN)), encoding="utf-8")
     quick = ("--seconds", "0.5", "--rate", "10", "--size", "160x90")
-    arguments = ["film", str(scene), "-o", str(folder / "film.gif"), *quick]
-    said = io.StringIO()
-    with unittest.mock.patch.object(sys, "argv", arguments), contextlib.redirect_stderr(said):
-        code = film.main()
-    assert (code, said.getvalue()) == (0, "")
+    told = called(film.main, "film", scene, "-o", folder / "film.gif", *quick)
+    assert told == (0, told[1], "")
     assert (folder / "film.gif").stat().st_size > 0

@@ -14,12 +14,10 @@ from matplotlib.text import Text
 
 import python_library  # noqa: F401
 import spintop
-from conftest import MISSING
+from conftest import MISSING, ROOT
 from spintop import animation
 from spintop.library import library
 from spintop_figures.tables.table import TableError, read_table
-
-ROOT = Path(__file__).resolve().parent.parent.parent
 
 mpl.use("agg")
 INPUTS = ROOT / "input"

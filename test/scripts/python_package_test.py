@@ -1,5 +1,6 @@
 """The Python package: the bits of the program, errors, memory, threads, and its page."""
 
+import itertools
 import math
 import os
 import resource
@@ -11,18 +12,18 @@ import unittest
 import warnings
 from pathlib import Path
 from typing import ClassVar
+from unittest import mock
 
 import numpy as np
 import pytest
 
-import python_library  # noqa: F401
+import python_library  # noqa: F401  # noqa: F401
 import spintop
+from conftest import EXE, ROOT, Spin, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
+from spintop.levels import NEEDED, chosen_folder, features, levels_of
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-
-EXE = Path(os.environ["SPINTOP_EXE"]).resolve()
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
 SKEW = spintop.Body(
@@ -33,18 +34,12 @@ SKEW = spintop.Body(
 def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
     """The columns of the table that the program writes for an input, as text."""
     with tempfile.TemporaryDirectory() as folder:
-        scene = Path(folder) / "scene.nml"
-        scene.write_text(namelist(groups), encoding="utf-8")
-        subprocess.run([EXE, "--quiet", "-o", folder, scene], check=True, capture_output=True)
-        file = "scene.csv" if name == "rows" else f"scene.{name}.csv"
-        text = (Path(folder) / file).read_text(encoding="utf-8")
-    names, *rows = [line.split(",") for line in text.splitlines() if line[0] != "#"]
-    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+        run = Spin(Path(folder))(namelist(groups), "--quiet")
+        rows = texts(run.path.with_name("scene.csv" if name == "rows" else f"scene.{name}.csv"))
+        return {name: list(rows[name]) for name in rows}
 
 
-class MotionTest(unittest.TestCase):
-    """One top."""
-
+class PythonPackageTest(unittest.TestCase):
     def compare(self, motion: spintop.Motion, table: dict[str, list[str]]) -> None:
         """All columns have the bits of a table."""
         assert list(motion) == list(table)
@@ -56,9 +51,14 @@ class MotionTest(unittest.TestCase):
         columns = ["t", "phi", "theta", "psi", "phi_rate", "energy", "force_z", "q0"]
         columns += ["t_ms", "theta_deg", "omega3_rpm"]
         span, output = {"t_end": 30.0, "samples": 301}, {"columns": columns}
-        table = by_program(TOP.input(span=span, output=output))
-        t = np.array([float(cell) for cell in table["t"]])
-        self.compare(TOP.exact(t, columns), table)
+        others = (
+            spintop.Body(mass=1, inertia=(0.25, 0.875, 0.875), centre_of_mass=(0.5, 0, 0)),
+            spintop.Body(mass=2, inertia=(0.3, 0.5, 0.7), centre_of_mass=(0, 0, 0)),
+        )
+        for top in (*(spintop.Top(body, **TOP.start) for body in others), TOP):
+            table = by_program(top.input(span=span, output=output))
+            t = np.array([float(cell) for cell in table["t"]])
+            self.compare(top.exact(t, columns), table)
         self.compare(TOP.exact(t, columns[:5]), {name: table[name] for name in columns[:5]})
         grid = TOP.exact(t[:300].reshape(20, 15), ["theta"]).theta
         assert grid.shape == (20, 15)
@@ -76,19 +76,18 @@ class MotionTest(unittest.TestCase):
             TOP.exact(0).eta  # noqa: B018
 
     def test_integrate(self) -> None:
-        """The bits of the program, for steps of both kinds."""
-        columns = ["t", "theta", "psi", "energy"]
-        for settings in (
-            {"method": "dop853", "relative_tolerance": 1e-8},
-            {"method": "rk4", "steps": 90},
+        """The bits of the program, for steps of both kinds, and for the work of effects."""
+        columns, dragged = ["t", "theta", "psi", "energy"], {"drag_moment": (0.1, 0.1, 0.1)}
+        for settings, (body, effects, more) in itertools.product(
+            ({"method": "dop853", "relative_tolerance": 1e-8}, {"method": "rk4", "steps": 90}),
+            ((BODY, {}, []), (SKEW, {}, []), (BODY, dragged, ["work", "energy_error"])),
         ):
-            for body in (BODY, SKEW):
-                with self.subTest(f"{settings} {body}"):
-                    top = spintop.Top(body, theta=0.4, psi_rate=12.0)
-                    span, output = {"t_end": 3.0, "samples": 31}, {"columns": columns}
-                    table = by_program(top.input(span=span, output=output, integration=settings))
-                    t = [float(cell) for cell in table["t"]]
-                    self.compare(top.integrate(t, columns, **settings), table)
+            with self.subTest(f"{settings} {body} {effects}"):
+                top = spintop.Top(body, effects=effects, theta=0.4, psi_rate=12.0)
+                span, output = {"t_end": 3.0, "samples": 31}, {"columns": columns + more}
+                table = by_program(top.input(span=span, output=output, integration=settings))
+                t = [float(cell) for cell in table["t"]]
+                self.compare(top.integrate(t, columns + more, **settings), table)
 
     def test_integrate_by_default(self) -> None:
         """The numbers are those of the exact solution."""
@@ -106,16 +105,18 @@ class MotionTest(unittest.TestCase):
 
     def test_events(self) -> None:
         """Their table is that of the program, and the motion may end at one."""
-        output = {"columns": ["t", "theta"], "events": ["lower_turning_points"]}
-        table = by_program(TOP.input(span={"t_end": 5.0}, output=output), "events")
-        found = TOP.events(["lower_turning_points"], 5.0, ["t", "theta"])
-        assert found.events["t"].tolist() == [float(cell) for cell in table["t"]]
-        assert found.events["event"].tolist() == table["event"]
-        for number in (1, 2):
-            end = {"stop_at": "lower_turning_points", "stop_after": number}
-            stopped = TOP.events(["lower_turning_points"], 5.0, **end)
-            assert stopped.ok
-            np.testing.assert_array_equal(stopped.events["t"], found.events["t"][:number])
+        columns, named = ["t", "theta", "energy"], ["lower_turning_points", "theta = 0.6 rising"]
+        output = {"columns": columns, "events": named}
+        ends = {"stop_at": named[0], "stop_after": 2}
+        for method, end in itertools.product(("exact", "taylor", "dop853", "rk4"), ({}, ends)):
+            settings = {"method": method} | ({"steps": 900} if method == "rk4" else {})
+            groups = TOP.input(span={"t_end": 5.0, **end}, output=output, integration=settings)
+            table = by_program(groups, "events")
+            found = TOP.events(named, 5.0, columns, **end, **settings)
+            assert found.ok
+            assert found.events["event"].tolist() == table.pop("event")
+            for name, cells in table.items():
+                assert found.events[name].tolist() == [float(cell) for cell in cells], name
         early = TOP.events(["turning_points"], 50.0, method="ode45", max_steps=5)
         assert not early.ok
         assert "step_limit" in early.summary
@@ -172,10 +173,6 @@ class MotionTest(unittest.TestCase):
         with self.assertRaises(spintop.InputError):
             spintop.Top(spintop.Body(mass=1, shape="a\0b"), theta=0.2)
         assert issubclass(spintop.InputError, ValueError)
-
-
-class RunTest(unittest.TestCase):
-    """Studies."""
 
     def test_a_path_a_text_a_dictionary(self) -> None:
         """All give the tables of the program."""
@@ -246,17 +243,6 @@ class RunTest(unittest.TestCase):
         assert "step_limit" in found.summary
         assert found["t"].size > 0
 
-    def test_figures(self) -> None:
-        """Those of scripts/plot, by name."""
-        import matplotlib as mpl
-
-        mpl.use("agg")
-        result = spintop.run(TOP.input(span={"t_end": 3.0, "samples": 50}))
-        found = result.plot()
-        assert "angles" in found
-        assert list(result.plot("angles")) == ["angles"]
-        assert all(hasattr(figure, "savefig") for figure in found.values())
-
     def test_registry(self) -> None:
         """That of the program; a topic that there is not is an error."""
         assert "rk4" in [method["name"] for method in spintop.registry("methods")["methods"]]
@@ -264,6 +250,95 @@ class RunTest(unittest.TestCase):
         assert spintop.__version__ == spintop.version()
         with self.assertRaisesRegex(spintop.InputError, "did you mean 'methods'"):
             spintop.registry("metods")
+
+    def test_pages(self) -> None:
+        """Their programs run, those of a page one after the other, and each prints something."""
+        found = 0
+        for path in sorted((ROOT / "doc").glob("*.md")):
+            if path.name == "python_tutorial.md":  # has a suite of its own
+                continue
+            blocks = [block for block in blocks_of(path) if block.tags == ("python", "library")]
+            found += len(blocks)
+            names: dict[str, object] = {}
+            for block in blocks:
+                self.run_block(block, names)
+        assert found > 5
+
+    def run_block(self, block: Block, names: dict[str, object]) -> None:
+        """Run a program, with what those before it defined."""
+        lines: list[tuple] = []
+        names["print"] = lambda *words: lines.append(words)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            exec(compile(block.text, str(block), "exec"), names)
+        assert lines != [], str(block)
+
+    def test_pip(self) -> None:
+        """`pip install` puts the library beside the modules."""
+        try:
+            from setuptools.command import bdist_wheel  # noqa: F401
+        except ImportError:
+            self.skipTest("no setuptools from version 70.1 on")
+        with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
+            command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
+            command += [
+                "--no-deps",
+                "--no-index",
+                "--disable-pip-version-check",
+                "--target",
+                folder,
+            ]
+            done = subprocess.run(
+                [*command, ROOT / "python"], capture_output=True, text=True, check=False
+            )
+            assert done.returncode == 0, done.stdout + done.stderr
+            assert (Path(folder) / "spintop/libspintop.so.1").is_file()
+            program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
+            answer = subprocess.run(
+                [sys.executable, "-c", program],
+                **{"capture_output": True, "text": True, "check": True, "cwd": folder},
+                env={**os.environ, "PYTHONPATH": folder},
+            ).stdout.split(maxsplit=1)
+            assert answer[0] == spintop.version()
+            assert answer[1].startswith(folder)
+
+    def test_levels_of(self) -> None:
+        """A level has all features of the levels before it."""
+        words = [set(needed.split()) for needed in NEEDED.values()]
+        assert levels_of(set()) == []
+        assert levels_of(words[0] | words[1]) == ["v2", "v3"]
+        assert levels_of(words[0] | words[2]) == ["v2"]
+        assert levels_of(set.union(*words) | {"sse"}) == ["v2", "v3", "v4"]
+
+    def test_features(self) -> None:
+        """Those of the first processor; none where the system does not list any."""
+        text = "model name\t: flags\nflags\t\t: fpu sse\n\nprocessor: 1\nflags\t: fpu\n"
+        assert features(text) == {"fpu", "sse"}
+        assert features("Features\t: fp asimd\n") == set()
+
+    def test_chosen_folder(self) -> None:
+        """The highest level, or that of SPINTOP_LEVEL; a package without levels is one folder."""
+        with tempfile.TemporaryDirectory() as name:
+            package = Path(name)
+            with mock.patch.dict(os.environ, {"SPINTOP_LEVEL": "v9"}):
+                assert chosen_folder(package) == package
+            for level in NEEDED:
+                (package / level).mkdir()
+            with mock.patch("spintop.levels.levels_of", return_value=["v2", "v3"]):
+                for wanted, level in (("", "v3"), ("v2", "v2"), ("v3", "v3")):
+                    with mock.patch.dict(os.environ, {"SPINTOP_LEVEL": wanted}):
+                        assert chosen_folder(package) == package / level
+                for wrong in ("v4", "V2", "native"):
+                    with (
+                        mock.patch.dict(os.environ, {"SPINTOP_LEVEL": wrong}),
+                        self.assertRaisesRegex(ImportError, f"'{wrong}', but .*: v2, v3"),
+                    ):
+                        chosen_folder(package)
+            with (
+                mock.patch("spintop.levels.levels_of", return_value=[]),
+                self.assertRaisesRegex(ImportError, "older than x86-64-v2"),
+            ):
+                chosen_folder(package)
 
 
 class SweepTest(unittest.TestCase):
@@ -427,56 +502,52 @@ class ResourcesTest(unittest.TestCase):
             assert together[number] == alone[number], number
 
 
-class PackageTest(unittest.TestCase):
-    """The pages, and the installation."""
+# The level of the processor, by which the Python package chooses its library.
 
-    def test_pages(self) -> None:
-        """Their programs run, those of a page one after the other, and each prints something."""
-        found = 0
-        for path in sorted((ROOT / "doc").glob("*.md")):
-            if path.name == "python_tutorial.md":  # has a suite of its own
-                continue
-            blocks = [block for block in blocks_of(path) if block.tags == ("python", "library")]
-            found += len(blocks)
-            names: dict[str, object] = {}
-            for block in blocks:
-                self.run_block(block, names)
-        assert found > 5
 
-    def run_block(self, block: Block, names: dict[str, object]) -> None:
-        """Run a program, with what those before it defined."""
-        lines: list[tuple] = []
-        names["print"] = lambda *words: lines.append(words)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            exec(compile(block.text, str(block), "exec"), names)
-        assert lines != [], str(block)
+# Times of a top of which the first is above 0: the motion starts at 0, whatever is asked.
 
-    def test_pip(self) -> None:
-        """`pip install` puts the library beside the modules."""
-        try:
-            from setuptools.command import bdist_wheel  # noqa: F401
-        except ImportError:
-            self.skipTest("no setuptools from version 70.1 on")
-        with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
-            command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
-            command += [
-                "--no-deps",
-                "--no-index",
-                "--disable-pip-version-check",
-                "--target",
-                folder,
-            ]
-            done = subprocess.run(
-                [*command, ROOT / "python"], capture_output=True, text=True, check=False
-            )
-            assert done.returncode == 0, done.stdout + done.stderr
-            assert (Path(folder) / "spintop/libspintop.so.1").is_file()
-            program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
-            answer = subprocess.run(
-                [sys.executable, "-c", program],
-                **{"capture_output": True, "text": True, "check": True, "cwd": folder},
-                env={**os.environ, "PYTHONPATH": folder},
-            ).stdout.split(maxsplit=1)
-            assert answer[0] == spintop.version()
-            assert answer[1].startswith(folder)
+START = {"theta": 0.6, "phi": 0.3, "theta_rate": 0.3, "psi_rate": 6.0}
+BODIES = {
+    "symmetric": {"inertia": (0.875, 0.875, 0.25), "length": 0.6},
+    "about x": {"inertia": (0.25, 0.875, 0.875), "centre_of_mass": (0.6, 0, 0)},
+    "damped": {"inertia": (0.875, 0.875, 0.25), "length": 0.6, "damping": (0.05,) * 3},
+    "asymmetric": {"inertia": (0.9, 0.7, 0.4), "centre_of_mass": (0.1, -0.05, 0.5)},
+    "free": {"inertia": (0.6, 0.5, 0.4), "centre_of_mass": (0, 0, 0)},
+}
+EFFECTS = (
+    {},
+    {"drag_force": 0.2},
+    {"earth_rate": 0.3, "latitude_deg": 60},
+    {"rotor_momentum": (0, 0, 0.3)},
+)
+KINDS = [(body, effects) for body in BODIES for effects in EFFECTS]
+ANGLES = ("phi", "theta", "psi")
+COLUMNS = (*ANGLES, "omega1", "omega3", "force_z", "energy", "theta__initial.psi_rate")
+
+
+def make(body: str, effects: dict) -> spintop.Top:
+    """A top."""
+    return spintop.Top(spintop.Body(mass=1.3, **BODIES[body]), effects=effects, **START)
+
+
+@pytest.mark.parametrize(("body", "effects"), KINDS)
+def test_tops(body: str, effects: dict) -> None:
+    """Angles, forces, energies and derivatives at times are those among more times."""
+    top = make(body, effects)
+    t = np.linspace(0.0, 3.0, 13)
+    ways = [lambda t: top.integrate(t, COLUMNS, relative_tolerance=1e-12)]
+    ways += [lambda t: top.integrate(t, COLUMNS, method="rk4", steps=120 * round(t[-1] / 3))]
+    if body in ("symmetric", "free") and not effects:
+        ways += [lambda t: top.exact(t, COLUMNS), lambda t: top.exact(t, ANGLES)]
+    for way in ways:
+        all_times = way(t)
+        for first in (0, 1, 5):
+            some = way(t[first:])
+            for name in some:
+                if name.endswith("_error"):
+                    continue
+                scale = np.abs(all_times[name]).max()
+                np.testing.assert_allclose(
+                    some[name], all_times[name][first:], rtol=0, atol=1e-9 * scale
+                )

@@ -3,16 +3,14 @@
 import json
 import unittest
 import warnings
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 
 import python_library  # noqa: F401
 import spintop
+from conftest import ROOT
 from manual.pages import blocks_of
-
-ROOT = Path(__file__).resolve().parent.parent.parent
 
 BLOCKS = blocks_of(ROOT / "doc/python_tutorial.md")
 NOTEBOOK = ROOT / "doc/examples/slow_top.ipynb"
@@ -29,9 +27,7 @@ def run_blocks() -> tuple[dict[str, object], list[dict[str, object]]]:
     return names, states
 
 
-class TutorialTest(unittest.TestCase):
-    """The page."""
-
+class PythonTutorialTest(unittest.TestCase):
     def test_inputs_are_those_of_the_programs(self) -> None:
         """An input has the bits of the Python that says the same."""
         mpl.use("agg")
@@ -57,10 +53,6 @@ class TutorialTest(unittest.TestCase):
             spintop.run(scene)["theta_max"], many["table"]["theta_max"], rtol=1e-13
         )
         assert tops["found"]["theta_max"].shape == (400,)
-
-
-class NotebookTest(unittest.TestCase):
-    """The notebook."""
 
     def test_cells(self) -> None:
         """They run in order, without warnings and stored outputs, and the claims are true."""

@@ -1,13 +1,10 @@
 """Tests of the recipes of packages and of the workflows: their syntax, versions and sources."""
 
 import ast
-import contextlib
 import importlib.machinery
 import importlib.util
-import io
 import re
 import subprocess
-import sys
 import tomllib
 import unittest
 import unittest.mock
@@ -16,8 +13,8 @@ from pathlib import Path
 import jinja2
 import pytest
 
-sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parent.parent.parent
+from conftest import ROOT, called
+
 PACKAGING = ROOT / "packaging"
 META = PACKAGING / "conda" / "recipe" / "meta.yaml"
 RECIPES = (META, PACKAGING / "spack" / "package.py")
@@ -108,14 +105,8 @@ class RecipesTest(unittest.TestCase):
         filler = load_filler()
 
         def fill(*arguments: str | Path) -> tuple[int, str]:
-            words = ["fill_recipes", *map(str, arguments)]
-            said = io.StringIO()
-            with (
-                unittest.mock.patch.object(sys, "argv", words),
-                contextlib.redirect_stdout(io.StringIO()),
-                contextlib.redirect_stderr(said),
-            ):
-                return filler.main(), said.getvalue()
+            code, _, said = called(filler.main, "fill_recipes", *arguments)
+            return code, said
 
         target = self.folder / "recipes"
         self.assertEqual(fill("https://a.org/top/", "me", *files, target), (0, ""))
@@ -133,7 +124,3 @@ class RecipesTest(unittest.TestCase):
         self.assertEqual(fill("https://a.org", "me")[0], 2)
         code, said = fill("https://a.org", "me", self.folder / "none", *files[:2], target)
         self.assertEqual((code, "No such file" in said), (4, True))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,25 +4,13 @@ import csv
 import json
 import math
 import subprocess
-import sys
-import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS)]
-
-from browser_case import (  # noqa: E402
-    DESKTOP,
-    HOSTILE,
-    PROGRAM,
-    SOFTWARE_WEBGL,
-    BrowserCase,
-    wait_for,
-)
-from reporting.packages import bundle  # noqa: E402
-from reporting.page import make_page, write_page  # noqa: E402
-from reporting.study import read_study  # noqa: E402
+from browser_case import DESKTOP, HOSTILE, SOFTWARE_WEBGL, BrowserCase, wait_for
+from conftest import EXE, ROOT
+from reporting.packages import bundle
+from reporting.page import make_page, write_page
+from reporting.study import read_study
 
 BYTES = 8_000_000
 
@@ -40,9 +28,7 @@ def rows_of(
     return [[float(row[name]) for name in names] for row in csv.DictReader(lines)]
 
 
-class PageTest(BrowserCase):
-    """The page as a whole."""
-
+class ReportPageTest(BrowserCase):
     def test_opens_whole(self) -> None:
         """It is small, and all of it is in the file."""
         self.assertLess(self.page.stat().st_size, BYTES)
@@ -205,6 +191,39 @@ class PageTest(BrowserCase):
         self.top()
         widths = self.run_script("return [document.documentElement.scrollWidth, innerWidth]")
         self.assertEqual(*widths)
+
+    def test_the_rest_works(self) -> None:
+        """The page says so in place of the top; time, numbers and charts work as ever."""
+        section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
+        hint = section.find_element("css selector", ".stage .hint")
+        wait_for(lambda: "no WebGL" in hint.text, "the sentence")
+        chart = self.part(section, "chart")
+        before = chart.screenshot_as_png
+        self.part(section, "play").click()
+        wait_for(lambda: self.numbers(section)[0] > 0, "time to pass")
+        self.part(section, "play").click()
+        self.assertNotEqual(chart.screenshot_as_png, before)
+        self.run_script(
+            "arguments[0].value = 100; arguments[0].dispatchEvent(new Event('input'))",
+            self.part(section, "time"),
+        )
+        self.assertEqual(self.numbers(section), rows[100])
+
+    def test_modules(self) -> None:
+        """Attitudes, the motion between rows, the clock."""
+        page = self.folder / "modules.html"
+        script = bundle(ROOT / "test/page" / "all.js")
+        page.write_text(
+            "<!DOCTYPE html><meta charset=utf-8><link rel=icon href='data:,'>"
+            f"<script>{script}</script>",
+            encoding="utf-8",
+        )
+        self.open(page)
+        results = json.loads(self.run_script("return JSON.stringify(results)"))
+        self.assertGreater(len(results), 12)
+        for result in results:
+            with self.subTest(result["name"]):
+                self.assertEqual(result["failure"], "")
 
 
 class TopTest(BrowserCase):
@@ -460,8 +479,8 @@ class TopTest(BrowserCase):
         """The same motion with the column of its error, which the program measures."""
         folder = self.folder.parent / "errors"
         name = "slow_top_scenario2_rk4"
-        command = [PROGRAM, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
-        source = TESTS.parent / "input" / f"{name}.nml"
+        command = [EXE, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
+        source = ROOT / "input" / f"{name}.nml"
         subprocess.run([*command, source], check=True, capture_output=True)
         return folder / f"{name}.csv"
 
@@ -540,48 +559,3 @@ class TopTest(BrowserCase):
         self.assertLess(
             self.run_script(count), self.run_script(count.replace(".stage canvas", ".top"))
         )
-
-
-class FlatTest(BrowserCase):
-    """A browser without WebGL."""
-
-    def test_the_rest_works(self) -> None:
-        """The page says so in place of the top; time, numbers and charts work as ever."""
-        section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
-        hint = section.find_element("css selector", ".stage .hint")
-        wait_for(lambda: "no WebGL" in hint.text, "the sentence")
-        chart = self.part(section, "chart")
-        before = chart.screenshot_as_png
-        self.part(section, "play").click()
-        wait_for(lambda: self.numbers(section)[0] > 0, "time to pass")
-        self.part(section, "play").click()
-        self.assertNotEqual(chart.screenshot_as_png, before)
-        self.run_script(
-            "arguments[0].value = 100; arguments[0].dispatchEvent(new Event('input'))",
-            self.part(section, "time"),
-        )
-        self.assertEqual(self.numbers(section), rows[100])
-
-
-class ModulesTest(BrowserCase):
-    """The modules of the page by themselves."""
-
-    def test_modules(self) -> None:
-        """Attitudes, the motion between rows, the clock."""
-        page = self.folder / "modules.html"
-        script = bundle(TESTS / "page" / "all.js")
-        page.write_text(
-            "<!DOCTYPE html><meta charset=utf-8><link rel=icon href='data:,'>"
-            f"<script>{script}</script>",
-            encoding="utf-8",
-        )
-        self.open(page)
-        results = json.loads(self.run_script("return JSON.stringify(results)"))
-        self.assertGreater(len(results), 12)
-        for result in results:
-            with self.subTest(result["name"]):
-                self.assertEqual(result["failure"], "")
-
-
-if __name__ == "__main__":
-    unittest.main()

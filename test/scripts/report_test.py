@@ -1,7 +1,6 @@
 """Tests of scripts/report: the description of a study, and the parts of the page."""
 
 import base64
-import contextlib
 import gzip
 import hashlib
 import html.parser
@@ -11,7 +10,6 @@ import json
 import math
 import os
 import re
-import sys
 import tarfile
 import threading
 import unittest
@@ -21,20 +19,18 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-sys.dont_write_bytecode = True
-TESTS = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS), str(TESTS.parent / "scripts"), str(TESTS.parent / "python")]
-
-from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory  # noqa: E402
-from reporting import __main__ as command  # noqa: E402
-from reporting import packages, words  # noqa: E402
-from reporting import page as page_module  # noqa: E402
-from reporting import study as study_module  # noqa: E402
-from reporting.packages import PAGE, PackageError  # noqa: E402
-from reporting.page import make_page  # noqa: E402
-from reporting.pictures import Picture, data_uri, pictures_of  # noqa: E402
-from reporting.study import find_tables, read_study  # noqa: E402
-from spintop_figures.moving.body import (  # noqa: E402
+from conftest import ROOT, called
+from plot_case import TableCase, a_precision, a_stability, a_sweep, a_trajectory
+from reporting import __main__ as command
+from reporting import packages, words
+from reporting import page as page_module
+from reporting import study as study_module
+from reporting.cells import proved_texts, texts_of
+from reporting.packages import PAGE, PackageError
+from reporting.page import make_page
+from reporting.pictures import Picture, data_uri, pictures_of
+from reporting.study import find_tables, read_study
+from spintop_figures.moving.body import (
     NO_SUCH_BODY,
     SHAPES,
     Body,
@@ -42,12 +38,12 @@ from spintop_figures.moving.body import (  # noqa: E402
     draw_body,
     read_body,
 )
-from spintop_figures.moving.data import pack, which_rows  # noqa: E402
-from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal  # noqa: E402
-from spintop_figures.style.numbers import write  # noqa: E402
-from spintop_figures.style.provenance import describe_end  # noqa: E402
-from spintop_figures.tables.names import name_of, raised  # noqa: E402
-from spintop_figures.tables.table import Table, read_table  # noqa: E402
+from spintop_figures.moving.data import pack, which_rows
+from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal
+from spintop_figures.style.numbers import write
+from spintop_figures.style.provenance import describe_end
+from spintop_figures.tables.names import name_of, raised
+from spintop_figures.tables.table import Table, read_table
 
 BODY = (
     "# body: mass 2 kg; inertia 8.25, 8.25, 0.5 kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
@@ -88,9 +84,7 @@ class ReportCase(TableCase):
         return make_page(self.folder.name, *read_study(self.folder))[0]
 
 
-class BodyTest(ReportCase):
-    """The body in a header, and the solid that is drawn for it."""
-
+class ReportTest(ReportCase):
     def test_read(self) -> None:
         """Mass, inertia and centre of mass; a header without them gives no body."""
         body = read_body(self.table(BODY + a_trajectory()))
@@ -201,7 +195,7 @@ class BodyTest(ReportCase):
 
     def test_every_shape_of_the_program(self) -> None:
         """The program has no shape that the page cannot draw."""
-        source = (TESTS.parent / "src/top/shapes.f90").read_text(encoding="utf-8")
+        source = (ROOT / "src/top/shapes.f90").read_text(encoding="utf-8")
         self.assertEqual(set(re.findall(r"shape_info_t\('(\w+)'", source)), set(SHAPES))
 
     def test_no_such_body(self) -> None:
@@ -211,7 +205,7 @@ class BodyTest(ReportCase):
         self.assertAlmostEqual(solid["radius"], 0.1, places=3)
         self.assertTrue(label.startswith(NO_SUCH_BODY))
         self.assertIn("about its centre of mass is drawn", label)
-        source = (TESTS.parent / "src/scenes/body_of_scene.f90").read_text(encoding="utf-8")
+        source = (ROOT / "src/scenes/body_of_scene.f90").read_text(encoding="utf-8")
         words = " ".join(re.sub(r"&\s*&", "", source).split())
         self.assertIn(f"'{NO_SUCH_BODY[0].lower()}{NO_SUCH_BODY[1:-1]}'", words)
 
@@ -225,10 +219,6 @@ class BodyTest(ReportCase):
         self.assertIn("homogeneous disc with the same mass", self.drawing(flat)[1])
         point = Body(1.0, np.array([1.0, 1.0, 0.0]), centre)
         self.assertEqual(self.drawing(point), ([], "The body is a point mass on a massless rod."))
-
-
-class MotionTest(ReportCase):
-    """The contents of the page of a trajectory."""
 
     def facts(self, table: Table, stride: int = 1) -> dict:
         """What the page knows of the motion of a table."""
@@ -331,10 +321,6 @@ class MotionTest(ReportCase):
         lost = a_trajectory(ANGLES, theta=math.nan)
         self.assertIn("needs the columns phi", refusal(self.table(lost)))
 
-
-class PictureTest(ReportCase):
-    """The pictures of a table."""
-
     def test_taken_or_drawn(self) -> None:
         """Those beside a table are taken, unless they are older."""
         table = self.table(a_trajectory([*ANGLES, "com_z"]))
@@ -362,43 +348,12 @@ class PictureTest(ReportCase):
         self.assertEqual([p.name for p in pictures_of(lost, problems)], ["table_trace"])
         self.assertEqual(problems, ["has no number in column com_z: no angles figure"])
 
-
-class Reader(html.parser.HTMLParser):
-    """Collects the elements of a page, and what its scripts hold."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.scripts: list[str] = []
-        self.text = ""
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """An element begins."""
-        self.elements.append((tag, dict(attrs)))
-        if tag == "script":
-            self.scripts.append("")
-
-    def handle_data(self, data: str) -> None:
-        """Text within the latest element."""
-        if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
-            self.scripts[-1] = data
-        else:
-            self.text += data
-
-
-class WordsTest(ReportCase):
-    """Numbers, units, counts and keys in words."""
-
     def test_numbers(self) -> None:
         """Powers of ten, errors, counts and units as in print."""
         self.assertEqual(write(-1.1824e-16), "\N{MINUS SIGN}1.182\N{MULTIPLICATION SIGN}10⁻¹⁶")
         self.assertEqual(words.with_error(0.87499822, 4.3585e-5), "0.874998 ± 0.000044")
         self.assertEqual(words.with_error(2.0, 0.0), "2")
-        self.assertEqual(
-            words.with_error(1.5e12, 3.21e3),
-            "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200",
-        )
+        self.assertEqual(words.with_error(1.5e12, 3.21e3), "1.5\N{MULTIPLICATION SIGN}10¹² ± 3,200")
         self.assertEqual(words.of_kind("fit", 2), "two tables of fits")
         self.assertEqual(words.of_kind("work_precision", 1), "one work-precision study")
         self.assertEqual(words.of_kind("own", 12), "12 tables: own")
@@ -432,10 +387,6 @@ class WordsTest(ReportCase):
         titles = [section.title for section in sections]
         self.assertEqual(len(set(titles)), 4)
         self.assertTrue(titles[1].endswith(": residuals"), titles)
-
-
-class PageTest(ReportCase):
-    """The page as a text."""
 
     def test_policy(self) -> None:
         """It allows the style and the script that are there, pictures, and nothing else."""
@@ -555,19 +506,10 @@ class PageTest(ReportCase):
         self.assertNotIn("<script", self.page())
         self.bundle.assert_not_called()
 
-
-class CommandTest(ReportCase):
-    """The command line."""
-
     def report(self, *arguments: str | Path) -> tuple[int, str]:
         """Run it here; give exit code and standard error."""
-        output, complaints = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        with (
-            unittest.mock.patch("sys.argv", ["report", *map(str, arguments)]),
-            contextlib.redirect_stdout(output),
-            contextlib.redirect_stderr(complaints),
-        ):
-            return command.main(), complaints.getvalue()
+        code, _, complaints = called(command.main, "report", *arguments)
+        return code, complaints
 
     def test_exit_codes(self) -> None:
         """An error has a message of one line."""
@@ -649,6 +591,30 @@ class CommandTest(ReportCase):
         page = (self.folder / "report.html").read_text(encoding="utf-8")
         self.assertIn(f"<li>{told[0]}</li>", page)
         self.assertIn(f"({told[1]}, all digits)", page)
+
+
+class Reader(html.parser.HTMLParser):
+    """Collects the elements of a page, and what its scripts hold."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.scripts: list[str] = []
+        self.text = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """An element begins."""
+        self.elements.append((tag, dict(attrs)))
+        if tag == "script":
+            self.scripts.append("")
+
+    def handle_data(self, data: str) -> None:
+        """Text within the latest element."""
+        if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
+            self.scripts[-1] = data
+        else:
+            self.text += data
 
 
 class Registry(http.server.SimpleHTTPRequestHandler):
@@ -747,5 +713,50 @@ class PackageTest(ReportCase):
             packages.esbuild_package()
 
 
-if __name__ == "__main__":
-    unittest.main()
+# Tests of the parts of a report: cells as texts.
+
+
+class CellsTest(unittest.TestCase):
+    """Numbers of a column as texts."""
+
+    def test_points_align(self) -> None:
+        """All numbers of a column have as many decimals, or all a power of ten."""
+        for numbers in (
+            [0.5, -12.25, 100.0, math.nan],
+            [1e-9, 2.5, -1e-3, 7.0],
+            [1e12, 2e-3],
+            [math.pi * 10.0**k for k in range(-12, 3)],
+        ):
+            texts = texts_of(numbers)
+            behind = {len(text.partition(".")[2]) for text in texts if text != "\N{EN DASH}"}
+            self.assertEqual(len(behind), 1, texts)
+
+    def test_texts(self) -> None:
+        """Zeros that no number needs are left out; whole numbers, words and gaps are themselves."""
+        minus = "\N{MINUS SIGN}"
+        self.assertEqual(texts_of([0.5, -12.25]), ["0.50", f"{minus}12.25"])
+        self.assertEqual(texts_of([1, -20]), ["1", f"{minus}20"])
+        self.assertEqual(texts_of(["ok", "a-b"]), ["ok", "a-b"])
+        self.assertEqual(texts_of([math.nan, 1.0]), ["\N{EN DASH}", "1"])
+        self.assertEqual(
+            texts_of([1e-20, 3e-5]),
+            ["1.000000000e\N{MINUS SIGN}20", "3.000000000e\N{MINUS SIGN}05"],
+        )
+        self.assertEqual(texts_of([math.inf, 0.25])[0], "inf")
+
+    def test_proved_digits(self) -> None:
+        """A digit is proved if the error is at most half a unit of it; two more follow."""
+
+        def marked(number: str, bound: str) -> str:
+            return f'<b class="proved" title="off by {bound} at most">{number}</b>'
+
+        minus = "\N{MINUS SIGN}"
+        self.assertEqual(
+            proved_texts([1.23456789, -1.23456789], [0.4e-3, 0.6e-3]),
+            [marked("1.234", "0.0004") + "57", marked(minus + "1.23", "0.0006") + "457"],
+        )
+        self.assertEqual(proved_texts([12.5], [0.4]), [marked("12", "0.4") + ".50"])
+        unproved = proved_texts([12.5, 3.0], [math.inf, 0.7])
+        self.assertEqual(unproved, ["12.500000000000000", "3.000000000000000"])
+        self.assertEqual(proved_texts([0.5], [0.0]), [marked("0.5000000000000000", "0")])
+        self.assertEqual(proved_texts([math.nan, "word"], [math.inf, 0.1]), ["\N{EN DASH}", "word"])

@@ -5,8 +5,8 @@ import subprocess
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-EXE = os.environ["SPINTOP_EXE"]
+from conftest import EXE, ROOT
+
 INPUTS = ROOT / "input"
 FEW = ("--quiet", "--set", "span.samples=50")
 

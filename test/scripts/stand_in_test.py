@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+import pytest
+
+from conftest import ROOT
+
 HEAD = "module suite\nuse funit\nimplicit none\ncontains\n"
 TAIL = "end module suite\n"
 
@@ -16,14 +18,11 @@ def a_test(name: str, *body: str) -> str:
     return "\n".join(["@test", f"subroutine {name}()", *body, f"end subroutine {name}", ""])
 
 
+@pytest.mark.usefixtures("folder")
 class StandInTest(unittest.TestCase):
     """Converts small files, and runs one."""
 
-    def setUp(self) -> None:
-        """Work in a folder that goes away."""
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+    folder: Path
 
     def call(self, *command: str | Path) -> subprocess.CompletedProcess:
         """Run a command in the folder."""
@@ -81,7 +80,3 @@ class StandInTest(unittest.TestCase):
         self.assertEqual(result.stdout.splitlines()[-1], "suite: 2 passed, 5 failed")
         self.assertIn("order (suite.pf:30): not 1 < 1 in element 2 | a message", result.stdout)
         self.assertNotIn("too late", result.stdout)
-
-
-if __name__ == "__main__":
-    unittest.main()

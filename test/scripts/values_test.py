@@ -17,20 +17,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+from conftest import EXE, ROOT
+
 COPIED = (
-    *(
-        "scripts",
-        ".ci",
-        "python",
-        "include",
-        "input",
-        "doc",
-        "packaging",
-        "fpm.toml",
-    ),
-    *("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
+    *("scripts", ".ci", "python", "include", "input", "doc", "packaging", "fpm.toml", "README.md"),
+    *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "src/tables/provenance.f90"),
 )
 
 DASHED = "-dashed"
@@ -49,56 +40,13 @@ INPUT = """&study kind = 'trajectory' /
 CANARY = "precious.csv"
 
 HARMLESS = set(
-    [
-        "awk",
-        "basename",
-        "bash",
-        "cat",
-        "chmod",
-        "cmp",
-        "comm",
-        "cp",
-        "cut",
-        "date",
-        "dirname",
-        "echo",
-        "env",
-        "false",
-        "find",
-        "flock",
-        "grep",
-        "gzip",
-        "head",
-        "id",
-        "install",
-        "ln",
-        "ls",
-        "mkdir",
-        "mktemp",
-        "mv",
-        "nproc",
-        "printf",
-        "python3",
-        "readlink",
-        "realpath",
-        "rm",
-        "rmdir",
-        "sed",
-        "seq",
-        "sh",
-        "sha256sum",
-        "sort",
-        "stat",
-        "tail",
-        "tee",
-        "touch",
-        "tr",
-        "true",
-        "tsort",
-        "uname",
-        "wc",
-        "xargs",
-    ]
+    re.findall(
+        r"\S+",
+        "awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock "
+        "grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink "
+        "realpath rm rmdir sed seq sh sha256sum sort stat tail tee touch tr true tsort uname "
+        "wc xargs ",
+    )
 )
 """Programs that are carried out; all others succeed without doing anything."""
 FAILS = {"mountpoint"}
@@ -124,13 +72,7 @@ WRONG = re.compile(
 )
 """Complaints of a program about its arguments, or of a script that broke."""
 VARIABLE = re.compile(r"\$\{?([A-Z][A-Z0-9_]{3,})|environ\.get\(\"([A-Z_]+)\"")
-USUAL = {
-    "INPUT.nml": "a.nml",
-    "PARTS": "3",
-    "COMMAND": "true",
-    "PROGRAM": PROGRAM,
-    "OUTPUT": "results",
-}
+USUAL = {"INPUT.nml": "a.nml", "PARTS": "3", "COMMAND": "true", "EXE": EXE, "OUTPUT": "results"}
 """What stands for the words of a usage that are not those under test."""
 
 HAND_ON = {Path("scripts/test"), Path("scripts/compiler/gfortran")}
@@ -199,21 +141,14 @@ class Checkout:
                 shutil.copytree(source, target, symlinks=True, ignore=skip)
             else:
                 shutil.copy(source, target)
-        for name in (
-            "src/kernels",
-            "src/proof",
-            "app",
-            "test/funit",
-            "test/support",
-            "test/long",
-            "test/program",
-        ):
+        for name in ("src/kernels", "src/proof", "app"):
             (self.root / name).mkdir(parents=True, exist_ok=True)
-        (self.root / "test/scripts").mkdir()
+        for name in ("funit", "support", "long", "program", "scripts"):
+            (self.root / "test" / name).mkdir(parents=True, exist_ok=True)
         self.make_shims()
         venv = self.root / ".venv"
         for group in ("base", "netcdf", "test"):
-            shutil.copy(ROOT / "scripts/requirements.txt", venv / f"{group}.txt")
+            shutil.copy(ROOT / "scripts/requirements.lock", venv / f"{group}.txt")
         (venv / "bin/activate").write_text("# for bash\n", encoding="utf-8")
         built, _ = self.call(["bash", "-c", "source scripts/setup; build release"], self.root)
         assert built.returncode == 0, built.stderr
@@ -232,10 +167,10 @@ class Checkout:
         write_shim(self.shims / "gfortran", "echo /dev/null")  # which is where a library is
         for name in ("debootstrap", "sbatch", "srun", "scontrol", "gcc", "g++", "apt-get",
                      "git", "mount", "umount", "mountpoint", "chroot", "tar", "ldd", "ffmpeg",
-                     "octave-cli", "sudo", "nf-config", "flang"):  # fmt: skip
+                     "sudo", "nf-config", "flang"):  # fmt: skip
             write_shim(self.shims / name, "exit 1" if name in FAILS else "exit 0")
         program = self.shims / "spintop"
-        write_shim(program, f'exec {quote(PROGRAM)} "$@"')
+        write_shim(program, f'exec {quote(EXE)} "$@"')
         python = PYTHON.format(program=quote(program), python=quote(sys.executable))
         idle = python.replace("*) exec", "*/scripts/plot*) ;;\n*) exec")
         write_shim(self.root / ".venv/bin/python", idle)
@@ -276,7 +211,7 @@ def read_log(path: Path) -> list[Call]:
 
 def options_of_program() -> list[str]:
     """The options of the program that take a value."""
-    text = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([EXE, "--help"], capture_output=True, text=True, check=True).stdout
     return [word for line in re.findall(r"^  (-.*? [A-Z]\S+)  ", text, re.MULTILINE)
             for word in re.findall(r"--?\w+", line)]  # fmt: skip
 
@@ -306,7 +241,7 @@ def arguments_of(script: Path, value: str) -> list[list[str]]:
     found = []
     for words in usages_of(script, text):
         for place, word in enumerate(words):
-            if word != "PROGRAM" and (word.isupper() or word in USUAL):
+            if word != "EXE" and (word.isupper() or word in USUAL):
                 known = [USUAL.get(other, other) for other in words]
                 known[place] = file if "." in word else value
                 found.append(known)

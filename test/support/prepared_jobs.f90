@@ -9,7 +9,7 @@ module prepared_jobs
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t
     use spintop_row_block, only: row_block_t
-    use spintop_resumable_table, only: resumable_table_t
+    use spintop_row_table, only: row_table_t
     use spintop_sweep_table, only: describe_table
     use spintop_sweep_worker, only: sweep_worker_t
     use spintop_text, only: split
@@ -95,7 +95,7 @@ contains
         integer, intent(in) :: k
         real(dp) :: cell
         type(options_t) :: options
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         character(:), allocatable :: head
         integer :: i
 

@@ -9,6 +9,7 @@ module texts_and_tables
     use spintop_errors
     use spintop_exit_codes
     use spintop_files
+    use spintop_journal
     use spintop_kinds
     use spintop_number_slot
     use spintop_parameter_print

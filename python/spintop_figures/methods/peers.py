@@ -28,7 +28,6 @@ PEER_MARKERS = {
     "SUNDIALS": "s",
     "SciPy": "o",
     "MuJoCo": "D",
-    "GNU Octave": "X",
     "Drake": "P",
     "Exudyn": "v",
 }

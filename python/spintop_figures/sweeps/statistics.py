@@ -25,10 +25,9 @@ from spintop_figures.sweeps.maps import (
 )
 from spintop_figures.sweeps.quantities import of_column, scale_panels
 from spintop_figures.tables.names import column_name, name_of, unit_shown
-from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import Table, TableError, read_table
 
-ENDING = ".statistics.csv"
+ENDING = ".statistics"
 EQUAL = 1e-6
 """Relative difference below which steps or ratios are equal."""
 
@@ -88,7 +87,7 @@ def object_to_beside(table: Table, what: str) -> str:
     """A table of histograms or indices belongs to that of the statistics."""
     path = beside(table.path, what)
     there = what in table.others if table.frame else path.exists()
-    return "" if there or table.path.suffix == ".nc" else f"has no {path.name} beside it"
+    return "" if there else f"has no {path.name} beside it"
 
 
 def rows_beside(table: Table, what: str) -> pd.DataFrame:
@@ -99,22 +98,11 @@ def rows_beside(table: Table, what: str) -> pd.DataFrame:
 
 def beside(path: Path, what: str) -> Path:
     """A table beside a table of statistics: of the histograms, or the indices."""
-    stem = path.name.removesuffix(ENDING) if path.name.endswith(ENDING) else path.stem
-    return path.with_name(f"{stem}.{what}.csv")
+    return path.with_name(f"{path.stem.removesuffix(ENDING)}.{what}{path.suffix}")
 
 
 def distributions_of(table: Table) -> dict[str, Distribution]:
     """The histogram of each column."""
-    if table.path.suffix == ".nc":
-        _, data = read_netcdf(table.path)
-        columns = [key.removesuffix("_histogram") for key in data if key.endswith("_histogram")]
-        return {
-            column: Distribution(
-                *data[f"{column}_interval_bounds"].values.astype(float).T,
-                data[f"{column}_histogram"].values.astype(float),
-            )
-            for column in columns
-        }
     groups = rows_beside(table, "histogram").groupby("column", sort=False)
     return {
         str(name): Distribution(*(part[key].to_numpy(float) for key in ("from", "to", "cases")))
@@ -290,29 +278,10 @@ def object_to_indices(table: Table) -> str:
     return object_to_beside(table, "indices")
 
 
-def indices_of(table: Table) -> pd.DataFrame:
-    """A row for each column and factor: the indices, the ends of their intervals, the groups."""
-    if table.path.suffix != ".nc":
-        return rows_beside(table, "indices")
-    _, data = read_netcdf(table.path)
-    factors, parts = str(data["factor"].attrs["flag_meanings"]).split(), []
-    for stem in (key.removesuffix("_first_order") for key in data if key.endswith("_first_order")):
-        column = str(data[f"{stem}_first_order"].attrs["column"])
-        cells: dict[str, object] = {"column": [column] * len(factors), "factor": factors}
-        for index in INDICES:
-            ends = data[f"{stem}_{index}_bounds"].values.astype(float)
-            cells[index] = data[f"{stem}_{index}"].values.astype(float)
-            cells[f"{index}_low"], cells[f"{index}_high"] = ends[:, 0], ends[:, 1]
-        cells["groups"] = int(data[f"{stem}_groups"].values)
-        cells["left_out"] = int(data[f"{stem}_groups_left_out"].values)
-        parts.append(pd.DataFrame(cells))
-    return pd.concat(parts, ignore_index=True)
-
-
 @figure("statistics", "cases", objection=object_to_indices)
 def draw_indices(table: Table) -> Figure:
     """First-order and total Sobol' indices of a sweep with their intervals."""
-    found = indices_of(table)
+    found = rows_beside(table, "indices")
     if not np.isfinite(found["first_order"].to_numpy(float)).any():
         raise TableError("has no column that varies")
     groups = list(found.groupby("column", sort=False))

@@ -10,7 +10,6 @@ import pandas as pd
 from spintop_figures.tables.characters import TableError, printable
 from spintop_figures.tables.names import unit_of_netcdf
 from spintop_figures.tables.table import (
-    BIN,
     NOTE,
     Table,
     check_program,
@@ -35,7 +34,7 @@ def read_netcdf(path: Path) -> tuple[dict[str, object], dict[str, "Variable"]]:
         raise TableError(
             "is read by the Python packages netCDF4 and xarray, which are not installed: `pip "
             "install netCDF4 xarray`, in a checkout `.venv/bin/pip install --no-deps netCDF4 "
-            "xarray cftime certifi -c scripts/requirements.txt`"
+            "xarray cftime certifi -c scripts/requirements.lock`"
         ) from error
     if path.stat().st_size == 0:
         raise TableError("is empty")
@@ -68,8 +67,6 @@ def table_of(path: Path, found: dict[str, object], variables: dict[str, "Variabl
     check_program(header)
     settings = read_head([line.strip() for line in lines])[1]
     known = {"path": path, "header": header, "settings": settings, "input": "\n".join(lines)}
-    if "all_cases" in variables:
-        return Table(**known, **statistics_of(variables), status=None)
     columns = {printable(each.attrs["column"]): each for each in variables.values()}
     if not columns:
         raise TableError("has no columns")
@@ -104,28 +101,3 @@ def attributes(columns: dict[str, "Variable"], name: str) -> dict[str, str]:
     """An attribute of each column, empty if it has none; units as tables of texts have them."""
     texts = {column: printable(each.attrs.get(name, "")) for column, each in columns.items()}
     return {c: unit_of_netcdf(t) for c, t in texts.items()} if name == "units" else texts
-
-
-def statistics_of(variables: dict[str, "Variable"]) -> dict[str, object]:
-    """Rows, units and meanings of statistics: a row of all cases, then one of each bin."""
-    bins = variables.get("cases")
-    over, shape = (bins.dims, bins.shape) if bins is not None else ((), ())
-    count = bins.size if over else 0
-    cells: dict[str, np.ndarray] = {BIN: np.arange(count + 1)}
-    columns: dict[str, Variable] = {}
-    for axis in over[::-1]:
-        variable, bounds = variables[axis], variables[f"{axis}_bounds"].values
-        name, parts = printable(variable.attrs["column"]), (variable.values, *bounds.T)
-        for ending, values in zip(("", "_from", "_to"), parts, strict=True):
-            place = [-1 if other == axis else 1 for other in over]
-            grid = np.broadcast_to(values.reshape(place), shape).ravel()
-            cells[name + ending] = np.concatenate([[np.nan], grid])
-            columns[name + ending] = variable
-    for key, variable in variables.items():
-        if key.startswith("all_"):
-            name, of_bins = printable(variable.attrs["column"]), key.removeprefix("all_")
-            grid = variables[of_bins].values.ravel() if of_bins in variables else [np.nan] * count
-            cells[name] = np.concatenate([[float(variable.values)], grid])
-            columns[name] = variable
-    texts = {"units": attributes(columns, "units"), "meanings": attributes(columns, "long_name")}
-    return {"rows": pd.DataFrame(cells), **texts}

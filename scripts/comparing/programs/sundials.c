@@ -1,10 +1,9 @@
-/* Integrates the equations with CVODE or ERKStep of SUNDIALS, and prints the end and the cost.
+/* Integrates the equations with CVODE of SUNDIALS, and prints the end and the cost.
  *
  * usage: sundials FORMULATION METHOD TOLERANCE T_END 1 1 < NUMBERS
  *
  * Adams formulas iterate by fixed points, BDF by Newton's method with a dense matrix of differences. A
  * run sets the integrator up anew as far as that is needed: its memory is kept. */
-#include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <string.h>
@@ -23,16 +22,6 @@ typedef void (*rates_t)(const double *, const double *, double *);
 
 static const struct {
     const char *name;
-    ARKODE_ERKTableID table;
-} erk_tables[] = {
-    {"erkstep_cash_karp", ARKODE_CASH_KARP_6_4_5},
-    {"erkstep_dormand_prince", ARKODE_DORMAND_PRINCE_7_4_5},
-    {"erkstep_verner", ARKODE_VERNER_8_5_6},
-    {"erkstep_fehlberg", ARKODE_FEHLBERG_13_7_8},
-};
-
-static const struct {
-    const char *name;
     int states, constants;
     rates_t rates;
 } formulations[] = {
@@ -44,7 +33,7 @@ struct problem {
     double c[most_constants], start[most_states], t_end;
     int states;
     N_Vector y;
-    void *cvode, *erkstep;
+    void *cvode;
 };
 
 /* What SUNDIALS returns is zero, or positive with no harm. */
@@ -81,18 +70,12 @@ static void run(void *data)
     struct problem *const p = data;
     double t = 0;
     memcpy(N_VGetArrayPointer(p->y), p->start, (size_t)p->states * sizeof(double));
-    if (p->cvode) {
-        check(CVodeReInit(p->cvode, 0, p->y), "CVodeReInit");
-        check(CVodeSetStopTime(p->cvode, p->t_end), "CVodeSetStopTime");
-        check(CVode(p->cvode, p->t_end, p->y, &t, CV_NORMAL), "CVode");
-    } else {
-        check(ERKStepReInit(p->erkstep, derivative, 0, p->y), "ERKStepReInit");
-        check(ERKStepSetStopTime(p->erkstep, p->t_end), "ERKStepSetStopTime");
-        check(ERKStepEvolve(p->erkstep, p->t_end, p->y, &t, ARK_NORMAL), "ERKStepEvolve");
-    }
+    check(CVodeReInit(p->cvode, 0, p->y), "CVodeReInit");
+    check(CVodeSetStopTime(p->cvode, p->t_end), "CVodeSetStopTime");
+    check(CVode(p->cvode, p->t_end, p->y, &t, CV_NORMAL), "CVode");
 }
 
-static void prepare_cvode(struct problem *p, int formula, double tolerance, SUNContext context)
+static void prepare(struct problem *p, int formula, double tolerance, SUNContext context)
 {
     p->cvode = CVodeCreate(formula, context);
     check(CVodeInit(p->cvode, derivative, 0, p->y), "CVodeInit");
@@ -113,48 +96,15 @@ static void prepare_cvode(struct problem *p, int formula, double tolerance, SUNC
     }
 }
 
-static void prepare_erkstep(struct problem *p, ARKODE_ERKTableID table, double tolerance,
-                            SUNContext context)
-{
-    p->erkstep = ERKStepCreate(derivative, 0, p->y, context);
-    check(ERKStepSStolerances(p->erkstep, tolerance, tolerance), "ERKStepSStolerances");
-    check(ERKStepSetUserData(p->erkstep, p), "ERKStepSetUserData");
-    check(ERKStepSetTableNum(p->erkstep, table), "ERKStepSetTableNum");
-    check(ERKStepSetMaxNumSteps(p->erkstep, most_steps), "ERKStepSetMaxNumSteps");
-    check(ERKStepSetMinStep(p->erkstep, least_step * p->t_end), "ERKStepSetMinStep");
-#if SUNDIALS_VERSION_MAJOR < 7
-    check(ERKStepSetErrFile(p->erkstep, NULL), "ERKStepSetErrFile");
-#endif
-}
-
-static void prepare(struct problem *p, const char *method, double tolerance, SUNContext context)
-{
-    if (strcmp(method, "cvode_adams") == 0)
-        prepare_cvode(p, CV_ADAMS, tolerance, context);
-    else if (strcmp(method, "cvode_bdf") == 0)
-        prepare_cvode(p, CV_BDF, tolerance, context);
-    for (size_t i = 0; i < sizeof erk_tables / sizeof *erk_tables; ++i)
-        if (strcmp(method, erk_tables[i].name) == 0)
-            prepare_erkstep(p, erk_tables[i].table, tolerance, context);
-    if (!p->cvode && !p->erkstep)
-        exit(2);
-}
-
 /* Prints what the last run found and took. */
 static void report(const struct problem *p, double time_s)
 {
     long steps, evaluations, extra = 0, rejected = 0;
-    if (p->cvode) {
-        check(CVodeGetNumSteps(p->cvode, &steps), "CVodeGetNumSteps");
-        check(CVodeGetNumRhsEvals(p->cvode, &evaluations), "CVodeGetNumRhsEvals");
-        check(CVodeGetNumErrTestFails(p->cvode, &rejected), "CVodeGetNumErrTestFails");
-        if (CVodeGetNumLinRhsEvals(p->cvode, &extra) < 0)
-            extra = 0; /* there is no linear solver */
-    } else {
-        check(ERKStepGetNumSteps(p->erkstep, &steps), "ERKStepGetNumSteps");
-        check(ERKStepGetNumRhsEvals(p->erkstep, &evaluations), "ERKStepGetNumRhsEvals");
-        check(ERKStepGetNumErrTestFails(p->erkstep, &rejected), "ERKStepGetNumErrTestFails");
-    }
+    check(CVodeGetNumSteps(p->cvode, &steps), "CVodeGetNumSteps");
+    check(CVodeGetNumRhsEvals(p->cvode, &evaluations), "CVodeGetNumRhsEvals");
+    check(CVodeGetNumErrTestFails(p->cvode, &rejected), "CVodeGetNumErrTestFails");
+    if (CVodeGetNumLinRhsEvals(p->cvode, &extra) < 0)
+        extra = 0; /* there is no linear solver */
     print_state(N_VGetArrayPointer(p->y), p->states, 1, 1);
     print_costs(time_s, steps, rejected, evaluations + extra);
 }
@@ -178,7 +128,7 @@ int main(int count, char **argument)
     create_context(&context);
     p.y = N_VNew_Serial(p.states, context);
     memcpy(N_VGetArrayPointer(p.y), p.start, states * sizeof(double));
-    prepare(&p, argument[2], atof(argument[3]), context);
+    prepare(&p, strcmp(argument[2], "cvode_adams") ? CV_BDF : CV_ADAMS, atof(argument[3]), context);
     report(&p, least_time(run, &p, CLOCK_MONOTONIC));
     return 0;
 }

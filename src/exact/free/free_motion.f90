@@ -105,7 +105,7 @@ contains
     pure subroutine set_series(free)
         type(free_motion_t), intent(inout) :: free
         type(momentum_path_t) :: path
-        real(xp) :: rate, ratio, spin, period
+        real(xp) :: period
         type(free_values_t) :: values
 
         path = find_momentum_path(free%inertia, free%omega)
@@ -113,9 +113,6 @@ contains
         free%about = path%axis(3)
         free%sign_of = path%sign_of
         associate (total => path%total, inertia => path%inertia, a => path%a, b => path%b, c => path%c)
-            rate = total * c * sqrt(path%d_xz * path%d_yz)
-            ratio = a / (1 + c)
-            spin = total * (c / inertia(3) + ratio * a / inertia(1))
             free%greatest = real(total * [path%side * a, b, c] / inertia, dp)
             free%greatest_rate = norm2(free%greatest([1, 3]))
             free%least_rate = real(total * sqrt((b / inertia(2))**2 + (path%complement * c / inertia(3))**2), dp)
@@ -123,13 +120,11 @@ contains
 
             free%is_circular = path%complement >= least_complement
             if (free%is_circular) then
-                call prepare_circular_series(free%circular, path%modulus, path%complement, rate, ratio, spin, path%side, &
-                                             a * path%part(2), b * path%part(1))
-                period = free%circular%period()
+                call prepare_circular_series(free%circular, path)
+                period = free%circular%period
             else
-                call prepare_hyperbolic_series(free%hyperbolic, path%modulus, path%complement, rate, ratio, spin, path%side, &
-                                               a * path%part(2), b * path%part(1))
-                period = free%hyperbolic%period()
+                call prepare_hyperbolic_series(free%hyperbolic, path)
+                period = free%hyperbolic%period
             end if
             ! The dynamic phase, 2 E T/L, and the geometric one, which there is not on the separatrix.
             free%period = real(period, dp)

@@ -10,6 +10,7 @@ module spintop_free_series
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, xp, pi_xp
     use spintop_scalar_functions, only: unit
+    use spintop_momentum_path, only: momentum_path_t
     use spintop_theta_functions, only: inverse_sc, linear_chain, nome, theta3_constant
     implicit none
     private
@@ -34,57 +35,57 @@ module spintop_free_series
     !> Index of the last term of F+ and F-.
     integer, parameter :: last_circular = 4
 
-    !> The series in circular functions.
-    type :: circular_series_t
-        private
+    !> What both series have.
+    type :: free_series_t
+        !> The period of the momentum in the body, s; infinite on the separatrix.
+        real(xp) :: period = 0
         !> Argument at the start, its rate, and that of the phase chi, rad/s.
         real(xp) :: start = 0, rate = 0, phase_rate = 0
+        !> Factors of cn, sn and dn.
+        real(dp) :: factor(3) = 0
+    end type free_series_t
+
+    !> The series in circular functions.
+    type, extends(free_series_t) :: circular_series_t
+        private
         !> Coefficients of cos 2nz and sin 2nz in F+, of sin (2n+1)z and cos (2n+1)z in F-.
         real(dp), dimension(0:last_circular) :: up_even = 0, up_odd = 0, low_odd = 0, low_even = 0
-        !> Coefficients of sn, cn (odd multiples) and of the even theta functions, and factors of sn, cn, dn.
-        real(dp) :: powers(0:last_elliptic) = 0, squares(last_elliptic) = 0, factor(3) = 0
+        !> Coefficients of sn, cn (odd multiples) and of the even theta functions.
+        real(dp) :: powers(0:last_elliptic) = 0, squares(last_elliptic) = 0
     contains
         procedure :: evaluate => evaluate_circular
-        procedure :: period => circular_period
     end type circular_series_t
 
     !> Index of the last term of a series.
     integer, parameter :: last_hyperbolic = 3
 
     !> The series in hyperbolic functions.
-    type :: hyperbolic_series_t
+    type, extends(free_series_t) :: hyperbolic_series_t
         private
-        real(xp) :: start = 0, rate = 0, phase_rate = 0
         real(xp) :: side = 1, q = 0, p = 0
         !> Half a period of the argument (0: it never repeats), and the angle mu.
         real(xp) :: half_period = 0, mu = 0
         !> cos (2n+1) mu and sin (2n+1) mu.
         real(dp), dimension(0:last_hyperbolic) :: cosines = 1, sines = 0
-        !> Factors of sn, cn, dn.
-        real(dp) :: factor(3) = 0
     contains
         procedure :: evaluate => evaluate_hyperbolic
-        procedure :: period => hyperbolic_period
     end type hyperbolic_series_t
 
 contains
 
     !> Sets up the circular series.
-    pure subroutine prepare_circular_series(series, k, complement, frequency, r, spin, side, across, along)
+    pure subroutine prepare_circular_series(series, path)
         type(circular_series_t), intent(out) :: series !! the series
-        real(xp), intent(in) :: k, complement !! modulus and complementary modulus
-        real(xp), intent(in) :: frequency !! rate of the argument of the elliptic functions, rad/s
-        real(xp), intent(in) :: r, spin !! a/(1+c), and twice the steady part of the phase's rate, rad/s
-        real(xp), intent(in) :: side !! +1 or -1: about the axis of largest or smallest inertia
-        real(xp), intent(in) :: across, along !! a b sn and a b cn at the start
+        type(momentum_path_t), intent(in) :: path !! the path of the momentum
         real(xp) :: q, y, s, x, theta3, t2
         real(xp), dimension(0:last_circular) :: even, mixed, odd, other
         integer :: n
 
-        q = nome(k**2, complement)
+        q = nome(path%modulus**2, path%complement)
         theta3 = theta3_constant(q)
-        series%rate = frequency / theta3**2
-        y = momentum_root(q, r)
+        series%rate = path%frequency / theta3**2
+        series%period = 2 * pi_xp / series%rate
+        y = momentum_root(q, path%ratio)
         s = sqrt(y**2 + 4 * q)
         x = y**2 + 2 * q
         even = linear_chain(x, q, 2.0_xp, x, last_circular)
@@ -98,17 +99,17 @@ contains
             odd(n) = (-1)**n * q**(2 * n**2 + n) * odd(n)
             other(n) = (-1)**n * q**(2 * n**2 + n) * other(n)
         end do
-        series%phase_rate = spin / 2 - side * series%rate * 2 * sum([(n * mixed(n), n=1, last_circular)]) / sum(even)
-        series%start = argument_at_start(q, sqrt(complement) * across, along)
+        series%phase_rate = path%spin / 2 - path%side * series%rate * 2 * sum([(n * mixed(n), n=1, last_circular)]) / sum(even)
+        series%start = argument_at_start(q, sqrt(path%complement) * path%a * path%part(2), path%b * path%part(1))
         series%up_even = real(even, dp)
-        series%up_odd = real(side * mixed, dp)
+        series%up_odd = real(path%side * mixed, dp)
         series%low_odd = real(other, dp)
-        series%low_even = real(-side * odd, dp)
+        series%low_even = real(-path%side * odd, dp)
 
         series%powers = [(real(q**(n * (n + 1)), dp), n=0, last_elliptic)]
         series%squares = [(real(2 * q**(n * n), dp), n=1, last_elliptic)]
         t2 = sum([(q**(n * (n + 1)), n=0, last_elliptic)])
-        series%factor = real([sqrt(complement) * theta3 / t2, theta3 / t2, sqrt(complement)], dp)
+        series%factor = real([sqrt(path%complement) * theta3 / t2, theta3 / t2, sqrt(path%complement)], dp)
     end subroutine prepare_circular_series
 
     !> The number Y that solves sum (-1)^n q^(2n^2+n) o_n = r [1 + sum (-1)^n q^(2n^2-n) e_n], by Newton's method.
@@ -142,12 +143,6 @@ contains
             if (abs(step) <= 4 * epsilon(z) * abs(z)) exit
         end do
     end function argument_at_start
-
-    !> The period of the momentum in the body, s.
-    pure real(xp) function circular_period(self) result(period)
-        class(circular_series_t), intent(in) :: self
-        period = 2 * pi_xp / self%rate
-    end function circular_period
 
     !> The theta functions at a time since the start, s.
     pure subroutine evaluate_circular(self, elapsed, values)
@@ -187,27 +182,27 @@ contains
         values%elliptic = self%factor * [cosine, sine, theta3] / theta4
     end subroutine evaluate_circular
 
-    !> Sets up the hyperbolic series; the arguments are those of the circular one.
-    pure subroutine prepare_hyperbolic_series(series, k, complement, frequency, r, spin, side, across, along)
+    !> Sets up the hyperbolic series.
+    pure subroutine prepare_hyperbolic_series(series, path)
         type(hyperbolic_series_t), intent(out) :: series !! the series
-        real(xp), intent(in) :: k, complement !! modulus and complementary modulus
-        real(xp), intent(in) :: frequency !! rate of the argument of the elliptic functions, rad/s
-        real(xp), intent(in) :: r, spin !! a/(1+c), and twice the steady part of the phase's rate, rad/s
-        real(xp), intent(in) :: side !! +1 or -1: about the axis of largest or smallest inertia
-        real(xp), intent(in) :: across, along !! a b sn and a b cn at the start
+        type(momentum_path_t), intent(in) :: path !! the path of the momentum
         real(xp) :: q, mu, theta3, above, below, step, cosh_sum
         integer :: n
 
-        q = nome(complement**2, k)
+        q = nome(path%complement**2, path%modulus)
         theta3 = theta3_constant(q)
-        series%side = side
+        series%side = path%side
         series%q = q
         series%p = sqrt(q)
-        series%rate = frequency / (2 * theta3**2)
-        if (q > 0) series%half_period = -log(q) / 2
-        mu = atan(r)
+        series%rate = path%frequency / (2 * theta3**2)
+        series%period = ieee_value(1.0_dp, ieee_positive_inf)
+        if (q > 0) then
+            series%half_period = -log(q) / 2
+            series%period = 2 * series%half_period / series%rate
+        end if
+        mu = atan(path%ratio)
         do n = 1, most_iterations
-            step = (mu - atan2(r * sum_b(series%p, mu), sum_a(series%p, mu))) / (1 + 4 * q * sin(2 * mu)**2)
+            step = (mu - atan2(path%ratio * sum_b(series%p, mu), sum_a(series%p, mu))) / (1 + 4 * q * sin(2 * mu)**2)
             mu = mu - step
             if (abs(step) <= 4 * epsilon(mu) * abs(mu)) exit
         end do
@@ -218,15 +213,15 @@ contains
             above = above + (2 * n + 1) * series%p**(n * (n + 1)) * sin((2 * n + 1) * mu)
             below = below + series%p**(n * (n + 1)) * cos((2 * n + 1) * mu)
         end do
-        series%phase_rate = spin / 2 + side * series%rate * above / below
-        series%start = hyperbolic_start(series, complement, abs(across), along)
-        if (across < 0) series%start = -series%start
+        series%phase_rate = path%spin / 2 + path%side * series%rate * above / below
+        series%start = hyperbolic_start(series, path%complement, path%a * abs(path%part(2)), path%b * path%part(1))
+        if (path%part(2) < 0) series%start = -series%start
         do n = 0, last_hyperbolic
             series%cosines(n) = real(cos((2 * n + 1) * mu), dp)
             series%sines(n) = real(sin((2 * n + 1) * mu), dp)
         end do
         cosh_sum = 1 + q**2 + q**6 + q**12
-        series%factor = real([cosh_sum / (sqrt(k) * theta3), 1 / sqrt(k), cosh_sum / theta3], dp)
+        series%factor = real([cosh_sum / (sqrt(path%modulus) * theta3), 1 / sqrt(path%modulus), cosh_sum / theta3], dp)
     end subroutine prepare_hyperbolic_series
 
     !> Half the argument at which sn/cn = across/along.
@@ -241,13 +236,6 @@ contains
         end if
     end function hyperbolic_start
 
-    !> The period of the momentum in the body, s; infinite on the separatrix.
-    pure real(xp) function hyperbolic_period(self) result(period)
-        class(hyperbolic_series_t), intent(in) :: self
-        period = 2 * self%half_period / self%rate
-        if (.not. self%q > 0) period = ieee_value(1.0_dp, ieee_positive_inf)
-    end function hyperbolic_period
-
     !> The theta functions at a time since the start, s.
     pure subroutine evaluate_hyperbolic(self, elapsed, values)
         class(hyperbolic_series_t), intent(in) :: self
@@ -255,7 +243,8 @@ contains
         type(free_values_t), intent(out) :: values !! attitude and momentum
         complex(dp) :: upper, lower
         real(xp) :: z, halves
-        real(dp) :: decay, ratio, power, sine, cosine, p, side, flip
+        real(dp), dimension(0:last_hyperbolic) :: cosine, sine
+        real(dp) :: side, flip
         integer :: n
 
         z = self%start + self%rate * elapsed
@@ -264,43 +253,46 @@ contains
         z = z - halves * self%half_period
         flip = merge(1, -1, modulo(halves, 2.0_xp) < 0.5_xp)
         side = real(self%side, dp)
-        p = real(self%p, dp)
-        ! All sums are scaled by exp(-|z|).
-        decay = exp(-2 * abs(real(z, dp)))
-        ratio = 0
-        if (p > 0) ratio = p / decay
+        call find_terms(real(self%p, dp), real(z, dp), cosine, sine)
         upper = 0
         lower = 0
         do n = 0, last_hyperbolic
-            power = p**(n * n) * ratio**n
-            cosine = power * (1 + decay**(2 * n + 1)) / 2
-            sine = sign(power * rise((2 * n + 1) * abs(real(z, dp))) / 2, real(z, dp))
-            upper = upper + cmplx(self%cosines(n) * cosine, -side * self%sines(n) * sine, dp)
-            lower = lower + (-1)**n * cmplx(self%cosines(n) * sine, -side * self%sines(n) * cosine, dp)
+            upper = upper + cmplx(self%cosines(n) * cosine(n), -side * self%sines(n) * sine(n), dp)
+            lower = lower + (-1)**n * cmplx(self%cosines(n) * sine(n), -side * self%sines(n) * cosine(n), dp)
         end do
         call normalize(self%phase_rate * elapsed - 2 * self%side * self%mu * halves, upper, flip * lower, values)
         call evaluate_elliptic(self, real(2 * z, dp), flip, values%elliptic)
     end subroutine evaluate_hyperbolic
+
+    !> The terms q^(n^2+n) cosh (2n+1)x and q^(n^2+n) sinh (2n+1)x, scaled by exp(-|x|).
+    pure subroutine find_terms(q, x, cosine, sine)
+        real(dp), intent(in) :: q, x
+        real(dp), dimension(0:last_hyperbolic), intent(out) :: cosine, sine
+        real(dp) :: decay, ratio, power
+        integer :: n
+        decay = exp(-2 * abs(x))
+        ratio = 0
+        if (q > 0) ratio = q / decay
+        do n = 0, last_hyperbolic
+            power = q**(n * n) * ratio**n
+            cosine(n) = power * (1 + decay**(2 * n + 1)) / 2
+            sine(n) = sign(power * rise((2 * n + 1) * abs(x)) / 2, x)
+        end do
+    end subroutine find_terms
 
     !> cn, sn and dn at y = 2z, |y| <= half a period.
     pure subroutine evaluate_elliptic(self, y, flip, elliptic)
         class(hyperbolic_series_t), intent(in) :: self
         real(dp), intent(in) :: y, flip
         real(dp), intent(out) :: elliptic(3)
-        real(dp) :: q, decay, ratio, power, sine, cosine, theta3, theta4, even
+        real(dp), dimension(0:last_hyperbolic) :: cosine, sine
+        real(dp) :: q, decay, ratio, theta3, theta4, even
         integer :: n
         q = real(self%q, dp)
+        call find_terms(q, y, cosine, sine)
         decay = exp(-2 * abs(y))
         ratio = 0
         if (q > 0) ratio = q / decay
-        sine = 0
-        cosine = 0
-        do n = 0, last_hyperbolic
-            power = q**(n * n) * ratio**n
-            cosine = cosine + power * (1 + decay**(2 * n + 1)) / 2
-            sine = sine + (-1)**n * power * rise((2 * n + 1) * abs(y)) / 2
-        end do
-        sine = sign(sine, y)
         theta3 = exp(-abs(y))
         theta4 = theta3
         do n = 1, last_hyperbolic
@@ -309,7 +301,7 @@ contains
             theta3 = theta3 + even
             theta4 = theta4 + (-1)**n * even
         end do
-        elliptic = self%factor * [flip * theta4, flip * sine, theta3] / cosine
+        elliptic = self%factor * [flip * theta4, flip * (sine(0) - sine(1) + sine(2) - sine(3)), theta3] / sum(cosine)
     end subroutine evaluate_elliptic
 
     !> 1 - exp(-2x), x >= 0, to full relative precision.

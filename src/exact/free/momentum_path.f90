@@ -24,6 +24,8 @@ module spintop_momentum_path
         real(xp) :: d_xz = 0, d_yz = 0
         !> Largest components, modulus k and complementary modulus k' of the elliptic functions.
         real(xp) :: a = 0, b = 0, c = 0, modulus = 0, complement = 1
+        !> Rate of the argument of the elliptic functions, rad/s; a/(1+c); twice the steady part of the phase's rate, rad/s.
+        real(xp) :: frequency = 0, ratio = 0, spin = 0
     contains
         procedure :: geometric_turn
     end type momentum_path_t
@@ -70,6 +72,9 @@ contains
             path%c = sqrt(part(3)**2 + part(2)**2 * (d_xy / d_xz))
             path%modulus = path%b * sqrt(d_xy / d_xz) / path%c
         end associate
+        path%frequency = path%total * path%c * sqrt(path%d_xz * path%d_yz)
+        path%ratio = path%a / (1 + path%c)
+        path%spin = path%total * (path%c / inertia(3) + path%ratio * path%a / inertia(1))
         path%complement = sqrt(inertia(3) * excess / abs(inertia(3) - inertia(2))) / (path%total * path%c)
     end function find_momentum_path
 

@@ -1,9 +1,6 @@
 // The algebra of one body for motion_series.h: a vector of the body is one of four numbers, with a number to spare, kept with
 // its cyclic permutations, as a load costs less than a permutation. The attitude is the quaternion.
 
-#define NAME(name) one_##name
-#define element double
-
 #define stride 1
 #define at_once 1
 #define room (3 * half)
@@ -58,7 +55,8 @@ inlined void add_attitude(attitude_sums *s, const double *older, const double *n
     s->last += get_half(q + 2 * half) * get_half(newer + half);
 }
 inlined void append_attitude(const attitude_sums *sum, num inverse, struct share s, double *now, double *next) {
-    const vec q = scaled_half((vec){0.5, 0.5, 0.5, -0.5} * (sum->first + (sum->next - sum->last)), s);
+    const vec rate = (vec){0.5, 0.5, 0.5, -0.5} * (sum->first + (sum->next - sum->last)), value = s.first * rate;
+    const vec q = s.is_sum ? value + s.rest * rate : value;
     (void)inverse, (void)now;
     store_attitude(next + 2 * room, q[3], q);
 }

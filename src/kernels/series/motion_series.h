@@ -58,7 +58,7 @@ struct NAME(constants) {
         element constant_vec(moment), power[stride];
     } drag[most_drags];
 #if !is_many
-    element constant_vec(momentum), constant_vec(axis);
+    element constant_vec(inertia), constant_vec(momentum), constant_vec(axis);
     element mass, force, friction_torque, friction_arm, smoothing;
 #endif
 };

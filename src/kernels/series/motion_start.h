@@ -19,7 +19,7 @@ static void NAME(set)(const struct body_numbers *b, int lane, struct NAME(consta
         e->drag[of_moment].moment[i] = b->drag_moment[m] * scale, e->drag[of_force].moment[i] = b->drag_force * scale;
         e->arm[i] = r[m];
 #if !is_many
-        e->momentum[m] = b->drive[m], e->axis[m] = b->axis[m];
+        e->inertia[m] = b->inertia[m], e->momentum[m] = b->drive[m], e->axis[m] = b->axis[m];
 #endif
     }
     for (int n = 0; n < rates; ++n) e->rate[n][lane] = b->rate[n];

@@ -15,18 +15,17 @@ module spintop_benchmark_study
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
-    use spintop_motion_view, only: motion_view_t
+    use spintop_trajectory_columns, only: motion_view_t, trajectory_columns, value_of
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference, reference_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: reference_exact, reference_quadruple
     use spintop_status, only: is_good_end, is_ok, status_meaning
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: categorical, column => study_column_t, place_of
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: counted, to_text
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t
     use spintop_trial, only: time_trial
     implicit none
     private
@@ -57,26 +56,26 @@ module spintop_benchmark_study
     integer, parameter :: repeats = 3
 
     !> All columns, in the order of the table.
-    type(listed_column_t), parameter :: benchmark_columns(*) = [ &
-        listed_column_t('benchmark', '', 'benchmark of the catalogue', 'benchmark', words=.true.), &
-        listed_column_t('quantity', '', 'column of trajectories at the end of the span', 'benchmark', words=.true.), &
-        listed_column_t('t', 's', 'end of the span', 'benchmark'), &
-        listed_column_t('truth', '', 'true value, in the unit of that column', 'truth'), &
-        listed_column_t('truth_error', '', 'difference of two computations of it', 'truth'), &
-        listed_column_t('reference', '', 'how it was computed', 'truth', words=.true.), &
-        listed_column_t('published', '', 'published figure (nan: none)', 'published'), &
-        listed_column_t('published_error', '', 'its difference from the true value', 'published'), &
-        listed_column_t('published_method', '', 'who published it, with which method', 'published', words=.true.), &
-        listed_column_t('goal', '', 'a hundredth of that difference, over max(1, true value); 1e-10 without a figure', 'best'), &
-        listed_column_t('method', '', 'fastest method whose errors are within the goal', 'best', words=.true.), &
-        listed_column_t('formulation', '', 'its formulation', 'best', words=.true.), &
-        listed_column_t('setting', '', 'its setting', 'best', words=.true.), &
-        listed_column_t('value', '', 'its value', 'best'), &
-        listed_column_t('error', '', 'its largest error of all quantities of the benchmark, over max(1, true value)', &
+    type(column), parameter :: benchmark_columns(*) = [ &
+        column('benchmark', '', 'benchmark of the catalogue', 'benchmark', traits=categorical), &
+        column('quantity', '', 'column of trajectories at the end of the span', 'benchmark', traits=categorical), &
+        column('t', 's', 'end of the span', 'benchmark'), &
+        column('truth', '', 'true value, in the unit of that column', 'truth'), &
+        column('truth_error', '', 'difference of two computations of it', 'truth'), &
+        column('reference', '', 'how it was computed', 'truth', traits=categorical), &
+        column('published', '', 'published figure (nan: none)', 'published'), &
+        column('published_error', '', 'its difference from the true value', 'published'), &
+        column('published_method', '', 'who published it, with which method', 'published', traits=categorical), &
+        column('goal', '', 'a hundredth of that difference, over max(1, true value); 1e-10 without a figure', 'best'), &
+        column('method', '', 'fastest method whose errors are within the goal', 'best', traits=categorical), &
+        column('formulation', '', 'its formulation', 'best', traits=categorical), &
+        column('setting', '', 'its setting', 'best', traits=categorical), &
+        column('value', '', 'its value', 'best'), &
+        column('error', '', 'its largest error of all quantities of the benchmark, over max(1, true value)', &
                         'best'), &
-        listed_column_t('evaluations', '', 'its RHS evaluations', 'best'), &
-        listed_column_t('time_s', 's', 'its computing time', 'best'), &
-        listed_column_t('source', '', 'where the benchmark was published', 'benchmark', words=.true.)]
+        column('evaluations', '', 'its RHS evaluations', 'best'), &
+        column('time_s', 's', 'its computing time', 'best'), &
+        column('source', '', 'where the benchmark was published', 'benchmark', traits=categorical)]
 
 contains
 
@@ -183,18 +182,15 @@ contains
         real(dp) :: values(size(wanted))
         type(motion_view_t) :: view
         type(motion_t) :: seen
-        type(trajectory_column_t) :: column
-        logical :: found
         integer :: k
 
-        call view%set(case)
+        call view%set_case(case)
         seen = motion
         seen%given_angle = case%start%given_angle
         call view%set_motion(seen, as_computed=.true.)
         do k = 1, size(wanted)
-            call find_trajectory_column(trim(wanted(k)%column), column, found)
-            values(k) = column%value(view)
-            if (column%name(1:1) == 'q') values(k) = sign(values(k), wanted(k)%published)
+            values(k) = value_of(trajectory_columns(place_of(trajectory_columns, wanted(k)%column)), view)
+            if (wanted(k)%column(1:1) == 'q') values(k) = sign(values(k), wanted(k)%published)
         end do
     end function values_of
 

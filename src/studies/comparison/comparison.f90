@@ -13,7 +13,7 @@ module spintop_comparison
     use spintop_exit_codes, only: exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple, formulation_info_t
     use spintop_formulations, only: formulation_infos
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, compare_with_writer, study_head
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_aliases
     use spintop_namelist, only: read_override
@@ -31,7 +31,6 @@ module spintop_comparison
     use spintop_status, only: is_ok, last_status, status_ok
     use spintop_stepper, only: method_info_t
     use spintop_study, only: study_t
-    use spintop_study_head, only: compare_with_writer, study_head
     use spintop_suggestions, only: own_name
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t
@@ -99,10 +98,6 @@ module spintop_comparison
 
     !> A kind of comparison, with its plan and what it counts.
     type, abstract, extends(study_t) :: comparison_t
-        !> Description of the computation in a phrase.
-        character(:), allocatable :: phrase
-        !> Number of problems.
-        integer(int64) :: count = 1
         type(method_choice_t), allocatable :: choices(:)
         !> The attempts on the current problem that become rows.
         type(attempt_t), allocatable :: attempts(:)
@@ -116,8 +111,6 @@ module spintop_comparison
         !> Attempts on each problem, as far as they are known, and those done.
         integer(int64) :: attempts_each = 1, done = 0
     contains
-        procedure :: cases
-        procedure :: explain
         procedure :: run
         procedure :: try_all
         procedure :: count_attempts
@@ -168,21 +161,6 @@ module spintop_comparison
     real(dp), parameter :: between_looks = 1.0e-3_dp
 
 contains
-
-    !> Number of problems.
-    integer(int64) function cases(self, job)
-        class(comparison_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        cases = self%count
-    end function cases
-
-    !> Description of the computation in a phrase.
-    function explain(self, job) result(phrase)
-        class(comparison_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
-        phrase = self%phrase
-    end function explain
 
     !> Lines of the header after the columns; none unless the kind overrides this.
     function remarks(self) result(lines)

@@ -22,7 +22,7 @@ module spintop_precision_study
     use spintop_scene_words, only: reference_auto, reference_exact, reference_names
     use spintop_status, only: is_ok, status_meaning, status_names, status_ok
     use spintop_stepper, only: method_info_t
-    use spintop_study_column, only: listed_column_t
+    use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: summary_t, rounded
     use spintop_sweep_axes, only: case_scene_t
     use spintop_text, only: append, string_t, to_text
@@ -78,51 +78,51 @@ module spintop_precision_study
     end type precision_study_t
 
     !> All columns, in the order of the table; those of the swept parameters follow.
-    type(listed_column_t), parameter :: precision_columns(*) = [ &
-        listed_column_t('problem', '', 'input, and case of it where a parameter is swept', 'trial', words=.true.), &
-        listed_column_t('method', '', 'method', 'trial', words=.true.), &
-        listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
-        listed_column_t('setting', '', 'relative tolerance, or number of steps of fixed size', &
-                        'trial', words=.true.), &
-        listed_column_t('orientation_error', 'rad', 'rotation angle from the reference attitude at the end', &
+    type(column), parameter :: precision_columns(*) = [ &
+        column('problem', '', 'input, and case of it where a parameter is swept', 'trial', traits=categorical), &
+        column('method', '', 'method', 'trial', traits=categorical), &
+        column('formulation', '', 'formulation of the equations of motion', 'trial', traits=categorical), &
+        column('setting', '', 'relative tolerance, or number of steps of fixed size', &
+                        'trial', traits=categorical), &
+        column('orientation_error', 'rad', 'rotation angle from the reference attitude at the end', &
                         'errors'), &
-        listed_column_t('tip_error', '', 'distance of the axis tip from that of the reference at the end', 'errors'), &
-        listed_column_t('error_max', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
-        listed_column_t('steps', '', 'steps', 'cost'), &
-        listed_column_t('rejected', '', 'rejected steps', 'cost'), &
-        listed_column_t('evaluations', '', 'RHS evaluations of that run; a Taylor series of order p counts as p', &
+        column('tip_error', '', 'distance of the axis tip from that of the reference at the end', 'errors'), &
+        column('error_max', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
+        column('steps', '', 'steps', 'cost'), &
+        column('rejected', '', 'rejected steps', 'cost'), &
+        column('evaluations', '', 'RHS evaluations of that run; a Taylor series of order p counts as p', &
                         'cost'), &
-        listed_column_t('time_s', 's', 'shortest computing time of the repeats, for the state at the end', 'cost'), &
-        listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
-        listed_column_t('status', '', 'status of the run', 'status', words=.true.), &
-        listed_column_t('tip_error_max', '', 'largest distance of the axis tip from that of the reference', &
+        column('time_s', 's', 'shortest computing time of the repeats, for the state at the end', 'cost'), &
+        column('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
+        column('status', '', 'status of the run', 'status', traits=categorical), &
+        column('tip_error_max', '', 'largest distance of the axis tip from that of the reference', &
                         'errors'), &
-        listed_column_t('jacobians', '', 'Jacobian evaluations', 'cost'), &
-        listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
-        listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
-        listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
-        listed_column_t('phi_error', 'rad', 'error of phi at the end, within half a turn', 'angles'), &
-        listed_column_t('theta_error', 'rad', 'error of theta at the end', 'angles'), &
-        listed_column_t('psi_error', 'rad', 'error of psi at the end, within half a turn', 'angles'), &
-        listed_column_t('phi_rate_error', 'rad/s', 'error of the precession rate at the end', 'angles'), &
-        listed_column_t('theta_rate_error', 'rad/s', 'error of the nutation rate at the end', 'angles'), &
-        listed_column_t('psi_rate_error', 'rad/s', 'error of the spin rate at the end', 'angles'), &
-        listed_column_t('phi_error_max', 'rad', 'largest error of phi', 'angles'), &
-        listed_column_t('theta_error_max', 'rad', 'largest error of theta', 'angles'), &
-        listed_column_t('psi_error_max', 'rad', 'largest error of psi', 'angles'), &
-        listed_column_t('phi_rate_error_max', 'rad/s', 'largest error of the precession rate', 'angles'), &
-        listed_column_t('theta_rate_error_max', 'rad/s', 'largest error of the nutation rate', 'angles'), &
-        listed_column_t('psi_rate_error_max', 'rad/s', 'largest error of the spin rate', 'angles'), &
-        listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
-        listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
-        listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
+        column('jacobians', '', 'Jacobian evaluations', 'cost'), &
+        column('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
+        column('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
+        column('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
+        column('phi_error', 'rad', 'error of phi at the end, within half a turn', 'angles'), &
+        column('theta_error', 'rad', 'error of theta at the end', 'angles'), &
+        column('psi_error', 'rad', 'error of psi at the end, within half a turn', 'angles'), &
+        column('phi_rate_error', 'rad/s', 'error of the precession rate at the end', 'angles'), &
+        column('theta_rate_error', 'rad/s', 'error of the nutation rate at the end', 'angles'), &
+        column('psi_rate_error', 'rad/s', 'error of the spin rate at the end', 'angles'), &
+        column('phi_error_max', 'rad', 'largest error of phi', 'angles'), &
+        column('theta_error_max', 'rad', 'largest error of theta', 'angles'), &
+        column('psi_error_max', 'rad', 'largest error of psi', 'angles'), &
+        column('phi_rate_error_max', 'rad/s', 'largest error of the precession rate', 'angles'), &
+        column('theta_rate_error_max', 'rad/s', 'largest error of the nutation rate', 'angles'), &
+        column('psi_rate_error_max', 'rad/s', 'largest error of the spin rate', 'angles'), &
+        column('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
+        column('reference', '', 'reference of the comparison', 'reference', traits=categorical), &
+        column('reference_error', 'rad', 'difference between two computations of the reference', &
                         'reference'), &
-        listed_column_t('reference_check', 'rad', 'difference between the reference and an independent computation', &
+        column('reference_check', 'rad', 'difference between the reference and an independent computation', &
                         'reference'), &
-        listed_column_t('front', '', 'yes: no other numerical method is both faster and more accurate', &
-                        'choice', words=.true.), &
-        listed_column_t('auto', '', "yes: method = 'auto' takes this method at this tolerance", &
-                        'choice', words=.true.)]
+        column('front', '', 'yes: no other numerical method is both faster and more accurate', &
+                        'choice', traits=categorical), &
+        column('auto', '', "yes: method = 'auto' takes this method at this tolerance", &
+                        'choice', traits=categorical)]
 
     !> Default tolerances, numbers of steps, and repeats.
     real(dp), parameter :: default_tolerances(*) = [1.0e-3_dp, 1.0e-4_dp, 1.0e-5_dp, 1.0e-6_dp, 1.0e-7_dp, &

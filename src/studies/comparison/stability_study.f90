@@ -24,17 +24,18 @@ module spintop_stability_study
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: reference_auto
-    use spintop_status, only: is_ok, status_meaning, status_names
+    use spintop_status, only: is_ok, status_meaning, status_names, status_meanings
     use spintop_stepper, only: method_info_t
-    use spintop_study_column, only: listed_column_t
-    use spintop_summary, only: summary_t
+    use spintop_study_column, only: categorical, column => study_column_t
+    use spintop_summary, only: summary_t, rounded
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: errors_t, run_trial, trial_t
-    use spintop_verdict, only: explain_trial, judge_trial, verdict_meaning, verdict_names, verdict_no_reference, verdict_unsuitable
     implicit none
     private
-    public :: stability_study_t, own_case, stability_columns, add_row
+    public :: stability_study_t, own_case, stability_columns, add_row, verdict_names, verdict_meaning, judge_trial, &
+        explain_trial, verdict_accurate, verdict_drifts, verdict_wrong, verdict_failed, verdict_unsuitable, &
+        verdict_no_reference
 
     !> Name of the case of the input.
     character(*), parameter :: own_case = 'input'
@@ -60,32 +61,32 @@ module spintop_stability_study
     end type stability_study_t
 
     !> All columns, in the order of the table.
-    type(listed_column_t), parameter :: stability_columns(*) = [ &
-        listed_column_t('case', '', 'case of the catalogue', 'trial', words=.true.), &
-        listed_column_t('method', '', 'method', 'trial', words=.true.), &
-        listed_column_t('formulation', '', 'formulation of the equations of motion', 'trial', words=.true.), &
-        listed_column_t('verdict', '', 'verdict on the computed motion', 'verdict', words=.true.), &
-        listed_column_t('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
-        listed_column_t('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
-        listed_column_t('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
-        listed_column_t('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
-        listed_column_t('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
-        listed_column_t('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
-        listed_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
-        listed_column_t('steps', '', 'steps', 'cost'), &
-        listed_column_t('rejected', '', 'rejected steps', 'cost'), &
-        listed_column_t('evaluations', '', 'RHS evaluations', 'cost'), &
-        listed_column_t('time_s', 's', 'computing time', 'cost'), &
-        listed_column_t('status', '', 'status of the run', 'verdict', words=.true.), &
-        listed_column_t('t', 's', 'time reached', 'verdict'), &
-        listed_column_t('upright_growth', '1/s', &
+    type(column), parameter :: stability_columns(*) = [ &
+        column('case', '', 'case of the catalogue', 'trial', traits=categorical), &
+        column('method', '', 'method', 'trial', traits=categorical), &
+        column('formulation', '', 'formulation of the equations of motion', 'trial', traits=categorical), &
+        column('verdict', '', 'verdict on the computed motion', 'verdict', traits=categorical), &
+        column('orientation_error', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
+        column('tip_error', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
+        column('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
+        column('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
+        column('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
+        column('norm_error', '', 'largest norm error abs(q) - 1 of the quaternion', 'errors'), &
+        column('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
+        column('steps', '', 'steps', 'cost'), &
+        column('rejected', '', 'rejected steps', 'cost'), &
+        column('evaluations', '', 'RHS evaluations', 'cost'), &
+        column('time_s', 's', 'computing time', 'cost'), &
+        column('status', '', 'status of the run', 'verdict', traits=categorical), &
+        column('t', 's', 'time reached', 'verdict'), &
+        column('upright_growth', '1/s', &
                         'largest growth rate of the symmetric top sleeping upright with this spin', &
                            'growth'), &
-        listed_column_t('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
-        listed_column_t('reference', '', 'reference of the comparison', 'reference', words=.true.), &
-        listed_column_t('reference_error', 'rad', 'difference between two computations of the reference', &
+        column('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
+        column('reference', '', 'reference of the comparison', 'reference', traits=categorical), &
+        column('reference_error', 'rad', 'difference between two computations of the reference', &
                         'reference'), &
-        listed_column_t('reason', '', 'reason of the verdict', 'verdict', words=.true.)]
+        column('reason', '', 'reason of the verdict', 'verdict', traits=categorical)]
 
     !> Combinations that are run in addition to each method with the formulation that suits the body.
     character(*), parameter :: more_choices(*) = [character(28) :: 'rk4/lagrange', 'rk4/euler', &
@@ -94,6 +95,17 @@ module spintop_stability_study
 
     !> Fewest and most intervals between the times at which a motion is compared, as far as the steps allow it.
     integer, parameter :: fewest_intervals = 40, most_intervals = 1000
+
+    !> The verdicts, from best to worst, one for methods that are not for such a body, and one for cases
+    !> whose motion is not known.
+    integer, parameter :: verdict_accurate = 1, verdict_drifts = 2, verdict_wrong = 3, &
+        verdict_failed = 4, verdict_unsuitable = 5, verdict_no_reference = 6
+    character(*), parameter :: verdict_names(*) = [character(12) :: &
+        'accurate', 'drifts', 'wrong', 'failed', 'unsuitable', 'no_reference']
+
+    !> Orientation errors, rad: accurate up to the first one, which increases with the inherent error; wrong
+    !> beyond the second.
+    real(dp), parameter :: accurate_below = 1.0e-6_dp, floors = 100, wrong_above = 0.1_dp
 
 contains
 
@@ -354,7 +366,7 @@ contains
 
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(self%verdicts(:, k) == 0)) cycle
-            call summary%add(verdict_names(k), verdict_meaning(k))
+            call summary%add(verdict_names(k), verdict_meaning(k), is_detail=.true.)
         end do
         do k = 1, size(self%verdicts, 1)
             associate (choice => self%choices(k))
@@ -377,5 +389,82 @@ contains
             text = text // to_text(verdicts(k)) // ' ' // trim(verdict_names(k))
         end do
     end function counts_of
+
+    !> Meaning of a verdict.
+    function verdict_meaning(verdict) result(meaning)
+        integer, intent(in) :: verdict !! one of the verdict constants
+        character(:), allocatable :: meaning
+        select case (verdict)
+        case (verdict_accurate)
+            meaning = 'orientation error at most ' // to_text(accurate_below) // ' rad plus ' // to_text(nint(floors)) &
+                      // ' times the inherent error'
+        case (verdict_drifts)
+            meaning = 'orientation error at most ' // to_text(wrong_above) // ' rad'
+        case (verdict_wrong)
+            meaning = 'orientation error above ' // to_text(wrong_above) // ' rad'
+        case (verdict_failed)
+            meaning = 'the method ended before the end of the span, with a status'
+        case (verdict_no_reference)
+            meaning = 'there is no motion to compare with, or it is not known to ' // to_text(wrong_above) // ' rad'
+        case default
+            meaning = 'the method or its equations do not apply to the body'
+        end select
+    end function verdict_meaning
+
+    !> The verdict on a trial; `floor` is the inherent error of the attitude, rad, and `uncertainty` that of the reference.
+    pure integer function judge_trial(trial, floor, uncertainty) result(verdict)
+        type(trial_t), intent(in) :: trial !! result of the computation
+        real(dp), intent(in) :: floor, uncertainty !! inherent error of the attitude, and error of the reference, rad
+        if (.not. is_ok(trial%status)) then
+            verdict = verdict_failed
+        else if (accurate_below + floors * floor > wrong_above .or. uncertainty > wrong_above) then
+            verdict = verdict_no_reference
+        else if (trial%errors%orientation <= accurate_below + floors * floor) then
+            verdict = verdict_accurate
+        else if (trial%errors%orientation <= wrong_above) then
+            verdict = verdict_drifts
+        else
+            verdict = verdict_wrong
+        end if
+    end function judge_trial
+
+    !> The reason for a verdict; empty for an accurate trial.
+    function explain_trial(trial, verdict) result(reason)
+        type(trial_t), intent(in) :: trial !! result of the computation
+        integer, intent(in) :: verdict !! one of the verdict constants
+        character(:), allocatable :: reason
+        !> If the relative error of an invariant is below this fraction of the orientation error, the
+        !> invariant does not show that error.
+        real(dp), parameter :: hidden = 1.0e-3_dp
+        character(:), allocatable :: invariants
+
+        reason = ''
+        select case (verdict)
+        case (verdict_failed)
+            reason = 'at t = ' // rounded(trial%t) // ' s: ' // trim(status_meanings(trial%status))
+        case (verdict_no_reference)
+            reason = 'the motion is not known to ' // to_text(wrong_above) // ' rad'
+        case (verdict_drifts, verdict_wrong)
+            associate (errors => trial%errors)
+                reason = 'orientation error ' // scientific(errors%orientation) // ' rad'
+                invariants = 'energy error ' // scientific(errors%energy) // ', momentum error ' &
+                             // scientific(max(errors%vertical, errors%axial))
+                if (max(errors%energy, errors%vertical, errors%axial) < hidden * errors%orientation) then
+                    reason = reason // ', although ' // invariants
+                else
+                    reason = reason // '; ' // invariants
+                end if
+            end associate
+        end select
+    end function explain_trial
+
+    !> A number with two digits.
+    function scientific(value) result(text)
+        real(dp), intent(in) :: value
+        character(:), allocatable :: text
+        character(16) :: buffer
+        write (buffer, '(ss, es9.1e3)') value
+        text = trim(adjustl(buffer))
+    end function scientific
 
 end module spintop_stability_study

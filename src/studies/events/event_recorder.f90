@@ -9,14 +9,14 @@ module spintop_event_recorder
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
-    use spintop_row_maker, only: row_maker_t
+    use spintop_trajectory_columns, only: row_maker_t, is_free_of_angles
     use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: looks_per_step
+    use spintop_study_column, only: near_poles, study_column_t
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trajectory_columns, only: trajectory_column_t
     implicit none
     private
     public :: event_recorder_t, event_columns, exact_path_t
@@ -83,9 +83,9 @@ contains
         self%ended_by = 0
         self%azimuth = case%given_start%angle(1)
         call self%quantity%set(events%column, case)
-        self%needs_angles = .not. all(events%column%is_free_of_angles())
+        self%needs_angles = .not. all(is_free_of_angles(events%column))
         self%pole_axis = 0
-        if (any(events%column%varies_near_poles)) then
+        if (any(events%column%is(near_poles))) then
             self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         end if
     end subroutine set
@@ -93,7 +93,7 @@ contains
     !> Starts a table of the listed events in memory, with these columns of the trajectory.
     subroutine keep_table(self, columns, case, scene)
         class(event_recorder_t), intent(inout) :: self
-        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
+        type(study_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
         type(case_t), intent(in) :: case !! the case of the motion, from which the columns get their values
         type(scene_t), intent(in) :: scene !! contents of the input
         integer, parameter :: first_rows = 16
@@ -105,7 +105,7 @@ contains
     subroutine open_table(self, path, head, columns, case, scene, error)
         class(event_recorder_t), intent(inout) :: self
         character(*), intent(in) :: path, head !! path of the table, and its header
-        type(trajectory_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
+        type(study_column_t), intent(in) :: columns(:) !! columns of the trajectory, which follow those of the events
         type(case_t), intent(in) :: case !! the case of the motion, from which the columns get their values
         type(scene_t), intent(in) :: scene !! contents of the input
         type(error_t), allocatable, intent(out) :: error !! not allocated on success

@@ -6,9 +6,9 @@ module spintop_event_text
     use spintop_kinds, only: dp
     use spintop_event, only: event_t, occasion_knot, occasion_none, occasion_slip, occasion_stuck
     use spintop_literals, only: read_real
-    use spintop_study_column, only: chosen_column_t, find_column, proof_group
+    use spintop_study_column, only: find_column, place_of, proof_group, study_column_t
     use spintop_text, only: lower_case, did_you_mean, join
-    use spintop_trajectory_columns, only: find_trajectory_column, trajectory_column_t, trajectory_columns
+    use spintop_trajectory_columns, only: trajectory_columns
     implicit none
     private
     public :: column_event_t, read_event, named_event_t, named_events, event_grammar
@@ -16,7 +16,7 @@ module spintop_event_text
     !> An event of a column.
     type :: column_event_t
         type(event_t) :: event
-        type(trajectory_column_t) :: column
+        type(study_column_t) :: column
         !> Whether it is written to the table of events, and whether it ends the motion.
         logical :: is_listed = .false., ends = .false.
     end type column_event_t
@@ -90,14 +90,13 @@ contains
         type(column_event_t) :: one
         type(named_event_t) :: row
         integer :: i
-        logical :: found
 
         do i = 1, size(named_events)
             row = named_events(i)
             if (row%name /= name) cycle
             one%event = event_t(row%in_table, row%direction, turn_by_turn=row%turn_by_turn, occasion=row%occasion)
             if (row%occasion /= occasion_none) one%event%level = never
-            call find_trajectory_column(row%column, one%column, found)
+            one%column = trajectory_columns(place_of(trajectory_columns, row%column))
             events = [events, one]
         end do
         if (size(events) > 0) return
@@ -113,7 +112,7 @@ contains
         type(column_event_t), allocatable, intent(inout) :: events(:)
         character(:), allocatable, intent(inout) :: problem, hint
         type(column_event_t) :: one
-        type(chosen_column_t) :: chosen
+        type(study_column_t) :: chosen
         character(:), allocatable :: number, rest, label
         integer :: direction
 

@@ -14,9 +14,9 @@ module spintop_fit_data
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: fit_scene_t, sensors_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
-    use spintop_study_column, only: chosen_column_t, find_column, place_of, proof_group
+    use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, place_of, proof_group, study_column_t
     use spintop_text, only: abbreviate, escaped, join, to_text
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns, trajectory_columns_at
+    use spintop_trajectory_columns, only: trajectory_columns
     use spintop_units, only: convert_unit
     implicit none
     private
@@ -31,14 +31,14 @@ module spintop_fit_data
     !> Measurements, row by row.
     type :: measurements_t
         !> The measured columns, and the angle by whose multiples their readings are not known; 0 for none.
-        type(trajectory_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
         real(dp), allocatable :: turn(:)
         !> The number of the group &sensor that describes each column; 0 for none.
         integer, allocatable :: sensor(:)
         !> Times, s, increasing, and the readings: columns, times.
         real(dp), allocatable :: t(:), values(:, :)
         !> The column of the times, and its cells, in its unit.
-        type(chosen_column_t) :: time
+        type(study_column_t) :: time
         real(dp), allocatable :: given_times(:)
         !> Which of the readings there are.
         logical, allocatable :: is_there(:, :)
@@ -69,7 +69,7 @@ contains
         type(fit_scene_t), intent(in) :: scene !! the group of the input
         type(measurements_t), intent(out) :: measured !! the measurements; without columns if there is a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(trajectory_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
         type(error_t), allocatable :: error
         type(table_t) :: table
         character(:), allocatable :: path
@@ -116,7 +116,7 @@ contains
         type(table_t), intent(in) :: table
         type(measurements_t), intent(inout) :: measured
         type(error_t), allocatable, intent(out) :: error
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         integer :: i
 
         measured%time%name = time_column
@@ -135,7 +135,7 @@ contains
     end subroutine read_times
 
     !> The column of trajectories of that name; its place is 0 if there is none.
-    type(chosen_column_t) function column_named(name) result(found)
+    type(study_column_t) function column_named(name) result(found)
         character(*), intent(in) :: name
         character(:), allocatable :: problem, hint
         call find_column(trajectory_columns, name, found, problem, hint)
@@ -143,7 +143,7 @@ contains
 
     !> Whether a column is the time, in some unit.
     pure logical function is_time(column)
-        type(chosen_column_t), intent(in) :: column
+        type(study_column_t), intent(in) :: column
         is_time = column%place == place_of(trajectory_columns, time_column)
     end function is_time
 
@@ -193,12 +193,11 @@ contains
     subroutine choose_columns(scene, table, columns, problems)
         type(fit_scene_t), intent(in) :: scene
         type(table_t), intent(in) :: table
-        type(trajectory_column_t), allocatable, intent(out) :: columns(:)
+        type(study_column_t), allocatable, intent(out) :: columns(:)
         type(problems_t), intent(inout) :: problems
-        type(chosen_column_t), allocatable :: chosen(:)
         integer :: i
 
-        allocate (chosen(0))
+        allocate (columns(0))
         if (any(scene%columns /= '')) then
             do i = 1, size(scene%columns)
                 if (scene%columns(i) == '') cycle
@@ -212,38 +211,36 @@ contains
             if (size(table%names) < 2) call problems%add(key, 'the table has no column of measurements', &
                                                          'give columns of trajectories, such as theta, beside t')
         end if
-        columns = trajectory_columns_at(chosen)
 
     contains
 
         !> Adds a column of that name.
         subroutine add_column(name, key)
             character(*), intent(in) :: name, key
-            type(chosen_column_t) :: found
+            type(study_column_t) :: found
             character(:), allocatable :: problem, hint
 
             call find_column(trajectory_columns, name, found, problem, hint)
             if (found%place == 0) then
                 if (hint == '') hint = '`spintop list columns` shows those of trajectories'
             else
-                associate (column => trajectory_columns(found%place))
-                    if (column%group == proof_group .or. column%needs_exact_motion .or. column%needs_work &
-                        .or. column%needs_effects) hint = 'errors, bounds and the work of effects are not measured'
-                end associate
+                if (found%group == proof_group .or. found%is(needs_exact + needs_work + needs_effects)) then
+                    hint = 'errors, bounds and the work of effects are not measured'
+                end if
             end if
             if (hint /= '') then
                 call problems%add(key, abbreviate(name) // ' is not a measurable column', hint)
-            else if (any(chosen%place == found%place)) then
+            else if (any(columns%place == found%place)) then
                 call problems%add(key, "column '" // name // "' is named twice", 'name it once, in one unit')
             else
-                chosen = [chosen, found]
+                columns = [columns, found]
             end if
         end subroutine add_column
 
         !> Whether a column has the standard deviations of another one, which has to be there.
         logical function is_deviation(name)
             character(*), intent(in) :: name
-            type(chosen_column_t) :: found
+            type(study_column_t) :: found
             integer :: k
             is_deviation = .false.
             if (len(name) <= len(sigma_mark)) return
@@ -262,7 +259,7 @@ contains
     !> The groups &sensor of the columns, and the turns by which wrapped angles are not known.
     subroutine find_sensors(scene, columns, measured, problems)
         type(fit_scene_t), intent(in) :: scene
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(measurements_t), intent(inout) :: measured
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: problem
@@ -300,7 +297,7 @@ contains
     subroutine find_deviations(scene, table, columns, measured, problems)
         type(fit_scene_t), intent(in) :: scene
         type(table_t), intent(in) :: table
-        type(trajectory_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         type(measurements_t), intent(inout) :: measured
         type(problems_t), intent(inout) :: problems
         type(error_t), allocatable :: error
@@ -375,10 +372,10 @@ contains
     !> The columns of the motion, in their own units: those that are measured, and if a sensor of a vector is mounted at an angle,
     !> all components of the vector.
     subroutine columns_of_motion(measured, mounting, seeks_mounting, columns, turned)
-        type(trajectory_column_t), intent(in) :: measured(:) !! the measured columns
+        type(study_column_t), intent(in) :: measured(:) !! the measured columns
         real(dp), intent(in) :: mounting(3) !! rotation vector of the sensor, rad
         logical, intent(in) :: seeks_mounting(:) !! which of the sought numbers are of a mounting
-        type(trajectory_column_t), allocatable, intent(out) :: columns(:) !! the measured ones come first
+        type(study_column_t), allocatable, intent(out) :: columns(:) !! the measured ones come first
         integer, allocatable, intent(out) :: turned(:, :) !! places of the components of each vector that is turned
         character(*), parameter :: vectors(2) = [character(13) :: 'omega', 'accelerometer']
         character(:), allocatable :: name

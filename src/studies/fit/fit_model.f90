@@ -4,12 +4,10 @@ module spintop_fit_model
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
     use spintop_compare, only: is_equal, is_finite
-    use spintop_event_recorder, only: exact_path_t
     use spintop_fit_data, only: measurements_t, columns_of_motion, find_instants, read_sensors, key_of
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, no_number, pi
     use spintop_least_squares, only: residuals_t
-    use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: given, is_set, parameter_table_t
@@ -18,12 +16,10 @@ module spintop_fit_model
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_robust, only: robust_deviation
-    use spintop_row_maker, only: row_maker_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
-    use spintop_stepper, only: looks_per_step
-    use spintop_status, only: is_good_end, is_ok
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_status, only: is_good_end
+    use spintop_study_column, only: study_column_t
     implicit none
     private
     public :: fit_model_t
@@ -39,7 +35,7 @@ module spintop_fit_model
         real(dp), allocatable, private :: held_at(:)
         real(dp), private :: hold = 0
         !> The columns of the motion: those that are measured, and what the mounting of a sensor mixes with them.
-        type(trajectory_column_t), allocatable, private :: columns(:)
+        type(study_column_t), allocatable, private :: columns(:)
         !> Places of the components of vectors that the mounting turns.
         integer, allocatable, private :: turned(:, :)
         !> The scene of the last evaluation, and what it means.
@@ -54,7 +50,6 @@ module spintop_fit_model
         logical, private :: ties_inertia = .false.
         !> Absolute tolerance of the plan.
         real(dp), private :: absolute_tolerance = 0
-        type(row_maker_t), private :: maker
         !> Which of the sought numbers is theta at the start; 0 for none.
         integer, private :: theta = 0
         !> Whether the start is described from the other side of the pole than in the input.
@@ -119,7 +114,6 @@ contains
             self%precision = plan%stepper%controls%relative_tolerance
             self%absolute_tolerance = plan%stepper%controls%absolute_tolerance
         end if
-        call self%maker%set(self%columns, case)
     end subroutine prepare
 
     !> Explains so many of the leading rows only. The sought numbers may be held near some values, by a residual each, so that
@@ -260,11 +254,7 @@ contains
         if (t(1) < 0) return
         self%case%t_end = t(size(t))
         allocate (quantities(size(self%columns), size(t)), source=no_number)
-        if (self%plan%exact) then
-            if (self%case%body%has_closed_form()) call find_exact_values(self, t, quantities)
-        else
-            call integrate_to_times(self, t, quantities)
-        end if
+        if (self%case%body%has_closed_form() .or. .not. self%plan%exact) call find_values(self, t, quantities)
         is_valid = all(is_finite(quantities))
         if (.not. is_valid) return
         call read_sensors(self%scene%fit, self%measured%sensor, self%measured%columns%size, self%turned, quantities, readings)
@@ -314,32 +304,8 @@ contains
         end do
     end subroutine plan_with_another
 
-    !> The quantities of the exact solution.
-    subroutine find_exact_values(self, t, quantities)
-        class(fit_model_t), intent(inout) :: self
-        real(dp), intent(in) :: t(:)
-        real(dp), intent(inout) :: quantities(:, :)
-        type(exact_path_t), allocatable :: path ! it is large, and a thread may have a small stack
-        type(motion_t) :: motion
-        integer :: i, status
-
-        allocate (path)
-        call path%begin(self%case, looks_per_step * self%plan%max_steps + size(t), status)
-        if (.not. is_ok(status)) return
-        call self%maker%set(self%columns, self%case)
-        do i = 1, size(t)
-            if (self%maker%wants_angles_of(path%exact)) then
-                call self%maker%find_exact_row(path%exact, t(i), quantities(:, i))
-                cycle
-            end if
-            call path%at(t(i), motion)
-            if (path%is_spent()) return
-            quantities(:, i) = self%maker%row(motion)
-        end do
-    end subroutine find_exact_values
-
-    !> The quantities of a motion that is integrated.
-    subroutine integrate_to_times(self, t, quantities)
+    !> The quantities of the motion at some times; they stay as they are where it does not reach all of them.
+    subroutine find_values(self, t, quantities)
         class(fit_model_t), intent(inout) :: self
         real(dp), intent(inout) :: t(:)
         real(dp), intent(inout) :: quantities(:, :)
@@ -348,11 +314,11 @@ contains
 
         allocate (writer)
         call writer%set_columns(self%columns, self%case, self%scene)
-        allocate (writer%kept, mold=quantities)
-        writer%kept = no_number
+        allocate (writer%kept, source=quantities)
+        if (self%plan%exact) writer%asked = t
         call compute_motion(self%case, self%plan, t, writer, outcome)
         if (is_good_end(outcome%status)) quantities = writer%kept
-    end subroutine integrate_to_times
+    end subroutine find_values
 
     !> A change of a sought number that matters.
     pure real(dp) function step_scale(self, i, x) result(step)

@@ -24,6 +24,7 @@ module spintop_listing
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_t
+    use spintop_study_column, only: categorical
     use spintop_suitability, only: can_run
     use spintop_terminal, only: output_width
     use spintop_text, only: string_t, did_you_mean, join, append, to_text, wrapped
@@ -212,7 +213,7 @@ contains
                 call list%json%add('name', study%columns(k)%name)
                 call list%json%add('group', study%columns(k)%group)
                 call list%json%add('unit', study%columns(k)%unit)
-                call list%json%add('words', study%columns(k)%words)
+                call list%json%add('words', study%columns(k)%is(categorical))
                 call list%end_item(study%columns(k)%what)
             end do
         end do

@@ -13,9 +13,9 @@ module spintop_statistics_choice
     use spintop_scene_words, only: combine_saltelli
     use spintop_statistics_plan, only: binned_t, statistics_plan_t
     use spintop_summary, only: rounded
-    use spintop_study_column, only: chosen_column_t, find_column
+    use spintop_study_column, only: find_column, study_column_t
     use spintop_sweep_axes, only: axis_t
-    use spintop_sweep_columns, only: sweep_column_t, sweep_columns
+    use spintop_sweep_result, only: sweep_columns
     use spintop_sweep_table, only: describe_columns
     use spintop_table_column, only: column_length, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_text, only: did_you_mean, string_t, to_text
@@ -78,12 +78,10 @@ contains
     subroutine keep_needed_columns(job, problems)
         type(job_t), intent(inout) :: job
         type(problems_t), intent(inout) :: problems
-        type(sweep_column_t), allocatable :: known(:)
-        type(chosen_column_t), allocatable :: found(:)
+        type(study_column_t), allocatable :: found(:)
         character(:), allocatable :: problem, hint
         integer :: i
 
-        allocate (known, source=sweep_columns())
         if (any(job%input%scene%columns /= '')) then
             call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
                               'omit it; statistics.columns are computed')
@@ -91,11 +89,11 @@ contains
         associate (names => [character(column_length) :: job%input%scene%statistics_columns, job%input%scene%over])
             allocate (found(size(names)))
             do i = 1, size(names)
-                call find_column(known, trim(names(i)), found(i), problem, hint)
+                call find_column(sweep_columns, trim(names(i)), found(i), problem, hint)
                 if (any(found(:i - 1)%name == found(i)%name)) found(i)%place = 0
             end do
         end associate
-        job%columns = [(pack(found, found%place == i), i=1, size(known))]
+        job%columns = [(pack(found, found%place == i), i=1, size(sweep_columns))]
     end subroutine keep_needed_columns
 
     !> The columns of which statistics are computed.
@@ -136,8 +134,7 @@ contains
         type(table_column_t), intent(in) :: cells(:)
         character(*), intent(in) :: name, key
         type(problems_t), intent(inout) :: problems
-        type(sweep_column_t), allocatable :: known(:)
-        type(chosen_column_t) :: found
+        type(study_column_t) :: found
         type(string_t), allocatable :: names(:)
         character(:), allocatable :: problem, hint
         integer :: i
@@ -146,8 +143,7 @@ contains
         if (place > case_cell) then
             if (cells(place)%kind /= column_of_notes) return
         end if
-        allocate (known, source=sweep_columns())
-        call find_column(known, name, found, problem, hint)
+        call find_column(sweep_columns, name, found, problem, hint)
         if (place > 0) then
             call problems%add(key, "column '" // name // "' has no statistics", 'name a quantity, a swept parameter or status')
         else if (found%place > 0) then
@@ -156,12 +152,12 @@ contains
         else if (job%input%table%find(name(:index(name // '(', '(') - 1)) > 0) then
             call problems%add(key, name // ' is not swept', 'name a parameter of an axis, or a column')
         else
-            allocate (names(size(known) + size(job%axes%axis)))
-            do i = 1, size(known)
-                names(i)%text = trim(known(i)%name)
+            allocate (names(size(sweep_columns) + size(job%axes%axis)))
+            do i = 1, size(sweep_columns)
+                names(i)%text = trim(sweep_columns(i)%name)
             end do
             do i = 1, size(job%axes%axis)
-                names(size(known) + i)%text = job%axes%axis(i)%name
+                names(size(sweep_columns) + i)%text = job%axes%axis(i)%name
             end do
             if (hint == '' .or. index(hint, 'did you mean') == 1) hint = did_you_mean(name, names)
             if (hint == '') hint = '`spintop list columns` shows them all'

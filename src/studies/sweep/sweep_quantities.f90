@@ -1,38 +1,42 @@
 !> The quantities of a case in a sweep table. A quantity that does not exist is NaN, with the reason in a
 !> note.
 module spintop_sweep_quantities
-    use spintop_kinds, only: dp, pi, degree
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_compare, only: is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_steady_motion, only: fast_top_t, fast_top
-    use spintop_motion, only: motion_t
-    use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
+    use spintop_compare, only: is_finite
+    use spintop_floquet, only: find_multipliers
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
+    use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
+    use spintop_kinds, only: dp, pi, degree
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
+    use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_nutation, only: nutation_t, find_nutation
     use spintop_nutation_recorder, only: nutation_recorder_t, no_class
-    use spintop_status, only: is_ok, status_meanings, status_non_finite
-    use spintop_sweep_engine, only: slot_t
+    use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_unsuitable
+    use spintop_steady_motion, only: fast_top_t, fast_top, critical_omega3
+    use spintop_sweep_engine, only: slot_t, lacks_perturbations
     use spintop_sweep_result, only: at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, &
         at_nutation_rate, at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, &
         at_precession_rate_fast_top, at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, &
-        at_azimuth_after_period, at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, &
-        at_theta_end, at_phi_end, at_psi_end, at_theta_rate_end, at_energy_error_max, at_motion_class, &
-        at_spin_per_nutation, at_theta_rate_max, at_force_max, at_force_z_min, at_force_z_max, at_t_end, &
-        at_momentum_period, at_momentum_turn, at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, &
-        note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, note_no_details, &
-        note_no_azimuth, note_no_exact_motion, note_no_momentum_period, note_no_precession_period, note_not_free, &
-        note_not_stuck, kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, &
-        sweep_result_t
+        at_azimuth_after_period, at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, at_theta_end, &
+        at_phi_end, at_psi_end, at_theta_rate_end, at_energy_error_max, at_motion_class, at_spin_per_nutation, &
+        at_theta_rate_max, at_force_max, at_force_z_min, at_force_z_max, at_t_end, at_momentum_period, at_momentum_turn, &
+        at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, note_no_period, note_no_turns, &
+        note_no_nutation, note_no_class, note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, &
+        note_no_momentum_period, note_no_precession_period, note_not_free, note_no_threshold, note_nothing_to_bound, &
+        kinds_of_work, of_class, of_fastest, of_free, of_geometric, of_range, of_whole, sweep_result_t, &
+        at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, note_no_growth, note_no_lyapunov, &
+        note_no_multiplier, note_no_singular, only_without_effects, of_growth, of_lyapunov, of_multiplier, of_singular
+    use spintop_tangent_flow, only: drive_period
     use spintop_vectors, only: cross
     implicit none
     private
     public :: set_nutation, set_measured, set_measured_nutation, set_fast_top, set_azimuth, set_end, set_details, &
-        precession_period, lowest_height
-    public :: explain_no_period, explain_no_exact_motion, explain_not_stuck
-    public :: find_free_constants
+        precession_period, lowest_height, explain_missing, find_free_constants, compute_stability, set_threshold
+
+    real(dp), parameter :: no_angles(3) = 0
 
 contains
 
@@ -269,37 +273,35 @@ contains
 
     end subroutine set_end
 
-    !> Notes why a case has no precession period.
-    subroutine explain_no_period(case, note)
+    !> Notes why a case lacks a quantity: the note of its column, unless something else tells the same.
+    subroutine explain_missing(missing, case, note)
+        integer, intent(in) :: missing !! index of the note
         type(case_t), intent(in) :: case !! the case that lacks the quantity
         type(note_t), intent(inout) :: note !! notes on the case
-        if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
-            call note%add(note_no_precession_period, 'it needs ' // needs_of_period(case))
-        end if
-    end subroutine explain_no_period
-
-    !> Notes why a case has no exact motion.
-    subroutine explain_no_exact_motion(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        if (note%has(note_no_exact_motion)) return
-        if (case%body%has_closed_form()) then
-            call note%add(note_no_exact_motion, trim(status_meanings(status_non_finite)))
-        else if (.not. case%body%is_symmetric()) then
-            call note%add(note_no_exact_motion, 'the body is not symmetric')
-        else if (allocated(case%body%effects)) then
-            call note%add(note_no_exact_motion, 'the effects on the body do more than shift phi and psi')
-        else
-            call note%add(note_no_exact_motion, 'the body is damped')
-        end if
-    end subroutine explain_no_exact_motion
-
-    !> Notes that a body was not stopped.
-    subroutine explain_not_stuck(case, note)
-        type(case_t), intent(in) :: case !! the case that lacks the quantity
-        type(note_t), intent(inout) :: note !! notes on the case
-        call note%add(note_not_stuck)
-    end subroutine explain_not_stuck
+        if (note%has(missing)) return
+        select case (missing)
+        case (note_no_precession_period)
+            if (.not. (note%has(note_no_fast_top) .or. precession_period(case%body, case%start) > 0)) then
+                call note%add(missing, 'it needs ' // needs_of_period(case))
+            end if
+        case (note_no_exact_motion)
+            if (case%body%has_closed_form()) then
+                call note%add(missing, trim(status_meanings(status_non_finite)))
+            else if (.not. case%body%is_symmetric()) then
+                call note%add(missing, 'the body is not symmetric')
+            else if (allocated(case%body%effects)) then
+                call note%add(missing, 'the effects on the body do more than shift phi and psi')
+            else
+                call note%add(missing, 'the body is damped')
+            end if
+        case (note_no_threshold)
+            call note%add(missing, trim(merge('gravity exerts no torque ', 'the body is not symmetric', case%body%is_symmetric())))
+        case (note_nothing_to_bound)
+            if (note%flags == 0) call note%add(missing)
+        case default
+            call note%add(missing)
+        end select
+    end subroutine explain_missing
 
     !> The constants of a free body from its exact solution; of a body that is not symmetric about body z also the range of theta.
     subroutine find_free_constants(slot, wanted)
@@ -390,5 +392,87 @@ contains
         if (body%given%differ .or. .not. body%mgl() > 0) return
         precession_period = 2 * pi * abs(body%inertia(3) * start%omega(3)) / body%mgl()
     end function precession_period
+
+    !> The growth rate at a relative equilibrium, and the largest multiplier over a period of the vibration. The Lyapunov exponent
+    !> and the largest singular value up to the end of the motion are left to `perturbations_t`.
+    subroutine compute_stability(slot, t_end, wanted)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
+        real(dp), intent(in) :: t_end !! end of the motion, s
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        complex(dp) :: eigenvalues(6)
+        integer :: how
+
+        if (wanted(of_growth)) then
+            call find_equilibrium_eigenvalues(slot%case%body, slot%case%start, eigenvalues, how)
+            if (is_ok(how)) then
+                slot%result%of(at_growth_rate) = maxval(real(eigenvalues, dp))
+            else if (how == status_unsuitable) then
+                call slot%note%add(note_no_growth, 'the start is not at rest, sleeping or steady')
+            else
+                call slot%note%add(note_no_growth, trim(status_meanings(how)))
+            end if
+        end if
+        if (wanted(of_lyapunov) .or. wanted(of_singular)) then
+            if (.not. allocated(slot%case%body%effects)) then
+                slot%growth_until = t_end
+                slot%lacks = lacks_perturbations
+            else
+                if (wanted(of_lyapunov)) call slot%note%add(note_no_lyapunov, only_without_effects)
+                if (wanted(of_singular)) call slot%note%add(note_no_singular, only_without_effects)
+            end if
+        end if
+        if (wanted(of_multiplier)) call compute_multiplier(slot)
+    end subroutine compute_stability
+
+    !> The threshold spin of the sleeping top, and the spin at the start over it. Without a torque of gravity the threshold is
+    !> zero, and nothing is over it.
+    subroutine set_threshold(slot)
+        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
+        real(dp) :: omega3
+        associate (body => slot%case%body, values => slot%result)
+            if (.not. body%is_symmetric()) return
+            values%of(at_critical_omega3) = critical_omega3(body)
+            if (.not. values%of(at_critical_omega3) > 0) return
+            omega3 = slot%case%start%omega(3)
+            if (allocated(body%effects)) omega3 = omega3 + body%effects%rotor_momentum(3) / body%inertia(3)
+            values%of(at_sleeping_ratio) = abs(omega3) / values%of(at_critical_omega3)
+        end associate
+    end subroutine set_threshold
+
+    !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
+    !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
+    subroutine compute_multiplier(slot)
+        type(slot_t), intent(inout) :: slot
+        complex(dp) :: multipliers(6)
+        type(motion_t) :: upright
+        integer :: how
+        associate (body => slot%case%body)
+            if (.not. drive_period(body) > 0) then
+                call slot%note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
+                return
+            end if
+            upright = upright_motion(body%centre_of_mass, slot%case%start%omega)
+            call find_multipliers(body, upright, drive_period(body), multipliers, how)
+        end associate
+        if (is_ok(how)) then
+            slot%result%of(at_upright_multiplier) = maxval(abs(multipliers))
+        else if (how == status_unsuitable) then
+            call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
+        else
+            call slot%note%add(note_no_multiplier, trim(status_meanings(how)))
+        end if
+    end subroutine compute_multiplier
+
+    !> The rotation about the vertical of a body whose centre of mass is above the pivot.
+    pure type(motion_t) function upright_motion(centre_of_mass, omega) result(upright)
+        real(dp), intent(in) :: centre_of_mass(3), omega(3)
+        real(dp) :: axis(3), quaternion(4)
+        axis = [0.0_dp, 0.0_dp, 1.0_dp]
+        if (norm2(centre_of_mass) > 0) axis = centre_of_mass / norm2(centre_of_mass)
+        ! The smallest rotation that brings the axis upright; from below about body x.
+        quaternion = [1 + axis(3), axis(2), -axis(1), 0.0_dp]
+        if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
+        upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
+    end function upright_motion
 
 end module spintop_sweep_quantities

@@ -1,29 +1,16 @@
-!> What a sweep has to compute, and what it computes of a case: a number per column of its table, NaN for what
-!> does not exist or was not asked for. Notes on a case name the quantities that do not exist, and the reasons.
+!> What a sweep has to compute, and what it computes of a case: a number for each of its columns, NaN for what does not exist or
+!> was not asked for. Notes on a case name the quantities that do not exist, and the reasons.
+!>
+!> A column is a place among the quantities of a case, and a line of the registry, which says what the column needs. The help,
+!> the choice of columns, the units in the header and the cells derive from the registry.
 module spintop_sweep_result
-    use spintop_certificate, only: proof_words
+    use spintop_certificate, only: proof_of_phi, proof_of_psi, proof_of_theta, proof_words
     use spintop_kinds, only: dp, nan => no_number
+    use spintop_study_column, only: always, by_default, categorical, column => study_column_t, compares, is_end, proof_group
     implicit none
-    private
-    public :: at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, at_nutation_rate
-    public :: at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, at_precession_rate_fast_top
-    public :: at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, at_azimuth_after_period
-    public :: at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, at_theta_end, at_phi_end
-    public :: at_psi_end, at_theta_rate_end, at_energy_error_max, at_orientation_error, at_inherent_error
-    public :: at_evaluations, at_motion_class, at_spin_per_nutation, at_theta_rate_max, at_force_max, at_force_z_min
-    public :: at_force_z_max, at_t_end, at_t_stuck, at_critical_omega3, at_sleeping_ratio, at_growth_rate
-    public :: at_lyapunov_exponent, at_largest_singular_value, at_upright_multiplier, at_momentum_period
-    public :: at_momentum_turn, at_momentum_turn_geometric, at_momentum_axis, at_omega_max, at_theta_end_bound
-    public :: at_phi_end_bound, at_psi_end_bound, at_proof
-    public :: sweep_result_t, value_count, proof_cells, kinds_of_work, set_of, asks_for_span, of_nutation, of_range
-    public :: of_whole, of_measured, of_fastest, of_lowest, of_details, of_class, of_nutation_rate, of_force
-    public :: of_vertical_force, of_fast_top, of_period, of_end, of_turns, of_energy, of_oracle, of_inherent
-    public :: of_cost, of_growth, of_lyapunov, of_singular, of_multiplier, of_free, of_proof, of_threshold
-    public :: of_geometric, only_without_effects, note_t, note_names, note_no_period, note_no_turns
-    public :: note_no_nutation, note_no_class, note_no_fast_top, note_no_details, note_no_azimuth, note_no_stop
-    public :: note_no_growth, note_no_lyapunov, note_no_singular, note_no_exact_motion, note_no_precession_period
-    public :: note_not_free, note_no_momentum_period, note_no_derivative, note_no_multiplier, note_not_stuck
-    public :: note_nothing_to_bound, note_no_threshold, note_no_turns_known
+    public
+    private :: dp, nan, proof_words, proof_of_phi, proof_of_psi, proof_of_theta, always, by_default, categorical, column, &
+        compares, is_end, proof_group, k, nothing, clear, add, explain, has
 
     !> Whether the bounds of a case are proved: `none` without a result.
     character(*), parameter :: proof_cells(0:2) = [character(8) :: 'none', proof_words]
@@ -59,7 +46,11 @@ module spintop_sweep_result
     integer, parameter :: of_geometric = 27         !! the geometric phase of a free motion
     integer, parameter :: kinds_of_work = of_geometric
 
-    !> The quantities of a case: their places among its values, in the order of the columns (spintop_sweep_columns).
+    !> What several columns need.
+    integer, parameter, private :: range_of_theta = 2**of_nutation + 2**of_range, end_and_turns = 2**of_end + 2**of_turns, &
+        whole_nutation = 2**of_nutation + 2**of_whole + 2**of_measured, end_and_bounds = 2**of_end + 2**of_proof
+
+    !> The quantities of a case: their places among its values.
     enum, bind(C)
         enumerator :: at_theta_min = 1
         enumerator :: at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, at_nutation_rate
@@ -75,12 +66,13 @@ module spintop_sweep_result
         enumerator :: at_momentum_turn_geometric, at_momentum_axis, at_omega_max, at_theta_end_bound
         enumerator :: at_phi_end_bound, at_psi_end_bound, at_proof
     end enum
-    !> Number of values of a case, as many as there are columns.
+    !> Number of values of a case.
     integer, parameter :: value_count = at_proof
 
-    integer, private :: k
+    integer :: k
     !> What a case has as long as nothing is computed: no class, and no proof.
-    real(dp), parameter :: nothing(value_count) = [(merge(0.0_dp, nan, k == at_motion_class .or. k == at_proof), k=1, value_count)]
+    real(dp), parameter :: nothing(value_count) = &
+        [(merge(0.0_dp, nan, k == at_motion_class .or. k == at_proof), k=1, value_count)]
 
     !> The quantities of a case; their units and meanings are those of the columns.
     type :: sweep_result_t
@@ -125,15 +117,115 @@ module spintop_sweep_result
         procedure :: has
     end type note_t
 
+    !> The registry of the columns, in the order of the documentation.
+    type(column), parameter, private :: registry(*) = [ &
+        column('theta_min', 'rad', 'minimum nutation angle', 'nutation', at_theta_min, by_default, needs=range_of_theta), &
+        column('theta_max', 'rad', 'maximum nutation angle', 'nutation', at_theta_max, by_default, needs=range_of_theta), &
+        column('delta_u', '', 'range of cos(theta)', 'nutation', at_delta_u, by_default, needs=range_of_theta), &
+        column('delta_u_fast_top', '', 'the same by Eq 29', &
+               'fast_top', at_delta_u_fast_top, by_default, needs=2**of_fast_top), &
+        column('nutation_period', 's', 'nutation period', &
+               'nutation', at_nutation_period, by_default, needs=whole_nutation), &
+        column('nutation_rate', 'rad/s', '2 pi over the nutation period', &
+               'nutation', at_nutation_rate, by_default, needs=whole_nutation), &
+        column('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', &
+               'fast_top', at_nutation_rate_fast_top, by_default, needs=2**of_fast_top), &
+        column('precession_per_nutation', 'rad', 'change of phi in a nutation, without the half turns at exact passages of a &
+               &pole', 'nutation', at_precession_per_nutation, by_default, needs=whole_nutation), &
+        column('precession_rate', 'rad/s', 'mean precession rate', &
+               'nutation', at_precession_rate, by_default, needs=whole_nutation), &
+        column('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', &
+               'fast_top', at_precession_rate_fast_top, by_default, needs=2**of_fast_top), &
+        column('nutations_per_turn', '', 'nutations per full turn of precession', &
+               'nutation', at_nutations_per_turn, by_default, needs=whole_nutation), &
+        column('nutations_per_turn_fast_top', '', 'the same by Eq 54', &
+               'fast_top', at_nutations_per_turn_fast_top, by_default, needs=2**of_fast_top), &
+        column('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', &
+               'fast_top', at_precession_period, by_default, needs=2**of_fast_top), &
+        column('azimuth_after_period_deg', 'deg', 'change of phi after T_p', &
+               'period', at_azimuth_after_period, by_default, needs=2**of_period + 2**of_turns), &
+        column('nutations_in_period', '', 'nutations in T_p', &
+               'nutation', at_nutations_in_period, by_default, needs=whole_nutation, missing=note_no_precession_period), &
+        column('phi_rate_max', 'rad/s', 'precession rate that is largest in magnitude', &
+               'nutation', at_phi_rate_max, by_default, needs=2**of_nutation + 2**of_fastest + 2**of_measured), &
+        column('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', &
+               'fast_top', at_fast_top_ratio, by_default, needs=2**of_fast_top), &
+        column('com_z_min', 'm', 'minimum height of the centre of mass above the pivot', &
+               'nutation', at_com_z_min, by_default, needs=2**of_nutation + 2**of_lowest + 2**of_measured), &
+        column('theta_end', 'rad', 'inclination at the end of the span', &
+               'end', at_theta_end, by_default + always, needs=2**of_end, proof_of=proof_of_theta), &
+        column('phi_end', 'rad', 'precession angle at the end of the span', &
+               'end', at_phi_end, by_default + always, needs=end_and_turns, proof_of=proof_of_phi), &
+        column('psi_end', 'rad', 'spin angle at the end of the span', &
+               'end', at_psi_end, by_default + always, needs=end_and_turns, proof_of=proof_of_psi), &
+        column('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', &
+               'end', at_theta_rate_end, by_default, needs=2**of_end), &
+        column('energy_error_max', '', 'largest relative energy error at the ends of steps (exact: one step)', &
+               'energy', at_energy_error_max, by_default + always, needs=2**of_energy), &
+        column('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', &
+               'oracle', at_orientation_error, by_default + compares, needs=2**of_oracle, missing=note_no_exact_motion), &
+        column('inherent_error', 'rad', 'error of that attitude due to rounding of the data', &
+               'inherent', at_inherent_error, 0, needs=2**of_inherent, missing=note_no_exact_motion), &
+        column('evaluations', '', 'RHS evaluations', 'cost', at_evaluations, by_default, needs=2**of_cost), &
+        column('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', &
+               'details', at_motion_class, categorical, needs=2**of_details + 2**of_measured + 2**of_whole + 2**of_class), &
+        column('spin_per_nutation', 'rad', 'change of psi in a nutation, without the half turns at exact passages of a pole', &
+               'details', at_spin_per_nutation, 0, needs=2**of_details + 2**of_measured + 2**of_whole), &
+        column('theta_rate_max', 'rad/s', 'largest magnitude of the nutation rate', &
+               'details', at_theta_rate_max, 0, needs=2**of_details + 2**of_measured + 2**of_nutation_rate), &
+        column('force_max', 'N', 'maximum support force', &
+               'details', at_force_max, 0, needs=2**of_details + 2**of_measured + 2**of_force), &
+        column('force_z_min', 'N', 'minimum vertical support force', &
+               'details', at_force_z_min, 0, needs=2**of_details + 2**of_measured + 2**of_vertical_force), &
+        column('force_z_max', 'N', 'maximum vertical support force', &
+               'details', at_force_z_max, 0, needs=2**of_details + 2**of_measured + 2**of_vertical_force), &
+        column('t_end', 's', 'end of the span, or time of the event that ended the motion', &
+               'end', at_t_end, by_default + is_end + always, needs=2**of_end), &
+        column('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
+               'end', at_t_stuck, 0, needs=2**of_end, missing=note_not_stuck), &
+        column('critical_omega3', 'rad/s', 'omega3 from which the sleeping top is stable, 2 sqrt(m g l I1)/I3, for its inertia and &
+               &weight', 'sleeping', at_critical_omega3, 0, needs=2**of_threshold, missing=note_no_threshold), &
+        column('sleeping_ratio', '', 'magnitude of omega3 at the start, with h/I3 of a rotor, over critical_omega3', &
+               'sleeping', at_sleeping_ratio, 0, needs=2**of_threshold, missing=note_no_threshold), &
+        column('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
+               'growth', at_growth_rate, 0, needs=2**of_growth), &
+        column('lyapunov_exponent', '1/s', 'mean growth rate of a perturbation, with equal components except along Gamma', &
+               'lyapunov', at_lyapunov_exponent, 0, needs=2**of_lyapunov), &
+        column('largest_singular_value', '', 'largest singular value of the tangent map over the span, in the scales of &
+               &the motion', 'singular', at_largest_singular_value, 0, needs=2**of_singular), &
+        column('upright_multiplier', '', 'largest Floquet multiplier with the centre of mass above the pivot, vibrated &
+               &vertically', 'multiplier', at_upright_multiplier, 0, needs=2**of_multiplier), &
+        column('momentum_period', 's', 'period of the angular momentum in a free body', &
+               'free', at_momentum_period, 0, needs=2**of_free), &
+        column('momentum_turn', 'rad', 'turn about the momentum in that period', &
+               'free', at_momentum_turn, 0, needs=2**of_free), &
+        column('momentum_turn_geometric', 'rad', 'geometric phase, momentum_turn less 2 E momentum_period/L', &
+               'free', at_momentum_turn_geometric, 0, needs=2**of_free + 2**of_geometric), &
+        column('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
+               'free', at_momentum_axis, 0, needs=2**of_free), &
+        column('omega_max', 'rad/s', 'maximum angular velocity of a free body', &
+               'free', at_omega_max, 0, needs=2**of_free), &
+        column('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
+               proof_group, at_theta_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_theta), &
+        column('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
+               proof_group, at_phi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_phi), &
+        column('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
+               proof_group, at_psi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_psi), &
+        column('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
+               proof_group, at_proof, categorical, needs=2**of_proof)]
+
+    !> All columns. A variable, since flang 19 fails at components of constants.
+    type(column), protected :: sweep_columns(size(registry)) = registry
+
 contains
 
-    !> What is wanted, as flags.
-    pure function set_of(members) result(wanted)
-        integer, intent(in) :: members(:) !! indices of groups, such as `of_end`
+    !> What columns need, as flags.
+    pure function work_for(columns) result(wanted)
+        type(column), intent(in) :: columns(:) !! the columns
         logical :: wanted(kinds_of_work)
         integer :: i
-        wanted = [(any(members == i), i=1, kinds_of_work)]
-    end function set_of
+        wanted = [(any(btest(columns%needs, i)), i=1, kinds_of_work)]
+    end function work_for
 
     !> Whether anything depends on the span of a motion whose nutation has a closed form.
     pure logical function asks_for_span(wanted)

@@ -8,27 +8,23 @@ module spintop_sweep_study
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_files, only: replace_file
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, compare_with_writer
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
     use spintop_process, only: host_name, stop_watching_signals, peak_memory
     use spintop_ranks, only: ranks_t
-    use spintop_resumable_table, only: resumable_table_t
-    use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_row_block, only: row_block_t
     use spintop_scene_keys, only: scene_t
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_result, only: bytes_of_result
-    use spintop_status, only: code_of, last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
-    use spintop_study_column, only: chosen_column_t
-    use spintop_study_head, only: compare_with_writer
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: rounded, summary_t
-    use spintop_sweep_columns, only: columns_at, work_for, sweep_column_t
-    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details
-    use spintop_sweep_table, only: describe_table
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
     use spintop_sweep_rows, only: sweep_rows_t
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
     use spintop_sweep_worker, only: size_of_block
@@ -38,7 +34,7 @@ module spintop_sweep_study
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: sweep_study_t, compute_cases, forecast_sweep
+    public :: sweep_study_t, compute_cases
 
     !> The first sample: places in the range of the cases, and consecutive cases at each. Where whole blocks at so many places
     !> are fast, they are the sample: a case of a whole block costs less.
@@ -63,10 +59,8 @@ module spintop_sweep_study
     type, extends(study_t) :: sweep_study_t
     contains
         procedure :: check
-        procedure :: explain
         procedure :: run
         procedure :: complete
-        procedure :: remark
         procedure :: forecast
     end type sweep_study_t
 
@@ -84,17 +78,11 @@ contains
         if (job%axes%cases == 0) return
         call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
+        self%count = job%axes%cases
+        self%phrase = 'a sweep of ' // to_text(self%count) // ' cases, of which this is the first'
+        if (job%first > 1) self%phrase = 'a sweep of ' // to_text(self%count) // ' cases, of which this is number ' // &
+                                         to_text(job%first) // ', the first that can be computed'
     end subroutine check
-
-    !> Number of cases.
-    function explain(self, job) result(phrase)
-        class(sweep_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase, which
-        which = 'the first'
-        if (job%first > 1) which = 'number ' // to_text(job%first) // ', the first that can be computed'
-        phrase = 'a sweep of ' // to_text(job%axes%cases) // ' cases, of which this is ' // which
-    end function explain
 
     !> Computes all cases, or those of one part, and writes the table. After an error the part of the table that
     !> is complete stays, where a later run can resume it. Only the writer among the ranks has a summary, and a
@@ -106,7 +94,7 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         type(team_t) :: team
         integer(int64) :: cases(2)
         real(dp) :: began
@@ -130,7 +118,7 @@ contains
         if (allocated(error) .or. .not. team%ranks%is_writer()) return
         call describe_sweep(job, options%shard, table, team, seconds() - began, summary)
         ! The table itself contains nothing that varies from run to run.
-        call replace_file(job%files%log, join(summary%lines, new_line('a')) // new_line('a'), error)
+        call replace_file(job%files%log, join(summary%lines%string_t, new_line('a')) // new_line('a'), error)
     end subroutine run
 
     !> Computes cases into a table that was begun, and finishes it, unless its rows could not all be written; after an error it
@@ -173,7 +161,7 @@ contains
     subroutine begin_table(job, options, table, cases, error)
         type(job_t), intent(in) :: job
         type(options_t), intent(in) :: options
-        class(resumable_table_t), allocatable, intent(out) :: table
+        class(row_table_t), allocatable, intent(out) :: table
         integer(int64), intent(out) :: cases(2)
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head
@@ -225,64 +213,48 @@ contains
         if (shard%is_part()) call summary%add('shard', shard%line(job%axes%cases))
         call summary%describe_plan(job%plan)
         if (table%remark /= '') call summary%add('note', table%remark)
-        call summary%add('ended', utc_now() // ' on ' // host_name())
+        call summary%add('ended', utc_now() // ' on ' // host_name(), is_detail=.true.)
         call summary%add('time', rounded(elapsed) // ' s on ' // team%in_words() // ', ' &
             // rounded(computed / elapsed) // ' cases/s')
         associate (costs => team%costs)
             call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
                 // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
                 // ' cases/s per thread), formatting ' // rounded(costs%formatting) &
-                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s')
-            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak')
+                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s', is_detail=.true.)
+            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak', is_detail=.true.)
         end associate
         do status = status_ok, last_status
             if (table%counts(status) == 0) cycle
             call summary%add('status', to_text(table%counts(status)) // ' ' // status_name(status) // ': ' &
-                             // status_meaning(status))
+                             // status_meaning(status), is_detail=.not. is_good_end(status))
         end do
         if (table%doubtful > 0) call summary%add('note', to_text(table%doubtful) // ' of the computed cases pass a pole within &
             &their error: phi and psi may be off by whole turns')
         call summary%add_failures('cases', table%counts)
     end subroutine describe_sweep
 
-    !> Plans the statistics.
+    !> Plans the statistics, and says whether cases are integrated.
     subroutine complete(self, job, problems)
         class(sweep_study_t), intent(in) :: self
         type(job_t), intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        logical :: work(kinds_of_work)
         call choose_statistics(job, problems)
+        if (problems%any()) return
+        work = work_for(job%columns)
+        ! Beside the formulas of a fast top.
+        if (.not. job%case%body%has_closed_nutation() .or. asks_for_span(work) .or. work(of_details)) return
+        job%plan%reason = job%plan%reason // ' The selected columns need only the closed form of the nutation: no case is &
+                                             &integrated.'
     end subroutine complete
 
-    !> Whether a sweep integrates its cases numerically.
-    function remark(self, job) result(text)
-        class(sweep_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: text
-        logical :: work(kinds_of_work)
-        text = ''
-        if (.not. job%case%body%has_closed_nutation()) return
-        work = work_for(columns_at(job%columns))
-        ! Beside the formulas of a fast top.
-        if (asks_for_span(work) .or. work(of_details)) return
-        text = ' The selected columns need only the closed form of the nutation: no case is integrated.'
-    end function remark
-
-    !> The table, memory and time, from a sample of the cases.
+    !> The table, memory and time, from a sample of the cases. At least one place of it is computed, however long that takes.
     subroutine forecast(self, job, options, summary)
         class(sweep_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        call forecast_sweep(job, options, summary)
-    end subroutine forecast
-
-    !> Adds lines on the table, the memory and the time. At least one place of the sample is computed, however long that
-    !> takes.
-    subroutine forecast_sweep(job, options, summary)
-        type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
-        type(options_t), intent(in) :: options !! options of the command line
-        type(summary_t), intent(inout) :: summary !! lines are added
-        class(resumable_table_t), allocatable :: table
+        class(row_table_t), allocatable :: table
         type(sample_t) :: sample
         character(:), allocatable :: head
         integer(int64) :: first, cases
@@ -314,7 +286,7 @@ contains
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
                          duration(sample%time))
         if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
-    end subroutine forecast_sweep
+    end subroutine forecast
 
     !> Computing time of a case, s.
     pure real(dp) function each(self)
@@ -330,44 +302,36 @@ contains
         integer(int64), intent(in) :: first, cases
         type(sample_t), intent(in) :: all !! the sample with all columns
         type(summary_t), intent(inout) :: summary
-        type(sweep_column_t) :: columns(size(job%columns))
         type(string_t), allocatable :: names(:)
-        type(chosen_column_t) :: chosen(size(job%columns))
+        type(study_column_t), allocatable :: chosen(:)
         integer :: i, k
         real(dp) :: time(size(job%columns)), ratio
 
         chosen = job%columns
-        columns = columns_at(chosen)
         do i = 1, size(chosen)
             do k = 1, i - 1
-                if (all_equal(columns(k)%needs, columns(i)%needs)) exit
+                if (chosen(k)%needs == chosen(i)%needs) exit
             end do
             if (k < i) then
                 time(i) = time(k)
             else
-                time(i) = time_with(pack(chosen, [(all_equal(columns(k)%needs, columns(i)%needs), k=1, size(chosen))]))
+                time(i) = time_with(pack(chosen, chosen%needs == chosen(i)%needs))
             end if
         end do
         if (maxval(time) < expensive * minval(time)) return
         associate (is_cheap => time < sqrt(minval(time) * maxval(time)))
             ratio = all%work / all%cases / time_with(pack(chosen, is_cheap))
-            names = [(string_t(trim(columns(i)%name)), i=1, size(chosen))]
+            names = [(string_t(trim(chosen(i)%name)), i=1, size(chosen))]
             if (ratio > expensive) call summary%add('columns', 'with ' // join(pack(names, .not. is_cheap), ', ') // &
                                                     ' a case takes ' // rounded(ratio, 2) // ' times as long as without')
         end associate
 
     contains
 
-        !> Whether logical values are the same.
-        pure logical function all_equal(a, b)
-            logical, intent(in) :: a(:), b(:)
-            all_equal = .not. any(a .neqv. b)
-        end function all_equal
-
         !> Time of the processor for a case with these columns, s.
         real(dp) function time_with(some)
-            type(chosen_column_t), intent(in) :: some(:)
-            type(resumable_table_t) :: table
+            type(study_column_t), intent(in) :: some(:)
+            type(row_table_t) :: table
             type(sample_t) :: sample
             job%columns = some
             call describe_columns(job, table%columns)

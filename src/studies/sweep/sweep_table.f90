@@ -5,10 +5,9 @@ module spintop_sweep_table
     use spintop_kinds, only: dp
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_resumable_table, only: resumable_table_t
-    use spintop_job, only: job_t
+    use spintop_row_table, only: row_table_t
+    use spintop_job, only: job_t, print_input
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: netcdf_description_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
     use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
@@ -18,12 +17,11 @@ module spintop_sweep_table
     use spintop_statistics_result, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
-    use spintop_study_head, only: print_input
     use spintop_sweep_axes, only: axes_t
-    use spintop_study_column, only: proof_group
-    use spintop_sweep_columns, only: sweep_column_t, columns_at
+    use spintop_study_column, only: always, proof_group, study_column_t
     use spintop_sweep_engine, only: slot_t
-    use spintop_sweep_result, only: note_names, note_no_turns_known, note_t, proof_cells
+    use spintop_sweep_quantities, only: explain_missing
+    use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, note_t, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
     use spintop_text, only: string_t
     implicit none
@@ -40,7 +38,7 @@ contains
     subroutine describe_table(job, shard, table, head)
         type(job_t), intent(in) :: job !! the job
         type(shard_t), intent(in) :: shard !! the part
-        class(resumable_table_t), allocatable, intent(out) :: table !! not yet started
+        class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
         type(statistics_table_t), allocatable :: with_statistics
 
@@ -50,31 +48,16 @@ contains
             if (.not. job%keeps_rows()) head = with_statistics%result_head
             call move_alloc(with_statistics, table)
         else
-            allocate (resumable_table_t :: table)
+            allocate (row_table_t :: table)
         end if
         call describe_columns(job, table%columns)
         if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
             allocate (table%netcdf)
-            call describe_netcdf(job, shard, table%columns, table%netcdf)
+            table%netcdf%axes = grid_of(job%axes)
+            if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
         if (job%keeps_rows()) call make_head(job, shard, table%columns, head)
     end subroutine describe_table
-
-    !> The table of a job as a NetCDF file.
-    subroutine describe_netcdf(job, shard, columns, description)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(table_column_t), intent(in) :: columns(:)
-        type(netcdf_description_t), intent(out) :: description
-        type(fact_t) :: facts(fact_count)
-
-        call gather(job, facts, description%input)
-        description%facts = facts
-        description%columns = columns
-        description%axes = grid_of(job%axes)
-        description%part = shard%beginning(job%axes%cases)
-        if (job%input%scene%compression /= unset_integer) description%compression = job%input%scene%compression
-    end subroutine describe_netcdf
 
     !> The header of a table of a job with these columns.
     subroutine make_head(job, shard, columns, head)
@@ -84,31 +67,6 @@ contains
         character(:), allocatable, intent(out) :: head !! ready to write
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:)
-
-        call gather(job, facts, input)
-        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
-    end subroutine make_head
-
-    !> What is gathered of the rows of a table.
-    subroutine describe_statistics(job, shard, table)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(statistics_table_t), intent(inout) :: table
-
-        table%keeps_rows = job%keeps_rows()
-        table%has_head = job%keeps_rows() .or. shard%is_part() .or. .not. job%statistics%is_netcdf
-        table%plan = job%statistics
-        table%is_part = shard%is_part()
-        table%result_path = job%files%table
-        if (job%keeps_rows()) table%result_path = job%files%statistics
-        call make_head(job, shard, result_columns(table%plan), table%result_head)
-    end subroutine describe_statistics
-
-    !> Provenance of the table, and the resolved input.
-    subroutine gather(job, facts, input)
-        type(job_t), intent(in) :: job
-        type(fact_t), intent(out) :: facts(fact_count)
-        type(string_t), allocatable, intent(out) :: input(:)
         character(:), allocatable :: method
         integer :: i
         call print_input(job, input)
@@ -121,7 +79,22 @@ contains
             end do
         end if
         call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
-    end subroutine gather
+        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
+    end subroutine make_head
+
+    !> What is gathered of the rows of a table.
+    subroutine describe_statistics(job, shard, table)
+        type(job_t), intent(in) :: job
+        type(shard_t), intent(in) :: shard
+        type(statistics_table_t), intent(inout) :: table
+
+        table%keeps_rows = job%keeps_rows()
+        table%plan = job%statistics
+        table%is_part = shard%is_part()
+        table%result_path = job%files%table
+        if (job%keeps_rows()) table%result_path = job%files%statistics
+        call make_head(job, shard, result_columns(table%plan), table%result_head)
+    end subroutine describe_statistics
 
     !> The grid of the cases: that of the axes, or a single dimension.
     function grid_of(axes) result(grid)
@@ -143,10 +116,8 @@ contains
     subroutine describe_columns(job, columns)
         type(job_t), intent(in) :: job !! the job
         type(table_column_t), allocatable, intent(out) :: columns(:) !! one for each cell
-        type(sweep_column_t), allocatable :: chosen(:)
         integer :: i, axes
 
-        allocate (chosen, source=columns_at(job%columns))
         axes = size(job%axes%axis)
         allocate (columns(cells_of_row(job)))
         columns(1) = table_column_t(case_column, '', 'number of the case', column_of_integers)
@@ -156,11 +127,11 @@ contains
         end do
         columns(axes + 2) = table_column_t(status_column, '', 'ok, or the reason of the failure')
         call columns(axes + 2)%set_words([status_names])
-        do i = 1, size(chosen)
-            associate (quantity => chosen(i), column => columns(axes + 2 + i))
-                column%column_t = quantity%column_t
-                if (quantity%is_class) call column%set_words([character(len(class_names)) :: 'none', class_names])
-                if (quantity%is_proof) call column%set_words(proof_cells)
+        do i = 1, size(job%columns)
+            associate (source => job%columns(i)%source, column => columns(axes + 2 + i))
+                column%column_t = job%columns(i)%column_t
+                if (source == at_motion_class) call column%set_words([character(len(class_names)) :: 'none', class_names])
+                if (source == at_proof) call column%set_words(proof_cells)
             end associate
         end do
         columns(size(columns) - 2 * job%sensitivities%count:size(columns) - 1)%column_t = job%sensitivities%table_columns()
@@ -177,7 +148,7 @@ contains
     !> Adds the rows of cases to a block. What a case does not have is a NaN with a note; what overflowed is a
     !> failure.
     subroutine add_rows(columns, first, parameters, slots, rows)
-        type(sweep_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         integer(int64), intent(in) :: first !! number of the first case
         real(dp), intent(in) :: parameters(:, :) !! the swept ones of each case
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
@@ -187,14 +158,14 @@ contains
 
         sizes = columns%size
         axes = size(parameters, 1)
-        place = columns%place
+        place = columns%source
         associate (cells => rows%cells(:, rows%rows + 1:rows%rows + size(slots)))
             do k = 1, size(slots)
                 associate (slot => slots(k), values => cells(axes + 3:axes + 2 + size(columns), k))
                     final_status = slot%status
                     values = slot%result%of(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
-                        call explain_missing(columns, values, slot%case, slot%note)
+                        call explain_all_missing(columns, values, slot%case, slot%note)
                         if (overflowed(columns, values)) final_status = status_non_finite
                     end if
                     cells(1, k) = real(first + k - 1, dp)
@@ -211,30 +182,30 @@ contains
     end subroutine add_rows
 
     !> Notes what a case lacks and nothing has told yet.
-    subroutine explain_missing(columns, cells, case, note)
-        type(sweep_column_t), intent(in) :: columns(:)
+    subroutine explain_all_missing(columns, cells, case, note)
+        type(study_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: cells(:)
         type(case_t), intent(in) :: case
         type(note_t), intent(inout) :: note
         integer :: i
         do i = 1, size(columns)
-            if (.not. associated(columns(i)%explain) .or. is_finite(cells(i))) cycle
+            if (columns(i)%missing == 0 .or. is_finite(cells(i))) cycle
             ! An infinite bound says itself what it is.
             if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
-            call columns(i)%explain(case, note)
+            call explain_missing(columns(i)%missing, case, note)
         end do
-    end subroutine explain_missing
+    end subroutine explain_all_missing
 
     !> Whether a quantity, but a bound, is infinite, or one undefined that every case has.
     pure logical function overflowed(columns, cells)
-        type(sweep_column_t), intent(in) :: columns(:)
+        type(study_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: cells(:)
         integer :: i
         overflowed = .false.
         do i = 1, size(columns)
             if (columns(i)%group == proof_group) cycle
             overflowed = overflowed .or. abs(cells(i)) > huge(cells)
-            if (columns(i)%always_exists) overflowed = overflowed .or. .not. is_finite(cells(i))
+            if (columns(i)%is(always)) overflowed = overflowed .or. .not. is_finite(cells(i))
         end do
     end function overflowed
 

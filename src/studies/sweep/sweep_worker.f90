@@ -21,8 +21,7 @@ module spintop_sweep_worker
     use spintop_row_proof, only: row_proof_t
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
-    use spintop_study_column, only: proof_group
-    use spintop_sweep_columns, only: sweep_column_t, columns_at, work_for
+    use spintop_study_column, only: proof_group, study_column_t
     use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, &
         slot_t, task_t
     use spintop_sweep_exact, only: sweep_exact_t
@@ -30,8 +29,8 @@ module spintop_sweep_worker
     use spintop_sweep_one_by_one, only: sweep_stepping_t, perturbations_t
     use spintop_sweep_result, only: at_nutation_period, at_theta_end, at_phi_end, at_psi_end, at_t_end, &
         at_theta_end_bound, at_phi_end_bound, at_psi_end_bound, at_proof, note_t, asks_for_span, of_proof, &
-        of_threshold, sweep_result_t, proof_cells
-    use spintop_sweep_stability, only: set_threshold
+        of_threshold, sweep_result_t, proof_cells, work_for
+    use spintop_sweep_quantities, only: set_threshold
     use spintop_sweep_table, only: cells_of_row, add_rows
     use spintop_thread_team, only: work_of_computing, work_of_formatting, work_of_making
     use spintop_uncertainties, only: data_radii
@@ -80,8 +79,6 @@ module spintop_sweep_worker
         logical, private :: skips_nutations = .false.
         !> Which quantities are to be proved.
         logical, private :: proofs(proof_count) = .false.
-        !> The columns of the table.
-        type(sweep_column_t), allocatable, private :: columns(:)
         !> Values of the swept parameters of each case, one per axis; and the last axis on which the attitude depends, 0 if it
         !> is the same in all cases.
         real(dp), allocatable, private :: parameters(:, :)
@@ -113,7 +110,7 @@ contains
     !> What a job asks of its cases.
     type(task_t) function task_of(job) result(task)
         type(job_t), intent(in) :: job
-        task = task_t(work_for(columns_at(job%columns)), job%events, job%stop_after)
+        task = task_t(work_for(job%columns), job%events, job%stop_after)
     end function task_of
 
     !> Makes the engines, in the order in which they are asked.
@@ -146,13 +143,12 @@ contains
         allocate (worker%plans(merge(kinds_of_body, block_size, worker%same_plans)))
         worker%kind_of_first = kind_of(job%case%body)
         if (worker%same_plans) worker%plans(worker%kind_of_first) = kept_plan_t(.true., job%plan)
-        worker%columns = columns_at(job%columns)
         worker%task = task_of(job)
         associate (wanted => worker%task%wanted)
             worker%skips_nutations = job%plan%exact .and. size(job%events) == 0 .and. .not. asks_for_span(wanted) &
                                      .and. .not. wanted(of_proof)
         end associate
-        worker%proofs = sweep_proofs(worker%columns, job%input%scene%certified)
+        worker%proofs = sweep_proofs(job%columns, job%input%scene%certified)
     end subroutine prepare
 
     !> Rows of the cases from `first` to `last`, at most `block_size`.
@@ -182,7 +178,7 @@ contains
             end if
             moments(work_of_computing) = seconds()
             call rows%reserve(cells_of_row(job), block_size)
-            call add_rows(worker%columns, first, worker%parameters(:, :n), slots, rows)
+            call add_rows(job%columns, first, worker%parameters(:, :n), slots, rows)
         end associate
         moments(work_of_formatting) = seconds()
         ! The time of the processor takes a call of the system, which may cost as much as a case: it is asked for once a block.
@@ -320,12 +316,12 @@ contains
     !> Which quantities are to be proved for a table with these columns: those with a bound; also those that are printed,
     !> if these are to be certified, or if there is a column `proof` without bounds.
     pure function sweep_proofs(columns, certified) result(wanted)
-        type(sweep_column_t), intent(in) :: columns(:) !! of the table
+        type(study_column_t), intent(in) :: columns(:) !! of the table
         logical, intent(in) :: certified !! whether proved numbers replace the computed ones
         logical :: wanted(proof_count)
         integer :: i
         wanted = [(any(columns%group == proof_group .and. columns%proof_of == i), i=1, proof_count)]
-        if (.not. certified .and. (any(wanted) .or. .not. any(columns%is_proof))) return
+        if (.not. certified .and. (any(wanted) .or. .not. any(columns%source == at_proof))) return
         wanted = [(any(columns%proof_of == i), i=1, proof_count)]
     end function sweep_proofs
 

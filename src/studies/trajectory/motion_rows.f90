@@ -3,33 +3,58 @@
 module spintop_motion_rows
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
+    use spintop_certificate, only: proof_words
     use spintop_differences, only: nodes_t
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_exit_codes, only: exit_internal
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t, observer_t
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t
-    use spintop_motion_table, only: motion_table_t
+    use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_plan, only: plan_t, sample_time
     use spintop_progress, only: progress_t
-    use spintop_row_maker, only: row_maker_t
+    use spintop_row_table, only: row_table_t
+    use spintop_row_block, only: row_block_t
+    use spintop_trajectory_columns, only: row_maker_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: varied_motions_t
-    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events
+    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events, status_ok
     use spintop_stepper, only: looks_per_step
-    use spintop_text, only: escaped
-    use spintop_trajectory_columns, only: trajectory_column_t
+    use spintop_study_column, only: needs_work, study_column_t, categorical
+    use spintop_table_column, only: status_column
+    use spintop_text, only: escaped, string_t
     implicit none
     private
     public :: writer_t, compute_motion, find_sensitivities
 
+    !> The quantity that is the coordinate of the rows in NetCDF, and the dimension where that is not chosen.
+    character(*), parameter :: time_column = 't', row_dimension = 'row'
+
+    !> Rows that are passed on at once.
+    integer, parameter :: rows_at_once = 1024
+
+    !> A table that is being written.
+    type :: motion_table_t
+        !> The table: CSV or NetCDF, with its header.
+        type(row_table_t) :: rows_table
+        character(:), allocatable, private :: path, head
+        type(row_block_t), private :: block
+    contains
+        procedure :: describe
+        procedure :: create
+        procedure :: add_row
+        procedure :: ended_with
+        procedure :: finish
+        procedure :: discard
+    end type motion_table_t
+
     !> Writes a row for each motion, or keeps it.
     type, extends(observer_t) :: writer_t
         type(row_maker_t) :: columns
-        type(trajectory_column_t), allocatable :: chosen(:)
+        type(study_column_t), allocatable :: chosen(:)
         type(motion_table_t) :: table
         !> The values of row i, where rows are kept: `kept(:, i)`. Otherwise they go to the table.
         real(dp), allocatable :: kept(:, :)
@@ -55,28 +80,107 @@ module spintop_motion_rows
     contains
         procedure :: observe
         procedure :: set_columns
-        procedure, private :: write_row
+        procedure, private :: write_row, keep_row
     end type writer_t
 
     !> The motions of a job with other values of its keys.
     type, extends(varied_motions_t) :: trajectories_t
         type(job_t), pointer :: job => null()
-        type(trajectory_column_t), allocatable :: columns(:)
+        type(study_column_t), allocatable :: columns(:)
     contains
         procedure :: find
     end type trajectories_t
 
 contains
 
+    !> Describes the table of a job, before it is created.
+    subroutine describe(self, job)
+        class(motion_table_t), intent(inout) :: self
+        type(job_t), intent(in) :: job !! the job
+        integer :: i
+
+        self%path = job%files%table
+        allocate (self%rows_table%columns(size(job%columns) + 2 * job%sensitivities%count))
+        self%rows_table%columns%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
+        do i = 1, size(job%columns)
+            if (job%columns(i)%is(categorical)) call self%rows_table%columns(i)%set_words(proof_words(0:1))
+        end do
+        self%head = study_head(job, self%rows_table%columns)
+        self%rows_table%has_journal = .false.
+        if (job%input%scene%format /= 'netcdf') return
+        allocate (self%rows_table%netcdf)
+        self%rows_table%netcdf%axes = [netcdf_axis_t(row_dimension, job%plan%samples)]
+        if (job%input%scene%compression >= 0) self%rows_table%netcdf%compression = job%input%scene%compression
+        i = findloc(job%columns%quantity(), time_column, dim=1)
+        if (i == 0) return
+        self%rows_table%columns(i)%axis = 1
+        self%rows_table%netcdf%axes(1)%name = job%columns(i)%name
+    end subroutine describe
+
+    !> Starts the table, unless it is to be left where it is complete (`resume`); or starts it anew after `discard`.
+    subroutine create(self, resume, restart, error)
+        class(motion_table_t), intent(inout) :: self
+        logical, intent(in) :: resume, restart !! the options of the command line
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        self%rows_table%counts = 0
+        call self%block%reserve(size(self%rows_table%columns), rows_at_once)
+        call self%rows_table%start(self%path, self%head, resume, restart, error)
+    end subroutine create
+
+    !> Adds a row.
+    subroutine add_row(self, values, error)
+        class(motion_table_t), intent(inout) :: self
+        real(dp), intent(in), contiguous :: values(:) !! a number for each column, of a word its number from 0
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        self%block%rows = self%block%rows + 1
+        self%block%cells(:, self%block%rows) = values
+        if (self%block%rows == rows_at_once) call append_block(self, error)
+    end subroutine add_row
+
+    !> Passes the next rows on.
+    subroutine append_block(self, error)
+        class(motion_table_t), intent(inout) :: self
+        type(error_t), allocatable, intent(out) :: error
+        self%block%counts(status_ok) = self%block%rows
+        call self%rows_table%format(self%block)
+        call self%rows_table%append(self%block, error)
+        call self%block%clear()
+    end subroutine append_block
+
+    !> How the motion of a complete table ended: a status.
+    pure integer function ended_with(self)
+        class(motion_table_t), intent(in) :: self
+        ended_with = findloc(self%rows_table%counts > 0, .true., dim=1) - 1
+    end function ended_with
+
+    !> Finishes the table, with how the motion ended.
+    subroutine finish(self, status, error)
+        class(motion_table_t), intent(inout) :: self
+        character(*), intent(in) :: status !! `ok`, or the reason and the time of the end
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+
+        call append_block(self, error)
+        if (allocated(error)) return
+        self%rows_table%trailer = [string_t(status_column // ': ' // status)]
+        if (allocated(self%rows_table%netcdf)) self%rows_table%netcdf%axes(1)%length = int(self%rows_table%rows())
+        call self%rows_table%finish(error)
+    end subroutine finish
+
+    !> Discards the table: nothing of it is left.
+    subroutine discard(self)
+        class(motion_table_t), intent(inout) :: self
+        call self%rows_table%discard()
+    end subroutine discard
+
     !> Sets the columns of the rows, and the motion of which they are.
     subroutine set_columns(self, columns, case, scene)
         class(writer_t), intent(inout) :: self
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! the case of the motion; the rows end with its span
         type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
         self%chosen = columns
         self%counts_turns = any(columns%quantity() == 'phi' .or. columns%quantity() == 'psi')
-        self%wants_work = any(columns%needs_work)
+        self%wants_work = any(columns%is(needs_work))
         self%t_end = case%t_end
         call self%columns%set(columns, case, scene)
     end subroutine set_columns
@@ -102,7 +206,10 @@ contains
                 end if
             end if
         end if
-        call check_values(writer, outcome)
+        if (writer%is_undefined) then
+            outcome%status = status_non_finite
+            outcome%t = writer%t_undefined
+        end if
         call writer%progress%finish()
     end subroutine compute_motion
 
@@ -145,15 +252,6 @@ contains
         end associate
     end subroutine compute_again
 
-    !> Sets the status of a motion with undefined values.
-    subroutine check_values(writer, outcome)
-        type(writer_t), intent(in) :: writer
-        type(outcome_t), intent(inout) :: outcome
-        if (.not. writer%is_undefined) return
-        outcome%status = status_non_finite
-        outcome%t = writer%t_undefined
-    end subroutine check_values
-
     !> The exact solution at equally spaced times, up to the event that ends the motion.
     subroutine sample_exactly(case, plan, writer, outcome, recorder)
         type(case_t), intent(in) :: case
@@ -163,7 +261,8 @@ contains
         type(event_recorder_t), intent(inout), optional :: recorder
         type(exact_path_t) :: path
         type(motion_t) :: motion
-        real(dp) :: t_end, t_known, t
+        real(dp) :: t_end, t_known, t, values(size(writer%chosen))
+        logical :: are_angles
         integer :: i, rows
 
         if (allocated(writer%path)) then
@@ -188,6 +287,7 @@ contains
         if (allocated(writer%asked)) rows = size(writer%asked)
         call path%restart(case, looks_per_step * plan%max_steps + rows)
         path%counts_turns = writer%counts_turns
+        are_angles = writer%columns%wants_angles_of(path%exact)
         do i = 1, rows
             if (allocated(writer%asked)) then
                 t = writer%asked(i)
@@ -195,13 +295,18 @@ contains
                 t = sample_time(t_end, rows, i)
             end if
             if (.not. is_ok(outcome%status) .and. t > t_known) exit
-            call path%at(t, motion)
-            if (path%is_spent()) then
-                outcome%status = status_step_limit
-                t_known = outcome%t
-                exit
+            if (are_angles) then
+                call writer%columns%find_exact_row(path%exact, t, values)
+                call writer%keep_row(t, values)
+            else
+                call path%at(t, motion)
+                if (path%is_spent()) then
+                    outcome%status = status_step_limit
+                    t_known = outcome%t
+                    exit
+                end if
+                call writer%write_row(motion)
             end if
-            call writer%write_row(motion)
             if (writer%has_enough) exit
             outcome%t = t
         end do
@@ -235,27 +340,32 @@ contains
         type(motion_t), intent(in) :: motion
         if (self%has_enough) return
         self%last = motion
-        associate (values => self%columns%row(motion, work=self%work))
-            self%is_undefined = .not. self%columns%is_defined(values)
-            self%t_undefined = motion%t
-            self%has_enough = self%is_undefined
-            if (self%is_undefined) return
-            self%rows = self%rows + 1
-            if (allocated(self%kept)) then
-                self%kept(:, self%rows) = values
-            else
-                call self%table%add_row(values, self%error)
-            end if
-        end associate
-        self%has_enough = allocated(self%error) .or. motion%t >= self%t_stop
-        if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
-        call self%progress%update(int(motion%t / self%t_end * self%total, int64))
+        call self%keep_row(motion%t, self%columns%row(motion, work=self%work))
     end subroutine write_row
+
+    !> Writes the values of a row at a time t, s.
+    subroutine keep_row(self, t, values)
+        class(writer_t), intent(inout) :: self
+        real(dp), intent(in) :: t, values(:)
+        self%is_undefined = .not. self%columns%is_defined(values)
+        self%t_undefined = t
+        self%has_enough = self%is_undefined
+        if (self%is_undefined) return
+        self%rows = self%rows + 1
+        if (allocated(self%kept)) then
+            self%kept(:, self%rows) = values
+        else
+            call self%table%add_row(values, self%error)
+        end if
+        self%has_enough = allocated(self%error) .or. t >= self%t_stop
+        if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)
+        call self%progress%update(int(t / self%t_end * self%total, int64))
+    end subroutine keep_row
 
     !> The derivatives and their errors in each row.
     subroutine find_sensitivities(job, columns, base, cells, error)
         type(job_t), target, intent(in) :: job !! the job
-        type(trajectory_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
+        type(study_column_t), intent(in) :: columns(:) !! the columns of which there are derivatives
         real(dp), intent(in) :: base(:, :) !! their values in each row of the motion itself
         real(dp), intent(out) :: cells(:, :) !! two for each derivative in each row; NaN where it does not exist
         type(error_t), allocatable, intent(out) :: error !! not allocated on success

@@ -3,31 +3,75 @@
 !> derive from the registry.
 module spintop_trajectory_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_orientation, proof_of_phi, &
-        proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta
+        proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_words
+    use spintop_compare, only: is_finite, is_zero
+    use spintop_conditioning, only: conditioning_t, prepare_conditioning
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
     use spintop_motion, only: motion_t
-    use spintop_motion_view, only: motion_view_t
-    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, &
-        goryachev_integral, kovalevskaya_integral, vertical_momentum, specific_force
-    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, &
-        watch_omega, watch_phi, watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, &
-        watch_turning, watch_vertical, watch_vertical_momentum
-    use spintop_study_column, only: chosen_column_t, place_of, proof_group, study_column_t
-    use spintop_table_column, only: column_length
+    use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
+        kovalevskaya_integral, vertical_momentum, specific_force, energy_scale, kinetic_energy, potential_energy, &
+        support_force
+    use spintop_row_proof, only: row_proof_t, wanted_proofs
+    use spintop_scene_keys, only: scene_t
+    use spintop_study_column, only: by_default, categorical, column => study_column_t, compares, near_poles, &
+        needs_effects, needs_exact, needs_work, off_poles, proof_group, study_column_t
+    use spintop_text_buffer, only: text_buffer_t
+    use spintop_uncertainties, only: data_radii
+    use spintop_watched_quantities, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_omega, watch_phi, &
+        watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, watch_turning, watch_vertical, &
+        watch_vertical_momentum
     implicit none
     private
-    public :: trajectory_column_t, trajectory_columns, trajectory_columns_at, find_trajectory_column, angle_group
-    public :: fill_vector, longest, vectors
+    public :: trajectory_columns, value_of, is_free_of_angles, motion_view_t, row_maker_t
+
+    !> One motion after the other of a case.
+    type :: motion_view_t
+        !> The body as it was given, and that of the computation.
+        type(body_t) :: body, turned_body
+        !> The motion of the body as it was given, and as it was computed.
+        type(motion_t) :: motion, computed
+        !> Work of effects since the start by its parts, J.
+        real(dp) :: work(works) = 0
+        !> Energy and vertical momentum at the start, and the scale of the energy error.
+        real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
+        type(case_t), private :: case
+        !> Angles of the last motion.
+        real(dp) :: near(3) = 0
+        !> The proof of the numbers, where it is wanted.
+        type(row_proof_t) :: proof
+        type(exact_motion_t), allocatable, private :: oracle
+        type(conditioning_t), allocatable, private :: conditioning
+        !> What was computed of this motion when a column asked for it.
+        logical, private :: has_energies = .false., has_force = .false.
+        real(dp), private :: known_energies(2) = 0, known_force(3) = 0
+    contains
+        procedure :: set_case
+        procedure :: set_motion
+        procedure :: set_angles
+        procedure :: energies
+        procedure :: energy_change
+        procedure :: energy_error
+        procedure :: momentum_change
+        procedure :: force
+        procedure :: exact
+        procedure :: inherent_error
+    end type motion_view_t
 
     !> The vectors by their numbers.
-    integer, parameter :: vector_time = 1, vector_angles = 2, vector_rates = 3, vector_omega = 4, vector_quaternion = 5, &
-        vector_vertical = 6, vector_axis = 7, vector_centre = 8, vector_energies = 9, vector_energy_error = 10, &
-        vector_momenta = 11, vector_residuals = 12, vector_changes = 13, vector_force = 14, &
-        vector_force_beside_axis = 15, vector_errors = 16, vector_inherent_error = 17, vector_norm_error = 18, &
-        vector_axis_z_rate = 19, vector_kovalevskaya = 20, vector_goryachev = 21, vector_accelerometer = 22, &
-        vector_work = 23, vector_bounds = 24, vector_proof = 25, vector_omega_in_space = 26, vectors = 26
+    enum, bind(C)
+        enumerator :: vector_time = 1, vector_angles, vector_rates, vector_omega, vector_quaternion, vector_vertical
+        enumerator :: vector_axis, vector_centre, vector_energies, vector_energy_error, vector_momenta, vector_residuals
+        enumerator :: vector_changes, vector_force, vector_force_beside_axis, vector_errors, vector_inherent_error
+        enumerator :: vector_norm_error, vector_axis_z_rate, vector_kovalevskaya, vector_goryachev, vector_accelerometer
+        enumerator :: vector_work, vector_bounds, vector_proof, vector_omega_in_space
+    end enum
+    !> Number of vectors.
+    integer, parameter :: vectors = vector_omega_in_space
 
     !> Number of components of the longest vector.
     integer, parameter :: longest = max(proof_count, works + 1)
@@ -37,217 +81,287 @@ module spintop_trajectory_columns
     !> Groups of columns that need no angles nor their rates.
     character(*), parameter :: groups_free_of_angles(*) = [character(8) :: 'rates', 'attitude', 'energy', 'momenta']
 
-    !> A column of a trajectory.
-    type, extends(study_column_t) :: trajectory_column_t
-        !> The number of a vector (`vector_...`), and the component of it that is the value of the column.
-        integer :: vector = 0, component = 1
-        !> What passes a value of the column in a polynomial of each step, if anything does (spintop_watched_quantities).
-        integer :: passing = watch_nothing
-        !> It is in the table when the input names no columns.
-        logical :: is_default = .false.
-        !> It needs the exact motion; and compares the computed one with that.
-        logical :: needs_exact_motion = .false., compares = .false.
-        !> It is for bodies with effects.
-        logical :: needs_effects = .false.
-        !> It contains the work of effects, which is known in the rows of a motion only.
-        logical :: needs_work = .false.
-        !> Near a pole it may vary much faster than the attitude turns: it depends on phi or psi.
-        logical :: varies_near_poles = .false.
-        !> At a pole it does not exist.
-        logical :: ends_at_poles = .false.
-        !> Its cells are words: `unproved` and `proved` for the values 0 and 1.
-        logical :: is_proof = .false.
-        !> In a table: the quantity is the number in it times the size of its unit, and its name here, which is without a unit.
-        real(dp) :: size = 1
-        character(column_length), private :: name_of_quantity = ''
-    contains
-        procedure :: is_free_of_angles
-        procedure :: quantity
-        procedure :: value
-    end type trajectory_column_t
-
     !> The registry of the columns.
-    type(trajectory_column_t), parameter :: registry(*) = [ &
-        trajectory_column_t('t', 's', 'time', angle_group, vector_time, 1, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, 1, watch_phi, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('theta', 'rad', 'inclination of body z to the vertical', angle_group, vector_angles, 2, &
-                            watch_theta, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, 3, watch_psi, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('phi_rate', 'rad/s', 'precession rate', angle_group, vector_rates, 1, &
-                            is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-        trajectory_column_t('theta_rate', 'rad/s', 'nutation rate', angle_group, vector_rates, 2, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('psi_rate', 'rad/s', 'spin rate', angle_group, vector_rates, 3, &
-                            is_default=.true., varies_near_poles=.true., ends_at_poles=.true.), &
-        trajectory_column_t('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 1, watch_omega), &
-        trajectory_column_t('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 2, watch_omega), &
-        trajectory_column_t('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 3, watch_omega), &
-        trajectory_column_t('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion, 1), &
-        trajectory_column_t('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 2), &
-        trajectory_column_t('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 3), &
-        trajectory_column_t('q3', '', 'attitude quaternion, z', 'attitude', vector_quaternion, 4), &
-        trajectory_column_t('gamma1', '', 'upward vertical in body axes, x', 'attitude', vector_vertical, 1, &
-                            watch_vertical), &
-        trajectory_column_t('gamma2', '', 'upward vertical in body axes, y', 'attitude', vector_vertical, 2, &
-                            watch_vertical), &
-        trajectory_column_t('gamma3', '', 'upward vertical in body axes, z', 'attitude', vector_vertical, 3, &
-                            watch_vertical), &
-        trajectory_column_t('axis_x', '', 'body z in space axes, x', 'attitude', vector_axis, 1), &
-        trajectory_column_t('axis_y', '', 'body z in space axes, y', 'attitude', vector_axis, 2), &
-        trajectory_column_t('axis_z', '', 'body z in space axes, z', 'attitude', vector_axis, 3, watch_vertical), &
-        trajectory_column_t('com_x', 'm', 'centre of mass in space axes, x', 'attitude', vector_centre, 1, &
-                            is_default=.true.), &
-        trajectory_column_t('com_y', 'm', 'centre of mass in space axes, y', 'attitude', vector_centre, 2, &
-                            is_default=.true.), &
-        trajectory_column_t('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
-                            'attitude', vector_centre, 3, watch_centre_height, is_default=.true.), &
-        trajectory_column_t('kinetic', 'J', 'kinetic energy', 'energy', vector_energies, 1, watch_kinetic_energy, &
-                            is_default=.true.), &
-        trajectory_column_t('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h &
-                            &where the Earth turns (O its rate, h of a rotor)', &
-                            'energy', vector_energies, 2, watch_potential_energy, is_default=.true.), &
-        trajectory_column_t('energy', 'J', 'total energy', 'energy', vector_energies, 3, watch_energy, is_default=.true.), &
-        trajectory_column_t('energy_error', '', &
-                            'change of energy since the start over (kinetic at start + m g |r|)', &
-                            'energy', vector_energy_error, 1, needs_work=.true.), &
-        trajectory_column_t('lz', 'J s', 'angular momentum about the vertical', 'momenta', vector_momenta, 1, &
-                            watch_vertical_momentum), &
-        trajectory_column_t('l3', 'J s', 'angular momentum about body z', 'momenta', vector_momenta, 2, &
-                            watch_spin_momentum), &
-        trajectory_column_t('R1', 'N m', "residual of Euler's first equation (Eq 51)", &
-                            'residuals', vector_residuals, 1, is_default=.true.), &
-        trajectory_column_t('R2', 'N m', "residual of Euler's second equation (Eq 51)", &
-                            'residuals', vector_residuals, 2, is_default=.true.), &
-        trajectory_column_t('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', vector_changes, 1, &
-                            is_default=.true.), &
-        trajectory_column_t('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', vector_changes, 2, &
-                            is_default=.true.), &
-        trajectory_column_t('force_x', 'N', 'support force on the body, x', 'force', vector_force, 1, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('force_y', 'N', 'support force on the body, y', 'force', vector_force, 2, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('force_z', 'N', 'support force on the body, z', 'force', vector_force, 3, &
-                            is_default=.true., varies_near_poles=.true.), &
-        trajectory_column_t('force_r', 'N', 'support force away from the vertical, in the plane of the axis', &
-                            'force', vector_force_beside_axis, 1, varies_near_poles=.true.), &
-        trajectory_column_t('force_n', 'N', 'support force along the line of nodes', &
-                            'force', vector_force_beside_axis, 2, varies_near_poles=.true.), &
-        trajectory_column_t('orientation_error', 'rad', 'rotation angle from the exact attitude', &
-                            'errors', vector_errors, 1, is_default=.true., needs_exact_motion=.true., compares=.true.), &
-        trajectory_column_t('tip_error', '', 'distance of the axis tip from the exact one', &
-                            'errors', vector_errors, 2, needs_exact_motion=.true., compares=.true.), &
-        trajectory_column_t('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
-                            'errors', vector_inherent_error, 1, is_default=.true., needs_exact_motion=.true.), &
-        trajectory_column_t('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', &
-                            'errors', vector_norm_error, 1), &
-        trajectory_column_t('omega_x', 'rad/s', 'angular velocity about space x', 'rates', vector_omega_in_space, 1), &
-        trajectory_column_t('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 2), &
-        trajectory_column_t('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 3), &
-        trajectory_column_t('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
-                            'attitude', vector_axis_z_rate, 1, watch_turning), &
-        trajectory_column_t('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // &
-                            'centre of mass in body x y', 'momenta', vector_kovalevskaya, 1), &
-        trajectory_column_t('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, ' // &
-                            'Lz = 0 and centre of mass in body x y', 'momenta', vector_goryachev, 1), &
-        trajectory_column_t('accelerometer1', 'm/s^2', 'reading of an accelerometer at the centre of mass, body x', &
-                            'force', vector_accelerometer, 1), &
-        trajectory_column_t('accelerometer2', 'm/s^2', 'reading of an accelerometer at the centre of mass, body y', &
-                            'force', vector_accelerometer, 2), &
-        trajectory_column_t('accelerometer3', 'm/s^2', 'reading of an accelerometer at the centre of mass, body z', &
-                            'force', vector_accelerometer, 3), &
-        trajectory_column_t('work', 'J', 'work of all effects since the start', 'energy', vector_work, works + 1, &
-                            is_default=.true., needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_damping', 'J', 'work of viscous damping', 'energy', vector_work, work_damping, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_friction', 'J', 'work of dry friction', 'energy', vector_work, work_friction, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_drag', 'J', 'work of the air', 'energy', vector_work, work_drag, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_vibration', 'J', 'work of the moving pivot', 'energy', vector_work, work_vibration, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_torque', 'J', 'work of given torques', 'energy', vector_work, work_torque, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('work_rotor', 'J', 'work of the drive of the rotor', 'energy', vector_work, work_rotor, &
-                            needs_effects=.true., needs_work=.true.), &
-        trajectory_column_t('q0_bound', '', 'upper bound of the error of q0, proved', &
-                            proof_group, vector_bounds, proof_of_q0), &
-        trajectory_column_t('q1_bound', '', 'upper bound of the error of q1, proved', &
-                            proof_group, vector_bounds, proof_of_q1), &
-        trajectory_column_t('q2_bound', '', 'upper bound of the error of q2, proved', &
-                            proof_group, vector_bounds, proof_of_q2), &
-        trajectory_column_t('q3_bound', '', 'upper bound of the error of q3, proved', &
-                            proof_group, vector_bounds, proof_of_q3), &
-        trajectory_column_t('theta_bound', 'rad', 'upper bound of the error of theta, proved', &
-                            proof_group, vector_bounds, proof_of_theta), &
-        trajectory_column_t('phi_bound', 'rad', 'upper bound of the error of phi, proved', &
-                            proof_group, vector_bounds, proof_of_phi), &
-        trajectory_column_t('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
-                            proof_group, vector_bounds, proof_of_psi), &
-        trajectory_column_t('omega1_bound', 'rad/s', 'upper bound of the error of omega1, proved', &
-                            proof_group, vector_bounds, proof_of_omega1), &
-        trajectory_column_t('omega2_bound', 'rad/s', 'upper bound of the error of omega2, proved', &
-                            proof_group, vector_bounds, proof_of_omega1 + 1), &
-        trajectory_column_t('omega3_bound', 'rad/s', 'upper bound of the error of omega3, proved', &
-                            proof_group, vector_bounds, proof_of_omega3), &
-        trajectory_column_t('orientation_bound', 'rad', &
-                            'upper bound of the rotation angle from the true attitude, proved', &
-                            proof_group, vector_bounds, proof_of_orientation), &
-        trajectory_column_t('proof', '', 'proved, or unproved if a bound of the row is infinite', &
-                            proof_group, vector_proof, 1, is_proof=.true.)]
+    type(column), parameter :: registry(*) = [ &
+        column('t', 's', 'time', angle_group, vector_time, by_default + near_poles), &
+        column('phi', 'rad', 'precession angle, continuous', &
+               angle_group, vector_angles, by_default + near_poles, 1, watch_phi), &
+        column('theta', 'rad', 'inclination of body z to the vertical', &
+               angle_group, vector_angles, by_default + near_poles, 2, watch_theta), &
+        column('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, by_default + near_poles, 3, watch_psi), &
+        column('phi_rate', 'rad/s', 'precession rate', angle_group, vector_rates, by_default + near_poles + off_poles), &
+        column('theta_rate', 'rad/s', 'nutation rate', angle_group, vector_rates, by_default + near_poles, 2), &
+        column('psi_rate', 'rad/s', 'spin rate', angle_group, vector_rates, by_default + near_poles + off_poles, 3), &
+        column('omega1', 'rad/s', 'angular velocity about body x', 'rates', vector_omega, 0, 1, watch_omega), &
+        column('omega2', 'rad/s', 'angular velocity about body y', 'rates', vector_omega, 0, 2, watch_omega), &
+        column('omega3', 'rad/s', 'angular velocity about body z', 'rates', vector_omega, 0, 3, watch_omega), &
+        column('q0', '', 'attitude quaternion, scalar part', 'attitude', vector_quaternion), &
+        column('q1', '', 'attitude quaternion, x', 'attitude', vector_quaternion, 0, 2), &
+        column('q2', '', 'attitude quaternion, y', 'attitude', vector_quaternion, 0, 3), &
+        column('q3', '', 'attitude quaternion, z', 'attitude', vector_quaternion, 0, 4), &
+        column('gamma1', '', 'upward vertical in body axes, x', 'attitude', vector_vertical, 0, 1, watch_vertical), &
+        column('gamma2', '', 'upward vertical in body axes, y', 'attitude', vector_vertical, 0, 2, watch_vertical), &
+        column('gamma3', '', 'upward vertical in body axes, z', 'attitude', vector_vertical, 0, 3, watch_vertical), &
+        column('axis_x', '', 'body z in space axes, x', 'attitude', vector_axis), &
+        column('axis_y', '', 'body z in space axes, y', 'attitude', vector_axis, 0, 2), &
+        column('axis_z', '', 'body z in space axes, z', 'attitude', vector_axis, 0, 3, watch_vertical), &
+        column('com_x', 'm', 'centre of mass in space axes, x', 'attitude', vector_centre, by_default), &
+        column('com_y', 'm', 'centre of mass in space axes, y', 'attitude', vector_centre, by_default, 2), &
+        column('com_z', 'm', 'centre of mass in space axes, z (height above the pivot)', &
+               'attitude', vector_centre, by_default, 3, watch_centre_height), &
+        column('kinetic', 'J', 'kinetic energy', 'energy', vector_energies, by_default, 1, watch_kinetic_energy), &
+        column('potential', 'J', 'potential energy above the height of the pivot, with -O.IO/2 - O.h where the Earth &
+               &turns (O its rate, h of a rotor)', &
+               'energy', vector_energies, by_default, 2, watch_potential_energy), &
+        column('energy', 'J', 'total energy', 'energy', vector_energies, by_default, 3, watch_energy), &
+        column('energy_error', '', 'change of energy since the start over (kinetic at start + m g |r|)', &
+               'energy', vector_energy_error, needs_work), &
+        column('lz', 'J s', 'angular momentum about the vertical', &
+               'momenta', vector_momenta, 0, 1, watch_vertical_momentum), &
+        column('l3', 'J s', 'angular momentum about body z', 'momenta', vector_momenta, 0, 2, watch_spin_momentum), &
+        column('R1', 'N m', "residual of Euler's first equation (Eq 51)", 'residuals', vector_residuals, by_default), &
+        column('R2', 'N m', "residual of Euler's second equation (Eq 51)", 'residuals', vector_residuals, by_default, 2), &
+        column('R3', 'J s', 'change of Lz since the start (Eq 51)', 'residuals', vector_changes, by_default), &
+        column('R4', 'J', 'change of energy since the start (Eq 51)', 'residuals', vector_changes, by_default, 2), &
+        column('force_x', 'N', 'support force on the body, x', 'force', vector_force, by_default + near_poles), &
+        column('force_y', 'N', 'support force on the body, y', 'force', vector_force, by_default + near_poles, 2), &
+        column('force_z', 'N', 'support force on the body, z', 'force', vector_force, by_default + near_poles, 3), &
+        column('force_r', 'N', 'support force away from the vertical, in the plane of the axis', &
+               'force', vector_force_beside_axis, near_poles), &
+        column('force_n', 'N', 'support force along the line of nodes', 'force', vector_force_beside_axis, near_poles, 2), &
+        column('orientation_error', 'rad', 'rotation angle from the exact attitude', &
+               'errors', vector_errors, by_default + needs_exact + compares), &
+        column('tip_error', '', 'distance of the axis tip from the exact one', &
+               'errors', vector_errors, needs_exact + compares, 2), &
+        column('inherent_error', 'rad', 'error of the attitude due to rounding of the data', &
+               'errors', vector_inherent_error, by_default + needs_exact), &
+        column('norm_error', '', 'norm error abs(q) - 1 of the computed quaternion', 'errors', vector_norm_error), &
+        column('omega_x', 'rad/s', 'angular velocity about space x', 'rates', vector_omega_in_space), &
+        column('omega_y', 'rad/s', 'angular velocity about space y', 'rates', vector_omega_in_space, 0, 2), &
+        column('omega_z', 'rad/s', 'angular velocity about space z', 'rates', vector_omega_in_space, 0, 3), &
+        column('axis_z_rate', '1/s', 'rate of axis_z, zero at the turning points of theta', &
+               'attitude', vector_axis_z_rate, 0, 1, watch_turning), &
+        column('kovalevskaya', '1/s^4', 'Kovalevskaya integral; constant for I1 = I2 = 2 I3 and ' // 'centre of mass in body x y', &
+               'momenta', vector_kovalevskaya), &
+        column('goryachev', '1/s^3', 'integral of Goryachev and Chaplygin; constant for I1 = I2 = 4 I3, Lz = 0 and centre &
+               &of mass in body x y', 'momenta', vector_goryachev), &
+        column('accelerometer1', 'm/s^2', 'reading of an accelerometer at the centre of mass, body x', &
+               'force', vector_accelerometer), &
+        column('accelerometer2', 'm/s^2', 'reading of an accelerometer at the centre of mass, body y', &
+               'force', vector_accelerometer, 0, 2), &
+        column('accelerometer3', 'm/s^2', 'reading of an accelerometer at the centre of mass, body z', &
+               'force', vector_accelerometer, 0, 3), &
+        column('work', 'J', 'work of all effects since the start', &
+               'energy', vector_work, by_default + needs_effects + needs_work, works + 1), &
+        column('work_damping', 'J', 'work of viscous damping', &
+               'energy', vector_work, needs_effects + needs_work, work_damping), &
+        column('work_friction', 'J', 'work of dry friction', &
+               'energy', vector_work, needs_effects + needs_work, work_friction), &
+        column('work_drag', 'J', 'work of the air', 'energy', vector_work, needs_effects + needs_work, work_drag), &
+        column('work_vibration', 'J', 'work of the moving pivot', &
+               'energy', vector_work, needs_effects + needs_work, work_vibration), &
+        column('work_torque', 'J', 'work of given torques', &
+               'energy', vector_work, needs_effects + needs_work, work_torque), &
+        column('work_rotor', 'J', 'work of the drive of the rotor', &
+               'energy', vector_work, needs_effects + needs_work, work_rotor), &
+        column('q0_bound', '', 'upper bound of the error of q0, proved', proof_group, vector_bounds, 0, proof_of_q0), &
+        column('q1_bound', '', 'upper bound of the error of q1, proved', proof_group, vector_bounds, 0, proof_of_q1), &
+        column('q2_bound', '', 'upper bound of the error of q2, proved', proof_group, vector_bounds, 0, proof_of_q2), &
+        column('q3_bound', '', 'upper bound of the error of q3, proved', proof_group, vector_bounds, 0, proof_of_q3), &
+        column('theta_bound', 'rad', 'upper bound of the error of theta, proved', &
+               proof_group, vector_bounds, 0, proof_of_theta), &
+        column('phi_bound', 'rad', 'upper bound of the error of phi, proved', &
+               proof_group, vector_bounds, 0, proof_of_phi), &
+        column('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
+               proof_group, vector_bounds, 0, proof_of_psi), &
+        column('omega1_bound', 'rad/s', 'upper bound of the error of omega1, proved', &
+               proof_group, vector_bounds, 0, proof_of_omega1), &
+        column('omega2_bound', 'rad/s', 'upper bound of the error of omega2, proved', &
+               proof_group, vector_bounds, 0, proof_of_omega1 + 1), &
+        column('omega3_bound', 'rad/s', 'upper bound of the error of omega3, proved', &
+               proof_group, vector_bounds, 0, proof_of_omega3), &
+        column('orientation_bound', 'rad', 'upper bound of the rotation angle from the true attitude, proved', &
+               proof_group, vector_bounds, 0, proof_of_orientation), &
+        column('proof', '', 'proved, or unproved if a bound of the row is infinite', &
+               proof_group, vector_proof, categorical)]
 
     !> All columns, in the order of the table's documentation. A variable, since flang 19 fails at components of constants.
-    type(trajectory_column_t), protected :: trajectory_columns(size(registry)) = registry
+    type(column), protected :: trajectory_columns(size(registry)) = registry
+
+    !> Gives the values of columns, motion by motion.
+    type :: row_maker_t
+        private
+        type(study_column_t), allocatable :: columns(:)
+        !> The vectors by their numbers, and the numbers of those of which the columns are components.
+        real(dp) :: vectors(longest, vectors) = 0
+        integer, allocatable :: needed(:)
+        type(motion_view_t) :: view
+        !> Whether the angles and their rates are enough for all columns.
+        logical :: needs_angles_only = .false.
+        !> Whether some columns are in other units than their own.
+        logical :: has_converted = .false.
+    contains
+        procedure :: set
+        procedure :: row
+        procedure :: wants_angles_of
+        procedure :: find_exact_row
+        procedure :: is_defined
+        procedure :: write_row
+        procedure :: proof_summary
+        procedure :: close
+    end type row_maker_t
 
 contains
 
+    !> Sets the case, and the invariants of its start.
+    subroutine set_case(self, case)
+        class(motion_view_t), intent(out) :: self
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
+        self%case = case
+        self%near = case%given_start%angle
+        self%body = case%given_body
+        self%turned_body = case%body
+        associate (body => case%given_body, start => case%given_start)
+            self%energy_of_start = kinetic_energy(body, start) + potential_energy(body, start)
+            self%momentum_of_start = vertical_momentum(body, start)
+            self%energy_scale = energy_scale(body, start)
+        end associate
+    end subroutine set_case
+
+    !> Sets the current motion. That at the start, by its time, is shown as it was given.
+    subroutine set_motion(self, computed, as_computed)
+        class(motion_view_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! in the axes of the computation
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        logical :: is_start
+        is_start = is_zero(computed%t)
+        if (present(as_computed)) is_start = is_start .and. .not. as_computed
+        self%computed = computed
+        self%motion = self%case%turn%back(computed, computed%given_angle)
+        if (is_start) call use_given_start(self%case%given_start, self%motion)
+        if (any(self%proof%wanted)) call prove(self%proof, self%motion)
+        call forget(self)
+    end subroutine set_motion
+
+    !> Sets the time, the angles and their rates of the current motion alone. The axes are those of the computation, and no
+    !> number is to be proved.
+    subroutine set_angles(self, t, angle, rate)
+        class(motion_view_t), intent(inout) :: self
+        real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
+        self%motion%t = t
+        self%motion%angle = angle
+        self%motion%rate = rate
+        if (is_zero(t)) call use_given_start(self%case%given_start, self%motion)
+        call forget(self)
+    end subroutine set_angles
+
+    !> Forgets what columns asked of the motion before.
+    subroutine forget(self)
+        type(motion_view_t), intent(inout) :: self
+        self%near = self%motion%angle
+        self%has_energies = .false.
+        self%has_force = .false.
+    end subroutine forget
+
+    !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
+    !> pole are not replaced.
+    pure subroutine use_given_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine use_given_start
+
+    !> Proves the attitude and the angular velocity, and replaces them where they are to be certified.
+    subroutine prove(proof, motion)
+        type(row_proof_t), intent(inout) :: proof
+        type(motion_t), intent(inout) :: motion
+        real(dp) :: printed(proof_count)
+        printed = 0
+        printed(proof_of_q0:proof_of_q3) = motion%quaternion
+        printed([proof_of_phi, proof_of_theta, proof_of_psi]) = motion%angle
+        printed(proof_of_omega1:proof_of_omega3) = motion%omega
+        call proof%prove(motion%t, printed)
+        motion%quaternion = printed(proof_of_q0:proof_of_q3)
+        motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
+        motion%omega = printed(proof_of_omega1:proof_of_omega3)
+    end subroutine prove
+
+    !> Kinetic and potential energy, J.
+    function energies(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: energies(2)
+        if (.not. self%has_energies) self%known_energies = [kinetic_energy(self%body, self%motion), &
+                                                            potential_energy(self%body, self%motion)]
+        self%has_energies = .true.
+        energies = self%known_energies
+    end function energies
+
+    !> Change of the energy since the start, J.
+    real(dp) function energy_change(self)
+        class(motion_view_t), intent(inout) :: self
+        energy_change = sum(self%energies()) - self%energy_of_start
+    end function energy_change
+
+    !> The same without the work of effects, relative to the scale of the energies, which work may exceed.
+    real(dp) function energy_error(self)
+        class(motion_view_t), intent(inout) :: self
+        energy_error = (self%energy_change() - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
+    end function energy_error
+
+    !> Change of the vertical momentum since the start, J s.
+    pure real(dp) function momentum_change(self)
+        class(motion_view_t), intent(in) :: self
+        momentum_change = vertical_momentum(self%body, self%motion) - self%momentum_of_start
+    end function momentum_change
+
+    !> The support force in space axes, N.
+    function force(self)
+        class(motion_view_t), intent(inout) :: self
+        real(dp) :: force(3)
+        if (.not. self%has_force) self%known_force = support_force(self%body, self%motion)
+        self%has_force = .true.
+        force = self%known_force
+    end function force
+
+    !> The exact motion at the same time, in the axes of the computation. The body must have one.
+    type(motion_t) function exact(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%oracle)) then
+            allocate (self%oracle)
+            call prepare_exact_motion(self%case%body, self%case%start, self%oracle, status)
+        end if
+        exact = self%oracle%at(self%computed%t)
+    end function exact
+
+    !> The error of the attitude due to rounding of the data, rad. The body must have an exact motion.
+    real(dp) function inherent_error(self)
+        class(motion_view_t), intent(inout) :: self
+        integer :: status
+        if (.not. allocated(self%conditioning)) then
+            allocate (self%conditioning)
+            call prepare_conditioning(self%case%body, self%case%start, self%conditioning, status)
+        end if
+        inherent_error = self%conditioning%floor_at(self%motion%t)
+    end function inherent_error
+
     !> Whether the value follows from the attitude, the angular velocity and its rate.
-    elemental logical function is_free_of_angles(self)
-        class(trajectory_column_t), intent(in) :: self
-        is_free_of_angles = any(groups_free_of_angles == self%group)
+    elemental logical function is_free_of_angles(of)
+        type(column), intent(in) :: of !! the column
+        is_free_of_angles = any(groups_free_of_angles == of%group)
     end function is_free_of_angles
 
-    !> The name of the quantity: `theta` of the column `theta_deg`.
-    elemental character(column_length) function quantity(self)
-        class(trajectory_column_t), intent(in) :: self
-        quantity = self%name_of_quantity
-        if (quantity == '') quantity = self%name
-    end function quantity
-
-    !> The columns of a table.
-    function trajectory_columns_at(chosen) result(columns)
-        type(chosen_column_t), intent(in) :: chosen(:) !! as they were chosen
-        type(trajectory_column_t) :: columns(size(chosen))
-        columns = trajectory_columns(chosen%place)
-        columns%name_of_quantity = columns%name
-        columns%name = chosen%name
-        columns%unit = chosen%unit
-        columns%size = chosen%size
-    end function trajectory_columns_at
-
-    !> The value of the column for the current motion.
-    real(dp) function value(self, now)
-        class(trajectory_column_t), intent(in) :: self
+    !> The value of a column for the current motion.
+    real(dp) function value_of(which, now)
+        type(column), intent(in) :: which !! the column
         type(motion_view_t), intent(inout) :: now !! the motion
         real(dp) :: vector(longest)
-        call fill_vector(self%vector, now, vector)
-        value = vector(self%component)
-    end function value
-
-    !> The column of that name that is a quantity of the motion, in its own unit; `found` tells whether there is one.
-    subroutine find_trajectory_column(name, column, found)
-        character(*), intent(in) :: name !! name of the sought column
-        type(trajectory_column_t), intent(out) :: column !! the column; as by default if it was not found
-        logical, intent(out) :: found !! whether it was found
-        integer :: place
-        place = place_of(trajectory_columns, name)
-        found = place > 0
-        if (found) found = trajectory_columns(place)%group /= proof_group
-        if (found) column = trajectory_columns(place)
-    end subroutine find_trajectory_column
+        call fill_vector(which%source, now, vector)
+        value_of = vector(which%component)
+    end function value_of
 
     !> The components of a vector for the current motion; those that it does not have are left as they were.
     subroutine fill_vector(which, now, vector)
@@ -334,5 +448,116 @@ contains
         vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
         vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
     end subroutine fill_errors
+
+    !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
+    !> says what is to be proved, and of which data.
+    subroutine set(self, columns, case, scene)
+        class(row_maker_t), intent(inout) :: self
+        type(study_column_t), intent(in) :: columns(:) !! the columns
+        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
+        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
+        integer :: i
+        call self%close()
+        self%columns = columns
+        self%needed = pack([(i, i=1, vectors)], [(any(columns%source == i), i=1, vectors)])
+        self%has_converted = any(columns%is_converted())
+        call self%view%set_case(case)
+        self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
+        if (.not. present(scene)) return
+        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified), scene%certified, case%given_body, &
+                                  case%given_start, data_radii(scene))
+    end subroutine set
+
+    !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
+    !> body as it was given. That at the start is told as it was given.
+    function row(self, computed, as_computed, work) result(values)
+        class(row_maker_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
+        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
+        real(dp) :: values(size(self%columns))
+        if (present(work)) self%view%work = work
+        call self%view%set_motion(computed, as_computed)
+        call find_values(self, values)
+    end function row
+
+    !> Whether the angles and their rates at an instant are enough for a row, which `find_exact_row` then gives: no turns are
+    !> to be counted, and no number is to be proved.
+    pure logical function wants_angles_of(self, exact)
+        class(row_maker_t), intent(in) :: self
+        type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
+        wants_angles_of = self%needs_angles_only .and. .not. exact%has_to_follow() .and. .not. any(self%view%proof%wanted)
+    end function wants_angles_of
+
+    !> The row at a time t of the exact motion, which is much faster than `row` and has the same values.
+    subroutine find_exact_row(self, exact, t, values)
+        class(row_maker_t), intent(inout) :: self
+        type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
+        real(dp), intent(in) :: t !! time, s
+        real(dp), intent(out) :: values(:) !! the row, one value per column
+        real(dp) :: angle(3), rate(3)
+        call exact%find_angles(t, angle, rate)
+        call self%view%set_angles(t, angle, rate)
+        call find_values(self, values)
+    end subroutine find_exact_row
+
+    !> The values of the columns for the current motion. A vector is computed once for all of its columns.
+    subroutine find_values(self, values)
+        class(row_maker_t), intent(inout) :: self
+        real(dp), intent(out) :: values(:)
+        integer :: i
+        do i = 1, size(self%needed)
+            call fill_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
+        end do
+        do i = 1, size(self%columns)
+            values(i) = self%vectors(self%columns(i)%component, self%columns(i)%source)
+        end do
+        if (self%has_converted) values = values / self%columns%size
+    end subroutine find_values
+
+    !> Whether the last row, given, is finite, but for bounds and for what does not exist at a pole.
+    pure logical function is_defined(self, values)
+        class(row_maker_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! the last row, one value per column
+        logical :: at_pole
+        integer :: i
+        is_defined = all(abs(values) <= huge(1.0_dp)) ! faster than calls of is_finite
+        if (is_defined) return
+        at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
+        do i = 1, size(values)
+            if (is_finite(values(i)) .or. self%columns(i)%group == proof_group) cycle
+            if (.not. (at_pole .and. self%columns(i)%is(off_poles))) return
+        end do
+        is_defined = .true.
+    end function is_defined
+
+    !> Adds the values of a row to a text, those of words as words.
+    subroutine write_row(self, values, text)
+        class(row_maker_t), intent(in) :: self
+        real(dp), intent(in) :: values(:) !! the row, one value per column
+        type(text_buffer_t), intent(inout) :: text !! the cells are added
+        integer :: i
+        do i = 1, size(values)
+            if (self%columns(i)%is(categorical)) then
+                call text%add_text(trim(proof_words(nint(values(i)))))
+            else
+                call text%add_reals(values(i:i))
+            end if
+        end do
+    end subroutine write_row
+
+    !> How many rows are proved, and why others are not; empty if no proof was wanted.
+    function proof_summary(self) result(text)
+        class(row_maker_t), intent(in) :: self
+        character(:), allocatable :: text
+        text = ''
+        if (any(self%view%proof%wanted)) text = self%view%proof%summary()
+    end function proof_summary
+
+    !> Gives back the memory of the proof.
+    subroutine close(self)
+        class(row_maker_t), intent(inout) :: self
+        call self%view%proof%close()
+    end subroutine close
 
 end module spintop_trajectory_columns

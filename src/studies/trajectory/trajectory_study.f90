@@ -1,30 +1,33 @@
 !> The trajectory study: one motion, one table.
 module spintop_trajectory_study
     use spintop_case, only: case_t
+    use spintop_certificate, only: proof_count, proof_of_q0
     use spintop_clock, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_internal
     use spintop_event_recorder, only: event_columns, event_recorder_t
-    use spintop_motion_costs, only: measure_exact_cost, describe_proof_cost
-    use spintop_resumable_table, only: refusal, remove_leftovers
+    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
+    use spintop_exit_codes, only: exit_internal
+    use spintop_row_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
-    use spintop_job, only: job_t
+    use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp
+    use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t, find_sensitivities
     use spintop_options, only: options_t
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_process, only: stop_watching_signals
+    use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
-    use spintop_steady_motion, only: sleeps_slowly
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
+    use spintop_steady_motion, only: sleeps_slowly
     use spintop_study, only: study_t
-    use spintop_study_head, only: study_head
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
     use spintop_text, only: string_t, to_text, escaped
-    use spintop_trajectory_columns, only: trajectory_column_t, trajectory_columns_at
+    use spintop_uncertainties, only: data_radii
     implicit none
     private
     public :: trajectory_study_t, run_trajectory
@@ -33,10 +36,16 @@ module spintop_trajectory_study
     type, extends(study_t) :: trajectory_study_t
     contains
         procedure :: check
-        procedure :: explain
         procedure :: run
         procedure :: forecast
     end type trajectory_study_t
+
+    !> The proof of the first part of the motion is measured: a part that takes so long, s, or all of it.
+    real(dp), parameter :: long_enough = 0.1_dp
+    integer, parameter :: halvings = 10
+
+    !> Each time is the minimum of several repeats, each of several calls.
+    integer, parameter :: repeats = 7, setups = 50, samples = 500
 
 contains
 
@@ -49,7 +58,12 @@ contains
         type(scene_t), allocatable :: scene
 
         call job%make_first_case(scene, problems, planned=.true.)
-        if (.not. problems%any()) call warn_of_slow_sleeper(job%case, problems)
+        if (problems%any()) return
+        self%phrase = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' // to_text(job%case%t_end) // ' s'
+        associate (body => job%case%body, start => job%case%start)
+            if (sleeps_slowly(body, start)) call problems%warn('initial', slow_sleeper(body, start), &
+                                                               'start with a tilt, such as 1e-6 rad, or spin faster')
+        end associate
     end subroutine check
 
     !> What the proof will cost.
@@ -58,24 +72,8 @@ contains
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        call describe_proof_cost(job, trajectory_columns_at(job%columns), summary)
+        call describe_proof_cost(job, summary)
     end subroutine forecast
-
-    !> Warns of a top that starts exactly upright with less spin than that of a sleeping top.
-    subroutine warn_of_slow_sleeper(case, problems)
-        type(case_t), intent(in) :: case
-        type(problems_t), intent(inout) :: problems
-        if (.not. sleeps_slowly(case%body, case%start)) return
-        call problems%warn('initial', slow_sleeper(case%body, case%start), 'start with a tilt, such as 1e-6 rad, or spin faster')
-    end subroutine warn_of_slow_sleeper
-
-    !> Number of rows, and time span.
-    function explain(self, job) result(phrase)
-        class(trajectory_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job !! the job
-        character(:), allocatable :: phrase
-        phrase = 'a trajectory of ' // to_text(job%plan%samples) // ' rows over ' // to_text(job%case%t_end) // ' s'
-    end function explain
 
     !> Computes the motion; the study fails if it ends early.
     subroutine run(self, job, options, summary, code, error)
@@ -128,7 +126,7 @@ contains
         status = outcome%status
         call finish_tables(job, outcome, writer, recorder, error)
         if (allocated(error)) return
-        call describe_run(job, writer%rows, outcome, elapsed, recorder, summary)
+        call describe_run(job, options, writer%rows, outcome, elapsed, recorder, summary)
         if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
         if (.not. (job%plan%exact .or. sleeps_slowly(job%case%body, job%case%start))) then
             associate (last => writer%last)
@@ -148,24 +146,19 @@ contains
         type(writer_t), intent(inout) :: writer
         type(event_recorder_t), allocatable, target, intent(out) :: recorder
         type(error_t), allocatable, intent(out) :: error
-        type(trajectory_column_t), allocatable :: columns(:), derivatives(:), all_columns(:)
 
         writer%total = job%plan%samples
-        allocate (columns(size(job%columns)))
-        columns = trajectory_columns_at(job%columns)
-        call sensitivity_columns(job, derivatives)
-        all_columns = [columns, derivatives]
         if (job%sensitivities%count == 0) then
-            call writer%set_columns(columns, job%case, job%input%scene)
+            call writer%set_columns(job%columns, job%case, job%input%scene)
         else
-            call keep_rows(job, columns, writer, error)
+            call keep_rows(job, writer, error)
             if (allocated(error)) return
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-        call writer%table%describe(job, all_columns)
+        call writer%table%describe(job)
         call writer%table%create(options%resume, options%restart, error)
         if (allocated(error) .or. writer%table%rows_table%is_complete) return
-        call begin_events(job, columns, recorder, error)
+        call begin_events(job, recorder, error)
         if (allocated(error)) then
             call discard_tables(writer, recorder)
             return
@@ -177,9 +170,8 @@ contains
     end subroutine begin_tables
 
     !> Begins the search for events, and their table.
-    subroutine begin_events(job, columns, recorder, error)
+    subroutine begin_events(job, recorder, error)
         type(job_t), intent(in) :: job
-        type(trajectory_column_t), intent(in) :: columns(:)
         type(event_recorder_t), allocatable, target, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
 
@@ -187,8 +179,8 @@ contains
         allocate (recorder)
         call recorder%set(job%events, job%stop_after, job%case)
         if (job%files%events == '') return
-        call recorder%open_table(job%files%events, study_head(job, [event_columns, columns%column_t]), columns, &
-                                 job%case, job%input%scene, error)
+        call recorder%open_table(job%files%events, study_head(job, [event_columns, job%columns%column_t]), &
+                                 job%columns, job%case, job%input%scene, error)
     end subroutine begin_events
 
     !> Discards the tables after an error.
@@ -199,25 +191,15 @@ contains
         if (allocated(recorder)) call recorder%discard_table()
     end subroutine discard_tables
 
-    !> The columns of derivatives and their errors, which are described only: their values are not those of a motion.
-    subroutine sensitivity_columns(job, columns)
-        type(job_t), intent(in) :: job
-        type(trajectory_column_t), allocatable, intent(out) :: columns(:)
-        allocate (columns(2 * job%sensitivities%count))
-        columns%column_t = job%sensitivities%table_columns()
-    end subroutine sensitivity_columns
-
     !> Has the rows kept: the columns of the table, then those of which there are derivatives.
-    subroutine keep_rows(job, columns, writer, error)
+    subroutine keep_rows(job, writer, error)
         type(job_t), intent(in) :: job
-        type(trajectory_column_t), intent(in) :: columns(:)
         type(writer_t), intent(inout) :: writer
         type(error_t), allocatable, intent(out) :: error
-        type(trajectory_column_t), allocatable :: needed(:)
+        type(study_column_t), allocatable :: needed(:)
         integer :: status
 
-        allocate (needed(size(columns) + size(job%sensitivities%columns())))
-        needed = [columns, trajectory_columns_at(job%sensitivities%columns())]
+        needed = [job%columns, job%sensitivities%columns()]
         call writer%set_columns(needed, job%case, job%input%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' &
@@ -276,8 +258,9 @@ contains
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.
-    subroutine describe_run(job, rows, outcome, elapsed, recorder, summary)
+    subroutine describe_run(job, options, rows, outcome, elapsed, recorder, summary)
         type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
         integer, intent(in) :: rows
         type(outcome_t), intent(in) :: outcome
         real(dp), intent(in) :: elapsed !! seconds that the motion took
@@ -289,11 +272,11 @@ contains
         call summary%describe_plan(job%plan)
         call summary%describe_motion(job%case)
         if (job%files%events /= '') call summary%add('events', to_text(recorder%rows) // ' -> ' // job%files%events)
-        if (job%plan%exact) then
+        if (job%plan%exact .and. options%verbose) then
             call measure_exact_cost(job%case, setup, sample)
             call summary%add('cost', rounded(1.0e6_dp * setup) // ' us for the set-up, ' &
-                             // rounded(1.0e6_dp * sample) // ' us per sample')
-        else
+                             // rounded(1.0e6_dp * sample) // ' us per sample', is_detail=.true.)
+        else if (.not. job%plan%exact) then
             call summary%describe_cost(outcome%counts, job%plan%stepper%info%refine)
         end if
         call summary%add('time', rounded(elapsed) // ' s for ' // decimal(outcome%t) // ' s of motion')
@@ -346,5 +329,65 @@ contains
         text = status_name(outcome%status)
         if (.not. is_ok(outcome%status)) text = text // ' at t = ' // to_text(outcome%end_time())
     end function ending_of
+
+    !> Adds a line on the time that the proof takes, if anything is to be proved. A motion that amplifies errors takes longer in
+    !> its later parts, which need more bits.
+    subroutine describe_proof_cost(job, summary)
+        type(job_t), intent(in) :: job !! the job of the motion
+        type(summary_t), intent(inout) :: summary !! lines are added
+        type(row_proof_t) :: proof
+        real(dp) :: printed(proof_count), began, time, part
+        logical :: wanted(proof_count)
+        integer :: i
+
+        wanted = wanted_proofs(job%columns%quantity(), job%input%scene%certified)
+        if (.not. any(wanted)) return
+        printed = 0
+        printed(proof_of_q0) = 1
+        began = seconds()
+        call proof%open(wanted, .false., job%case%given_body, job%case%given_start, data_radii(job%input%scene))
+        do i = halvings, 0, -1
+            part = 0.5_dp**i
+            call proof%prove(part * job%case%t_end, printed)
+            time = seconds() - began
+            if (time > long_enough .or. .not. proof%is_proved()) exit
+        end do
+        call proof%close()
+        if (proof%is_proved()) then
+            call summary%add('proof', 'about ' // rounded(time / part) // ' s, from the first ' // &
+                             decimal(part * job%case%t_end) // ' s of motion')
+        else
+            call summary%add('proof', 'at t = ' // decimal(part * job%case%t_end) // ': ' // proof%summary())
+        end if
+    end subroutine describe_proof_cost
+
+    !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
+    subroutine measure_exact_cost(case, setup, sample)
+        type(case_t), intent(in) :: case !! the case, whose body must have a closed form
+        real(dp), intent(out) :: setup, sample !! time of a preparation, and of one sample, s
+        type(exact_motion_t) :: exact
+        type(motion_t) :: motion
+        real(dp) :: began, unused
+        integer :: repeat, i, status
+
+        setup = huge(setup)
+        sample = huge(sample)
+        unused = 0
+        do repeat = 1, repeats
+            began = seconds()
+            do i = 1, setups
+                call prepare_exact_motion(case%body, case%start, exact, status)
+            end do
+            setup = min(setup, (seconds() - began) / setups)
+            began = seconds()
+            do i = 1, samples
+                motion = exact%at(case%t_end * i / samples)
+                unused = unused + motion%quaternion(1)
+            end do
+            sample = min(sample, (seconds() - began) / samples)
+        end do
+        ! The sum is used, so that the compiler does not remove the computation.
+        if (unused > huge(unused)) sample = unused
+    end subroutine measure_exact_cost
 
 end module spintop_trajectory_study

@@ -16,8 +16,7 @@ module spintop_sweep_exact
         note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_lowest, &
         of_nutation, of_period, of_turns
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
-        set_details, precession_period, lowest_height
-    use spintop_sweep_stability, only: compute_stability
+        set_details, precession_period, lowest_height, compute_stability
     use spintop_sweep_stop, only: stop_exactly
     implicit none
     private

@@ -15,11 +15,10 @@ module spintop_sweep_lanes
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end
+    use spintop_sweep_quantities, only: find_free_constants, set_fast_top, set_end, compute_stability
     use spintop_sweep_result, only: at_energy_error_max, at_evaluations, kinds_of_work, of_class, of_fast_top, &
         of_fastest, of_force, of_lyapunov, of_measured, of_nutation_rate, of_range, of_singular, of_turns, &
         of_vertical_force
-    use spintop_sweep_stability, only: compute_stability
     use spintop_sweep_monitors, only: sweep_monitors_t
     use spintop_sweep_stop, only: ends_in_lanes
     implicit none

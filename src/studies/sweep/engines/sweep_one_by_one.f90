@@ -21,14 +21,13 @@ module spintop_sweep_one_by_one
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
-        set_end, set_details, precession_period, lowest_height
+        set_end, set_details, precession_period, lowest_height, compute_stability
     use spintop_sweep_result, only: at_com_z_min, at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
         of_energy, of_fast_top, of_fastest, of_force, of_growth, of_inherent, of_lowest, of_measured, of_multiplier, &
         of_nutation, of_nutation_rate, of_oracle, of_period, of_range, of_turns, of_vertical_force, of_whole, &
         sweep_result_t, at_lyapunov_exponent, at_largest_singular_value, note_no_lyapunov, note_no_singular, &
         of_lyapunov, of_singular
-    use spintop_sweep_stability, only: compute_stability
     implicit none
     private
     public :: sweep_stepping_t, perturbations_t

@@ -1,14 +1,18 @@
 !> A table in memory, column by column: what a run gives to a caller of the library.
 module spintop_data_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, internal_error
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
-    use spintop_table_column, only: column_t
-    use spintop_text, only: append, split, string_t
+    use spintop_row_block, only: row_block_t
+    use spintop_table_column, only: column_of_notes, column_of_words, column_t, table_column_t
+    use spintop_text, only: split, string_t
     implicit none
     private
     public :: data_table_t, data_column_t, load_table
+
+    !> Notes with which a new one is compared: most rows have none, or that of a row before.
+    integer, parameter :: latest_notes = 16
 
     !> A column: numbers, or words.
     type, extends(column_t) :: data_column_t
@@ -16,6 +20,9 @@ module spintop_data_table
         real(dp), allocatable :: values(:)
         !> The words that occur, or may occur, without order; not allocated for a column of numbers.
         type(string_t), allocatable :: words(:)
+        !> Whether its words are the notes of cases; and how many words there are, behind which is room for more.
+        logical, private :: has_notes = .false.
+        integer, private :: used = 0
     end type data_column_t
 
     !> A table.
@@ -26,9 +33,58 @@ module spintop_data_table
         type(data_column_t), allocatable :: column(:)
         !> The text of its file without the rows: header, names of the columns, and lines at the end such as the status.
         character(:), allocatable :: frame
+    contains
+        procedure :: begin
+        procedure :: add
     end type data_table_t
 
 contains
+
+    !> Begins a table of many cases, and makes room for all its rows.
+    subroutine begin(self, columns, rows, error)
+        class(data_table_t), intent(out) :: self
+        type(table_column_t), intent(in) :: columns(:)
+        integer(int64), intent(in) :: rows !! number of rows
+        type(error_t), allocatable, intent(out) :: error !! there is not enough memory
+        integer :: i, status
+        real(dp) :: none
+
+        self%name = 'rows'
+        allocate (self%column(size(columns)))
+        do i = 1, size(columns)
+            associate (column => self%column(i))
+                column%column_t = columns(i)%column_t
+                if (columns(i)%kind == column_of_words) column%words = columns(i)%words
+                column%has_notes = columns(i)%kind == column_of_notes
+                if (column%has_notes) call find_word('', column, latest_notes, none)
+                allocate (column%values(rows), stat=status)
+            end associate
+            if (status /= 0) then
+                error = internal_error('not enough memory for a table of so many rows')
+                return
+            end if
+        end do
+    end subroutine begin
+
+    !> Adds rows.
+    subroutine add(self, block)
+        class(data_table_t), intent(inout) :: self
+        type(row_block_t), intent(in) :: block !! rows in their order, as cells
+        integer :: i, k
+
+        do i = 1, size(self%column)
+            associate (column => self%column(i), first => self%rows)
+                column%values(first + 1:first + block%rows) = block%cells(i, :block%rows)
+                if (.not. column%has_notes) cycle
+                column%values(first + 1:first + block%rows) = 0
+                do k = 1, block%rows
+                    if (.not. allocated(block%notes(k)%text)) cycle
+                    call find_word(block%notes(k)%text, column, latest_notes, column%values(first + k))
+                end do
+            end associate
+        end do
+        self%rows = self%rows + block%rows
+    end subroutine add
 
     !> Loads a CSV table that the program wrote, with the units and meanings of its columns.
     subroutine load_table(path, name, table, error)
@@ -98,22 +154,36 @@ contains
         allocate (cells, source=loaded%words(name))
         allocate (column%words(0))
         do i = 1, size(cells)
-            column%values(i) = number_of(cells(i)%text, column)
+            call find_word(cells(i)%text, column, huge(i), column%values(i))
         end do
+        column%words = column%words(:column%used)
     end subroutine read_cells
 
-    !> Number of a word of a column, from 0; a new word is added.
-    integer function number_of(word, column) result(number)
+    !> Finds a word among the latest of a column, or adds it.
+    subroutine find_word(word, column, latest, number)
         character(*), intent(in) :: word
         type(data_column_t), intent(inout) :: column
-        do number = size(column%words), 1, -1
-            if (column%words(number)%text == word) exit
+        integer, intent(in) :: latest !! number of words that are compared
+        real(dp), intent(inout) :: number !! its number, from 0
+        type(string_t), allocatable :: larger(:)
+        integer :: k
+
+        do k = column%used, max(1, column%used - latest), -1
+            number = k - 1
+            if (column%words(k)%text == word) return
         end do
-        if (number == 0) then
-            call append(column%words, word)
-            number = size(column%words)
+        if (.not. allocated(column%words)) allocate (column%words(0))
+        if (column%used == size(column%words)) then
+            allocate (larger(max(1, 2 * column%used)))
+            larger(:column%used) = column%words
+            do k = column%used + 1, size(larger)
+                larger(k)%text = ''
+            end do
+            call move_alloc(larger, column%words)
         end if
-        number = number - 1
-    end function number_of
+        number = column%used
+        column%used = column%used + 1
+        column%words(column%used)%text = word
+    end subroutine find_word
 
 end module spintop_data_table

@@ -15,11 +15,9 @@ module scenes_and_studies
     use spintop_reference_motion
     use spintop_scene_keys
     use spintop_scene_words
-    use spintop_stability_study
     use spintop_study_column
     use spintop_summary
     use spintop_sweep_axes
-    use spintop_sweep_result
     use spintop_sweep_worker
     use spintop_trajectory_columns
     use spintop_trajectory_study

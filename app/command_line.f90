@@ -139,14 +139,17 @@ contains
         integer, intent(inout) :: i
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: argument, value
-        integer :: first, place
+        character(:), allocatable :: argument, value, hint
+        integer :: first, place, status, k
         logical :: valid
 
         argument = argument_at(i)
-        place = place_of(option_name(argument))
+        value = option_name(argument)
+        place = findloc(known_options%name == value .or. known_options%short == value, .true., dim=1)
         if (place == 0) then
-            error = unknown_option(argument)
+            hint = did_you_mean(value, known_options%name)
+            if (hint /= '') hint = '; ' // hint
+            error = wrong("unknown option '" // argument // "'" // hint)
             return
         end if
         value = ''
@@ -168,7 +171,11 @@ contains
         case ('--set')
             request%options%overrides = [request%options%overrides, string_t(value)]
         case ('--threads')
-            call read_threads(value, request, error)
+            status = verify(value, '0123456789')
+            if (status == 0) read (value, *, iostat=status) request%options%threads
+            if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
+                error = wrong('--threads takes a whole number from 1 to ' // to_text(most_threads) // ", not '" // value // "'")
+            end if
         case ('--check')
             request%action = action_check
         case ('--resume')
@@ -190,20 +197,12 @@ contains
             if (value == '') error = wrong('the name of the file for names of tables is empty')
         end select
         if (allocated(error)) return
-        if (all(known_options(place)%name /= [character(9) :: '--resume', '--restart', '--written'])) then
-            call keep_options(first, i, request)
-        end if
-    end subroutine read_option
-
-    !> Keeps arguments `first` to `last` for the command that resumes the run.
-    subroutine keep_options(first, last, request)
-        integer, intent(in) :: first, last
-        type(request_t), intent(inout) :: request
-        integer :: k
-        do k = first, last
+        if (any(known_options(place)%name == [character(9) :: '--resume', '--restart', '--written'])) return
+        ! All others are in the command that resumes the run.
+        do k = first, i
             request%options%command = request%options%command // ' ' // shell_word(argument_at(k))
         end do
-    end subroutine keep_options
+    end subroutine read_option
 
     !> The value of an option: the text after its equals sign, or the next argument.
     subroutine read_value(i, value, error)
@@ -221,19 +220,6 @@ contains
             error = wrong('option ' // argument // ' needs a value')
         end if
     end subroutine read_value
-
-    !> Reads the number of threads.
-    subroutine read_threads(text, request, error)
-        character(*), intent(in) :: text
-        type(request_t), intent(inout) :: request
-        type(error_t), allocatable, intent(inout) :: error
-        integer :: status
-        status = verify(text, '0123456789')
-        if (status == 0) read (text, *, iostat=status) request%options%threads
-        if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
-            error = wrong('--threads takes a whole number from 1 to ' // to_text(most_threads) // ", not '" // text // "'")
-        end if
-    end subroutine read_threads
 
     !> Reads what follows a command, which is argument `i`: words, and the one option that it may take. `list` has a topic, or
     !> none for all of them, `merge` the table to merge into and its parts, `verify` tables.
@@ -296,23 +282,6 @@ contains
         allocate (character(length) :: argument)
         call get_command_argument(i, argument)
     end function argument_at
-
-    !> Index of an option in `known_options`, by either name; 0 if there is none.
-    pure integer function place_of(name)
-        character(*), intent(in) :: name
-        do place_of = size(known_options), 1, -1
-            if (known_options(place_of)%name == name) return
-            if (known_options(place_of)%short == name .and. name /= '') return
-        end do
-    end function place_of
-
-    type(error_t) function unknown_option(argument) result(error)
-        character(*), intent(in) :: argument
-        character(:), allocatable :: hint
-        hint = did_you_mean(option_name(argument), known_options%name)
-        if (hint /= '') hint = '; ' // hint
-        error = wrong("unknown option '" // argument // "'" // hint)
-    end function unknown_option
 
     type(error_t) function wrong(message)
         character(*), intent(in) :: message

@@ -11,9 +11,8 @@ program spintop_main
     use spintop_files, only: replace_file
     use spintop_job, only: job_t
     use spintop_preparation, only: tables_written, prepare_jobs, prepared_t, protect_interrupted
-    use spintop_listing, only: list_as_json, list_topic
-    use spintop_processor, only: check_level
-    use spintop_process, only: begin_process, check_stacks, complain_of, end_output, end_process, print_text
+    use spintop_listing, only: list_topic
+    use spintop_process, only: begin_process, check_level, check_stacks, complain_of, end_output, end_process, print_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
@@ -45,11 +44,7 @@ program spintop_main
     case (action_version)
         lines = [string_t('spintop ' // program_version // ' (revision ' // program_revision() // ')')]
     case (action_list)
-        if (request%as_json) then
-            call list_as_json(request%topic, lines, error)
-        else
-            call list_topic(request%topic, lines, error)
-        end if
+        call list_topic(request%topic, request%as_json, lines, error)
         call end_on(error)
     case (action_merge)
         call merge_parts(request%merged, request%inputs, cases, error)

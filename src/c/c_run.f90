@@ -6,12 +6,11 @@ module spintop_c_run
     use spintop_arithmetic, only: default_arithmetic_t
     use spintop_axes_of_table, only: given_axis_t
     use spintop_caller, only: begin_call, end_call, set_caller
-    use spintop_c_error, only: hand_error, is_null, is_wrong
+    use spintop_c_error, only: c_text_t, hand_error, is_any_null, is_empty, is_wrong, read_c_text, read_c_texts
     use spintop_c_result, only: hand_result
-    use spintop_c_text, only: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
     use spintop_errors, only: error_t
-    use spintop_in_memory, only: memory_run_t, run_in_memory
-    use spintop_listing, only: list_as_json, list_topic
+    use spintop_execution, only: memory_run_t, run_in_memory
+    use spintop_listing, only: list_topic
     use spintop_options, only: most_threads, options_t
     use spintop_provenance, only: program_version
     use spintop_text, only: join, string_t
@@ -113,7 +112,7 @@ contains
         character(:), allocatable :: text, name_of_text
 
         handle = c_null_ptr
-        if (is_null(input, 'the input', place)) return
+        if (is_wrong(.not. c_associated(input), 'the input is a null pointer', place)) return
         if (is_wrong(is_empty(name), 'the name of the input is empty', place)) return
         if (is_wrong(is_empty(folder), 'the name of the folder is empty', place)) return
         if (is_wrong(threads < 0, 'the number of threads is negative', place)) return
@@ -180,11 +179,7 @@ contains
         handle = c_null_ptr
         if (is_wrong(is_empty(topic), 'the name of the topic is empty', place)) return
         call read_c_text(topic, name)
-        if (as_json) then
-            call list_as_json(name, lines, error)
-        else
-            call list_topic(name, lines, error)
-        end if
+        call list_topic(name, as_json, lines, error)
         if (allocated(error)) then
             call hand_error(error, place)
             return

@@ -3,8 +3,7 @@ module spintop_c_tops
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_long_long, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arithmetic, only: default_arithmetic_t
-    use spintop_c_error, only: hand_error
-    use spintop_c_text, only: is_any_null, read_c_texts
+    use spintop_c_error, only: hand_error, is_any_null, read_c_texts
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_input
     use spintop_exact_block, only: block_size, exact_block_t
@@ -68,6 +67,7 @@ contains
         type(default_arithmetic_t) :: arithmetic
         type(request_t) :: request
         integer(c_long_long), pointer :: steps(:)
+        type(c_ptr), pointer :: places(:)
         type(error_t), allocatable :: problem
         integer :: i
 
@@ -93,25 +93,18 @@ contains
             code = exit_input
         end if
         if (code /= 0 .or. n == 0) return
+        if (given_count > 0) call c_f_pointer(given, places, [given_count])
         do i = 1, size(request%given)
-            call c_f_pointer(array_at(given, i), request%given(i)%values, [(n - 1) * abs(request%given(i)%stride) + 1])
+            call c_f_pointer(places(i), request%given(i)%values, [(n - 1) * abs(request%given(i)%stride) + 1])
         end do
+        if (wanted_count > 0) call c_f_pointer(wanted, places, [wanted_count])
         do i = 1, size(request%wanted)
-            call c_f_pointer(array_at(wanted, i), request%wanted(i)%values, [n])
+            call c_f_pointer(places(i), request%wanted(i)%values, [n])
         end do
         if (c_associated(statuses)) call c_f_pointer(statuses, request%status, [n])
         request%wants_end = any(request%wanted%place >= first_of_end)
         call compute_blocks(request, int(threads))
     end function compute_tops
-
-    !> The i-th of some pointers.
-    type(c_ptr) function array_at(places, i)
-        type(c_ptr), intent(in) :: places
-        integer, intent(in) :: i
-        type(c_ptr), pointer :: each(:)
-        call c_f_pointer(places, each, [i])
-        array_at = each(i)
-    end function array_at
 
     !> Checks numbers and strides, and that what has no default is given. Threads call this at once: no text is made by a
     !> function, see `status_names`.

@@ -107,50 +107,33 @@ contains
         type(data_t), intent(inout) :: given
         integer, intent(in) :: n
         real(dp), intent(out) :: weight
-        real(dp) :: time, angle(3), rate(3)
-        logical :: is_top
-        weight = 0
+        real(dp) :: x(most_data)
+        logical :: is_top, by_rates
         is_top = given%body%is_lagrange()
+        by_rates = rates_describe(given%start)
         associate (body => given%body, start => given%start)
-            select case (n)
-            case (1:3)
-                if (n == 2 .and. is_top) return
-                call shift(body%inertia(n), weight)
-                if (is_top) body%inertia(2) = body%inertia(1)
-            case (4)
-                if (.not. is_top) return
-                weight = norm2(half_unit([body%mass, body%gravity, body%centre_of_mass(3)]))
-                body%gravity = displaced_value(body%gravity)
-            case (5)
-                call shift(given%rotor, weight)
-            case (6)
-                call shift(given%frame, weight)
-            case (7:10)
-                if (rates_describe(start)) then
-                    time = start%t
-                    angle = start%angle
-                    rate = start%rate
-                    if (n == 7) call shift(angle(2), weight)
-                    if (n > 7) call shift(rate(n - 7), weight)
-                    ! In the other direction if the axis would pass the pole and phi would jump.
-                    if (angle(2) > pi) angle(2) = start%angle(2) * (1 - displacement)
-                    start = motion_from_angles(time, angle, rate)
-                else
-                    call shift(start%quaternion(n - 6), weight)
-                end if
-            case default
-                if (.not. rates_describe(start)) call shift(start%omega(n - 10), weight)
-            end select
+            x = [body%inertia, body%gravity, given%rotor, given%frame, start%quaternion, start%omega]
+            if (by_rates) x(7:) = [start%angle(2), start%rate, 0.0_dp, 0.0_dp, 0.0_dp]
+            weight = half_unit(x(n))
+            if (n == 4) weight = norm2(half_unit([body%mass, body%gravity, body%centre_of_mass(3)]))
+            if (merge(n == 2, n == 4, is_top)) weight = 0
+            if (.not. weight > 0) return
+            x(n) = x(n) * (1 + displacement)
+            ! In the other direction if the axis would pass the pole and phi would jump.
+            if (by_rates .and. x(7) > pi) x(7) = start%angle(2) * (1 - displacement)
+            if (is_top) x(2) = x(1)
+            body%inertia = x(1:3)
+            body%gravity = x(4)
+            given%rotor = x(5)
+            given%frame = x(6)
+            if (n > 6 .and. by_rates) then
+                start = motion_from_angles(start%t, [start%angle(1), x(7), start%angle(3)], x(8:10))
+            else if (n > 6) then
+                start%quaternion = x(7:10)
+                start%omega = x(11:13)
+            end if
         end associate
     end subroutine displace
-
-    !> Displaces a number, and gives its relative rounding error.
-    pure subroutine shift(x, weight)
-        real(dp), intent(inout) :: x
-        real(dp), intent(out) :: weight
-        weight = half_unit(x)
-        x = displaced_value(x)
-    end subroutine shift
 
     !> Prepares the exact solution of data, as seen from a frame that does not turn.
     pure subroutine prepare(given, exact, status)
@@ -169,11 +152,6 @@ contains
         half_unit = 0
         if (abs(x) > 0) half_unit = spacing(x) / (2 * abs(x))
     end function half_unit
-
-    elemental real(dp) function displaced_value(x)
-        real(dp), intent(in) :: x
-        displaced_value = x * (1 + displacement)
-    end function displaced_value
 
     !> Inherent error of the attitude at time t (s), rad; NaN where the time is not finite.
     pure real(dp) function floor_at(self, t) result(angle)

@@ -15,7 +15,8 @@ module spintop_exact_motion
     use spintop_pole_passages, only: follow_motion
     use spintop_poles, only: reach_of
     use spintop_status, only: is_ok, status_non_finite, status_unsuitable
-    use spintop_symmetric_motion, only: symmetric_motion_t, prepare_symmetric_motion
+    use spintop_symmetric_motion, only: prepare_symmetric_motion, symmetric_angles, symmetric_at, symmetric_motion_t, &
+        symmetric_quaternion
     implicit none
     private
     public :: exact_motion_t, prepare_exact_motion
@@ -54,11 +55,10 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor(3) !! constant momentum of a rotor, body axes, kg m^2/s
         if (present(rotor)) then
+            status = merge(status_unsuitable, status_non_finite, all(is_finite(rotor)))
             if (.not. all(is_zero(rotor))) then
-                status = status_unsuitable
-                if (.not. all(is_finite(rotor))) status = status_non_finite
-                if (status == status_non_finite .or. .not. (body%is_lagrange() .and. all(is_zero(rotor(1:2))))) return
-                call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status, rotor(3))
+                if (is_finite(rotor(3)) .and. all(is_zero(rotor(1:2))) .and. body%is_lagrange()) &
+                    call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status, rotor(3))
                 return
             end if
         end if
@@ -105,7 +105,7 @@ contains
         if (allocated(self%free)) then
             motion = self%free%at(t)
         else
-            motion = self%symmetric_motion_t%at(t)
+            motion = symmetric_at(self%symmetric_motion_t, t)
         end if
         if (self%given%differ) motion%given_angle = self%given_angle
     end function at
@@ -121,7 +121,7 @@ contains
             angle = motion%angle
             rate = motion%rate
         else
-            call self%symmetric_motion_t%find_angles(t, angle, rate)
+            call symmetric_angles(self%symmetric_motion_t, t, angle, rate)
         end if
     end subroutine find_angles
 
@@ -133,7 +133,7 @@ contains
         if (allocated(self%free)) then
             q = self%free%quaternion_at(t)
         else
-            q = self%symmetric_motion_t%quaternion_at(t)
+            q = symmetric_quaternion(self%symmetric_motion_t, t)
         end if
     end function quaternion_at
 

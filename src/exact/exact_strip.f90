@@ -285,33 +285,20 @@ contains
         end do
     end subroutine find_nome
 
-    !> Arguments of the theta functions at the start; zero for a start at a turning point.
+    !> The argument, and those of the theta functions, at the start; zero for a start at a turning point. The equation is that
+    !> of the position of a pole, with X = 2 q cos 2z. The other motions are not affected, so that no case depends on its
+    !> neighbours.
     pure subroutine find_start_phases(strip, theta_rate, moves)
         type(strip_t), intent(inout) :: strip !! the motions of the strip; results are added
         real(dp), intent(in) :: theta_rate(strip_length) !! nutation rates at the start, rad/s
         logical, intent(in) :: moves  !! whether some start is between turning points
-        real(dp), dimension(strip_length) :: start, doubt_before
+        real(dp), dimension(strip_length) :: excess, position, ratio, sine, cosine, angle, doubt_before
+        real(dp) :: sn2, dn, per_plus, per_all
+        integer :: i
         strip%phi_start = 0
         strip%psi_start = 0
         if (.not. moves) return
         doubt_before = strip%doubt
-        call find_start_argument(strip, theta_rate)
-        start = 0
-        call find_phases(strip, start)
-        strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
-        strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
-        ! The other motions are not affected, so that no case depends on its neighbours.
-        strip%doubt = merge(strip%doubt, doubt_before, strip%g0 > 0)
-    end subroutine find_start_phases
-
-    !> The argument at the start for cases that start between turning points. The equation is that of the
-    !> position of a pole, with X = 2 q cos 2z.
-    pure subroutine find_start_argument(strip, theta_rate)
-        type(strip_t), intent(inout) :: strip
-        real(dp), intent(in) :: theta_rate(strip_length)
-        real(dp), dimension(strip_length) :: excess, position, ratio, sine, cosine, angle
-        real(dp) :: sn2, dn, per_plus, per_all
-        integer :: i
         !$omp simd private(sn2, dn, per_plus, per_all)
         do i = 1, strip_length
             associate (kc => strip%kc(i), k2 => strip%k2(i), d => strip%d(i))
@@ -336,7 +323,12 @@ contains
             strip%z0(i) = merge(sign(angle(i), -theta_rate(i)), strip%z0(i), &
                                 strip%g0(i) > 0)
         end do
-    end subroutine find_start_argument
+        angle = 0
+        call find_phases(strip, angle)
+        strip%phi_start = merge(strip%phi_now, 0.0_dp, strip%g0 > 0)
+        strip%psi_start = merge(strip%psi_now, 0.0_dp, strip%g0 > 0)
+        strip%doubt = merge(strip%doubt, doubt_before, strip%g0 > 0)
+    end subroutine find_start_phases
 
     !> The theta functions of both poles at the given times.
     pure subroutine find_phases(strip, time)

@@ -43,7 +43,7 @@ contains
             vertical(3) = vertical(1)
             ! u'' = f'(u)/2 has its minimum where f'' = 0, if the motion reaches that point.
             if (points%beta > 0) then
-                turning_y = -g2(points) / (3 * points%beta)
+                turning_y = -points%g2 / (3 * points%beta)
                 if (turning_y > y1 .and. turning_y < y2) then
                     vertical(3) = vertical_force(body, points, turning_y)
                 end if
@@ -64,11 +64,8 @@ contains
         type(body_t), intent(in) :: body
         type(turning_points_t), intent(in) :: start
         real(xp), intent(in) :: y
-        real(xp) :: g1
-        g1 = -2 * start%u * start%swing_squared - start%beta * start%sine_squared &
-             + 2 * start%a * start%turn
         force = body%mass * (body%gravity + body%centre_of_mass(3) &
-                             * (3 * start%beta * y**2 + 2 * g2(start) * y + g1) / 2)
+                             * (3 * start%beta * y**2 + 2 * start%g2 * y + start%g1) / 2)
     end function vertical_force
 
     !> Magnitude of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.
@@ -89,11 +86,5 @@ contains
         force = body%mass * sqrt(max(along**2 + weight**2 * sine_squared &
                                      + 2 * weight * lift * turn + lift**2 * swing_squared, 0.0_xp))
     end function total_force
-
-    !> Coefficient of y^2 of the cubic f.
-    pure real(xp) function g2(start)
-        type(turning_points_t), intent(in) :: start
-        g2 = 2 * start%beta * start%u - start%swing_squared - start%a**2
-    end function g2
 
 end module spintop_force_extremes

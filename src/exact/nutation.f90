@@ -18,16 +18,8 @@ module spintop_nutation
     public :: class_separatrix, class_libration, class_circulation, last_class
 
     !> Classes of motion. `class_meaning` gives a phrase for each.
-    integer, parameter :: class_loop = 1
-    integer, parameter :: class_cusp = 2
-    integer, parameter :: class_wave = 3
-    integer, parameter :: class_steady = 4
-    integer, parameter :: class_sleeping = 5
-    integer, parameter :: class_hanging = 6
-    integer, parameter :: class_separatrix = 7
-    integer, parameter :: class_libration = 8
-    integer, parameter :: class_circulation = 9
-    integer, parameter :: last_class = 9
+    integer, parameter :: class_loop = 1, class_cusp = 2, class_wave = 3, class_steady = 4, class_sleeping = 5, class_hanging = 6, &
+        class_separatrix = 7, class_libration = 8, class_circulation = 9, last_class = 9
 
     !> Names of the classes in tables.
     character(*), parameter :: class_names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
@@ -241,11 +233,10 @@ contains
     !> of nodes, and no rate.
     elemental logical function is_steady(points)
         class(turning_points_t), intent(in) :: points
-        real(xp) :: moment, terms
+        real(xp) :: terms
         associate (u0 => points%u, k0 => points%swing_squared, s2 => points%sine_squared)
-            moment = -2 * u0 * k0 - points%beta * s2 + 2 * points%a * points%turn
             terms = 2 * abs(u0) * k0 + points%beta * s2 + 2 * abs(points%a * points%turn)
-            is_steady = abs(moment) <= data_rounding * terms .and. &
+            is_steady = abs(points%g1) <= data_rounding * terms .and. &
                 4 * points%frequency * abs(points%u_rate) <= data_rounding * terms
         end associate
     end function is_steady
@@ -302,25 +293,31 @@ contains
 
     !> Largest theta', rad/s. With x = sn^2, D = 1-u2, p = 1+u1 and d = u2-u1, theta'^2 is
     !> proportional to x (1-x) (1 - k^2 x) / ((D + d (1-x)) (p + d x)), whose logarithm is concave:
-    !> the numerator of its derivative has one zero in [0, 1]. Newton's method within a bracket.
+    !> the numerator of its derivative has one zero in [0, 1]. Newton's method within a bracket, for that derivative divided by
+    !> d^2 times x (1-x), which is bounded.
     pure real(dp) function largest_theta_rate(points) result(rate)
         class(turning_points_t), intent(in) :: points
         integer, parameter :: most_iterations = 60
         real(dp), parameter :: tolerance = 1e-9_dp  ! The rate depends on the square of its error.
-        real(dp) :: d, top, bottom, k2, x, next, low, high, slope, value
+        real(dp) :: d, d2, m1, p1, p2, k2, top, bottom, x, next, low, high, slope, value
         integer :: n
 
         rate = 0
         d = real(points%u2_minus_u1, dp)
         if (.not. d > 0) return
         k2 = real(points%k_squared, dp)
+        m1 = real(points%one_minus_u1, dp)
+        d2 = real(points%one_minus_u2, dp)
+        p1 = real(points%one_plus_u1, dp)
+        p2 = real(points%one_plus_u2, dp)
         low = epsilon_dp**2
         high = 1 - epsilon_dp
         x = 0.5_dp
         do n = 1, most_iterations
-            top = real(points%one_minus_u2, dp) + d * (1 - x)
-            bottom = real(points%one_plus_u1, dp) + d * x
-            call derivative(value, slope)
+            top = d2 + d * (1 - x)
+            bottom = p1 + d * x
+            value = p1 / bottom * (1 - x) - d2 / top * x - k2 * x * (1 - x) / (1 - k2 * x)
+            slope = -p1 * p2 / bottom**2 - d2 * m1 / top**2 - k2 * ((1 - x)**2 - (1 - k2) * x**2) / (1 - k2 * x)**2
             if (value > 0) low = x
             if (value <= 0) high = x
             next = x - value / slope
@@ -328,28 +325,10 @@ contains
             if (abs(next - x) <= tolerance * min(x, 1 - x)) exit
             x = next
         end do
-        top = real(points%one_minus_u2, dp) + d * (1 - x)
-        bottom = real(points%one_plus_u1, dp) + d * x
+        top = d2 + d * (1 - x)
+        bottom = p1 + d * x
         ! The products are formed in pairs, which are regular where the motion passes a pole.
-        rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) &
-                                                         * ((1 - x) / top))
-
-    contains
-
-        !> The derivative of the logarithm, divided by d^2, times x (1-x), and its own derivative:
-        !> both bounded.
-        pure subroutine derivative(value, slope)
-            real(dp), intent(out) :: value, slope
-            real(dp) :: p, q, r
-            p = real(points%one_plus_u1, dp) / bottom * (1 - x)
-            q = real(points%one_minus_u2, dp) / top * x
-            r = k2 * x * (1 - x) / (1 - k2 * x)
-            value = p - q - r
-            slope = -real(points%one_plus_u1, dp) * real(points%one_plus_u2, dp) / bottom**2 &
-                - real(points%one_minus_u2, dp) * real(points%one_minus_u1, dp) / top**2 &
-                - k2 * ((1 - x)**2 - (1 - k2) * x**2) / (1 - k2 * x)**2
-        end subroutine derivative
-
+        rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) * ((1 - x) / top))
     end function largest_theta_rate
 
     !> Inclination from 1 - u and 1 + u, rad.

@@ -144,8 +144,8 @@ contains
         regular%swing_squared = theta_rate**2 + (sine * phi_rate)**2
         regular%turn = regular%sine_squared * phi_rate
 
-        upper_turn = unit((real(start%angle(1), xp) + start%angle(3)) / 2)
-        lower_turn = unit((real(start%angle(1), xp) - start%angle(3)) / 2)
+        upper_turn = exp(i * (real(start%angle(1), xp) + start%angle(3)) / 2)
+        lower_turn = exp(i * (real(start%angle(1), xp) - start%angle(3)) / 2)
         regular%upper = half_cosine * upper_turn
         regular%lower = half_sine * lower_turn
         swing = cmplx(theta_rate, phi_rate * sine, xp) * lower_turn * conjg(upper_turn)
@@ -202,11 +202,6 @@ contains
         opposes = real(conjg(regular%upper) * cmplx(q(1), q(4), xp) &
                        + conjg(regular%lower) * cmplx(q(2), q(3), xp), xp) < 0
     end function opposes
-
-    elemental complex(xp) function unit(angle)
-        real(xp), intent(in) :: angle
-        unit = cmplx(cos(angle), sin(angle), xp)
-    end function unit
 
     elemental real(xp) function squared(z)
         complex(xp), intent(in) :: z

@@ -1,13 +1,54 @@
 !> The attitude of a symmetric top at an instant, as a product of theta functions, and its angles. They are compiled by
 !> themselves: inlined into several procedures they would be rounded in several ways, as products and sums are contracted
 !> there.
-submodule(spintop_symmetric_motion) symmetric_attitude
+module spintop_symmetric_attitude
+    use spintop_kinds, only: dp, xp, pi_xp, no_number
+    use spintop_nutation, only: nutation_t
     use spintop_scalar_functions, only: argument, unit
+    use spintop_theta_functions, only: theta_values_t
+    use spintop_theta_motion, only: theta_motion_t, regime_resting
     implicit none
+    private
+    public :: symmetric_motion_t, attitude_t, find_attitude, find_thetas, find_angles_of_attitude
+
+    !> The exact solution for one top and one start. It does not change after its preparation, so threads may
+    !> share it.
+    type :: symmetric_motion_t
+        !> Quantities that do not depend on time.
+        type(nutation_t), public :: nutation
+        !> Start, turning points and theta functions.
+        type(theta_motion_t) :: theta
+        !> Phases of the upper and the lower component at the start, rad; their rates, and the difference of these, rad/s.
+        real(xp) :: upper_phase = 0, lower_phase = 0
+        real(xp) :: upper_rate = 0, lower_rate = 0, difference_rate = 0
+        !> The components at the start, which an axis at rest keeps. NaN before the preparation, so that any
+        !> motion is NaN then.
+        complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
+        real(dp) :: omega3 = no_number
+        !> Number of nutations, and of passages of theta = pi, before the start.
+        real(xp) :: tops_before = 0, bottoms_before = 0
+        !> Whether there are exact passages of a pole.
+        logical :: passes_pole = .false.
+    end type symmetric_motion_t
+
+    !> The attitude at an instant, and intermediate results. Without initial values, because it is filled for
+    !> every sample.
+    type :: attitude_t
+        !> The two Cayley-Klein components, and the rotating factors by which U and L are multiplied.
+        complex(dp) :: upper, lower, upper_turn, lower_turn
+        type(theta_values_t) :: theta
+        !> Time since the start, s, and the number of nutations subtracted from the argument.
+        real(xp) :: elapsed, nutations
+        logical :: rising  !! moving from u1 to u2
+    end type attitude_t
 
 contains
 
-    module procedure find_attitude
+    !> The Cayley-Klein components at time t.
+    pure subroutine find_attitude(self, t, now)
+        type(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        type(attitude_t), intent(out) :: now
         call find_thetas(self, t, now)
         if (self%theta%regime == regime_resting) then
             now%upper = self%upper * unit(self%upper_rate * now%elapsed)
@@ -25,9 +66,13 @@ contains
             now%upper = now%upper_turn * now%theta%upper
             now%lower = now%lower_turn * now%theta%lower
         end associate
-    end procedure find_attitude
+    end subroutine find_attitude
 
-    module procedure find_thetas
+    !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
+    pure subroutine find_thetas(self, t, now)
+        type(symmetric_motion_t), intent(in) :: self
+        real(dp), intent(in) :: t !! time, s
+        type(attitude_t), intent(inout) :: now !! its theta functions and its times
         real(dp) :: z, from_top
 
         now%elapsed = t - self%theta%time
@@ -35,9 +80,13 @@ contains
         call self%theta%locate(now%elapsed, z, from_top, now%nutations)
         call self%theta%evaluate(z, from_top, now%theta)
         now%rising = z >= 0
-    end procedure find_thetas
+    end subroutine find_thetas
 
-    module procedure find_angles_of_attitude
+    !> Angles, with all turns of phi and psi, and their rates.
+    pure subroutine find_angles_of_attitude(self, attitude, angle, rate)
+        type(symmetric_motion_t), intent(in) :: self
+        type(attitude_t), intent(in) :: attitude !! the theta functions at an instant
+        real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
         real(xp) :: total, difference
         real(dp) :: sn2, cn2, range, one_minus_u, one_plus_u, u, y, sine, dn, upper, lower
 
@@ -81,7 +130,7 @@ contains
             end if
             rate(3) = self%omega3 - rate(1) * u
         end associate
-    end procedure find_angles_of_attitude
+    end subroutine find_angles_of_attitude
 
     !> phi' sin(theta)^2 = b - a u, rad/s, in the form that cancels least.
     pure real(dp) function turn_at(points, y, one_minus_u, one_plus_u) result(turn)
@@ -119,4 +168,4 @@ contains
         psi = psi + bottom_jump - top_jump
     end subroutine add_jumps
 
-end submodule symmetric_attitude
+end module spintop_symmetric_attitude

@@ -10,7 +10,7 @@
 !> The remaining rounding error is that of rate times time. The constants and the phases are therefore in
 !> extended precision; only the reduced phases are in double precision.
 module spintop_symmetric_motion
-    use spintop_kinds, only: dp, xp, pi_xp, no_number
+    use spintop_kinds, only: dp, xp, pi_xp
     use spintop_compare, only: is_finite
     use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
@@ -18,73 +18,14 @@ module spintop_symmetric_motion
     use spintop_scalar_functions, only: argument
     use spintop_turning_points, only: turning_points_t, find_checked_points
     use spintop_theta_functions, only: theta_values_t
-    use spintop_theta_motion, only: theta_motion_t, prepare_theta_motion, regime_resting
-    use spintop_nutation, only: nutation_t, describe_nutation, is_defined
+    use spintop_theta_motion, only: prepare_theta_motion, regime_resting
+    use spintop_nutation, only: describe_nutation, is_defined
+    use spintop_symmetric_attitude, only: attitude_t, find_angles_of_attitude, find_attitude, find_thetas, symmetric_motion_t
     implicit none
     private
-    public :: symmetric_motion_t, prepare_symmetric_motion
-
-    !> The exact solution for one top and one start. It does not change after its preparation, so threads may
-    !> share it.
-    type :: symmetric_motion_t
-        private
-        !> Quantities that do not depend on time.
-        type(nutation_t), public :: nutation
-        !> Start, turning points and theta functions.
-        type(theta_motion_t) :: theta
-        !> Phases of the upper and the lower component at the start, rad; their rates, and the difference of these, rad/s.
-        real(xp) :: upper_phase = 0, lower_phase = 0
-        real(xp) :: upper_rate = 0, lower_rate = 0, difference_rate = 0
-        !> The components at the start, which an axis at rest keeps. NaN before the preparation, so that any
-        !> motion is NaN then.
-        complex(dp) :: upper = (no_number, no_number), lower = (no_number, no_number)
-        real(dp) :: omega3 = no_number
-        !> Number of nutations, and of passages of theta = pi, before the start.
-        real(xp) :: tops_before = 0, bottoms_before = 0
-        !> Whether there are exact passages of a pole.
-        logical :: passes_pole = .false.
-    contains
-        procedure :: at
-        procedure :: find_angles
-        procedure :: quaternion_at
-    end type symmetric_motion_t
-
-    !> The attitude at an instant, and intermediate results. Without initial values, because it is filled for
-    !> every sample.
-    type :: attitude_t
-        !> The two Cayley-Klein components, and the rotating factors by which U and L are multiplied.
-        complex(dp) :: upper, lower, upper_turn, lower_turn
-        type(theta_values_t) :: theta
-        !> Time since the start, s, and the number of nutations subtracted from the argument.
-        real(xp) :: elapsed, nutations
-        logical :: rising  !! moving from u1 to u2
-    end type attitude_t
+    public :: symmetric_motion_t, prepare_symmetric_motion, symmetric_at, symmetric_angles, symmetric_quaternion
 
     complex(dp), parameter :: i = (0.0_dp, 1.0_dp)
-
-    ! In a submodule (symmetric_attitude.f90): compiled once and inlined nowhere, so that all procedures here round alike.
-    interface
-        !> The Cayley-Klein components at time t.
-        pure module subroutine find_attitude(self, t, now)
-            type(symmetric_motion_t), intent(in) :: self !! the exact solution
-            real(dp), intent(in) :: t !! time, s
-            type(attitude_t), intent(out) :: now !! the attitude
-        end subroutine find_attitude
-
-        !> The theta functions at time t, of which the axis at rest has none, and what else does not depend on the phases.
-        pure module subroutine find_thetas(self, t, now)
-            type(symmetric_motion_t), intent(in) :: self !! the exact solution
-            real(dp), intent(in) :: t !! time, s
-            type(attitude_t), intent(inout) :: now !! its theta functions and its times
-        end subroutine find_thetas
-
-        !> Angles, with all turns of phi and psi, and their rates.
-        pure module subroutine find_angles_of_attitude(self, attitude, angle, rate)
-            type(symmetric_motion_t), intent(in) :: self !! the exact solution
-            type(attitude_t), intent(in) :: attitude !! the theta functions at an instant
-            real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
-        end subroutine find_angles_of_attitude
-    end interface
 
 contains
 
@@ -173,8 +114,8 @@ contains
     !> The motion at time t, s, or at an array of times. Its attitude is NaN at a time that is not finite, and
     !> for a solution that was not prepared. At an exact passage of a pole the rates of phi and psi do not
     !> exist; the result is their limit for passages that approach the pole.
-    elemental type(motion_t) function at(self, t) result(motion)
-        class(symmetric_motion_t), intent(in) :: self
+    elemental type(motion_t) function symmetric_at(self, t) result(motion)
+        type(symmetric_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         type(attitude_t) :: attitude
         complex(dp) :: swing, swing_rate
@@ -188,27 +129,27 @@ contains
         motion%omega = [real(swing, dp), aimag(swing), self%omega3]
         motion%omega_rate = [real(swing_rate, dp), aimag(swing_rate), 0.0_dp]
         call find_angles_of_attitude(self, attitude, motion%angle, motion%rate)
-    end function at
+    end function symmetric_at
 
     !> The angles and their rates at time t, s, as `at` gives them. Without the attitude it is faster.
-    pure subroutine find_angles(self, t, angle, rate)
-        class(symmetric_motion_t), intent(in) :: self
+    pure subroutine symmetric_angles(self, t, angle, rate)
+        type(symmetric_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp), intent(out) :: angle(3), rate(3) !! phi, theta, psi, rad, and their rates, rad/s
         type(attitude_t) :: attitude
         call find_thetas(self, t, attitude)
         call find_angles_of_attitude(self, attitude, angle, rate)
-    end subroutine find_angles
+    end subroutine symmetric_angles
 
     !> The unit quaternion at time t, s.
-    pure function quaternion_at(self, t) result(q)
-        class(symmetric_motion_t), intent(in) :: self
+    pure function symmetric_quaternion(self, t) result(q)
+        type(symmetric_motion_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: q(4)
         type(attitude_t) :: attitude
         call find_attitude(self, t, attitude)
         q = quaternion_of(self, attitude)
-    end function quaternion_at
+    end function symmetric_quaternion
 
     !> The quaternion of an attitude, with the sign of that of the start.
     pure function quaternion_of(self, attitude) result(q)

@@ -27,6 +27,8 @@ module spintop_turning_points
         real(xp) :: k_squared = 0, complement_squared = 1, complement = 1
         !> Rate of the argument of the elliptic functions, rad/s.
         real(xp) :: frequency = 0
+        !> Coefficients of the cubic f.
+        real(xp) :: g0 = 0, g1 = 0, g2 = 0
     end type turning_points_t
 
 contains
@@ -47,18 +49,17 @@ contains
     !> Finds the turning points of a start.
     pure type(turning_points_t) function find_turning_points(start) result(points)
         type(regular_start_t), intent(in) :: start !! the start in regular quantities
-        real(xp) :: g0, g1, g2
 
         points%regular_start_t = start
         associate (u0 => start%u, a => start%a, beta => start%beta, s2 => start%sine_squared, &
-                   k0 => start%swing_squared)
+                   k0 => start%swing_squared, g0 => points%g0, g1 => points%g1, g2 => points%g2)
             g0 = start%u_rate**2
             g1 = -2 * u0 * k0 - beta * s2 + 2 * a * start%turn
             g2 = 2 * beta * u0 - k0 - a**2
-            if (upper_roots_are_close(beta, g0, g1, g2)) then
-                call start_from_lowest(g0, g1, g2, points)
+            if (upper_roots_are_close(points)) then
+                call start_from_lowest(points)
             else
-                call start_from_highest(g0, g1, g2, points)
+                call start_from_highest(points)
             end if
 
             points%one_plus_u1 = quotient(start%b_plus_a**2, &
@@ -73,19 +74,19 @@ contains
 
     !> Whether the two upper roots are close together, so that an iteration for the highest one would be slow:
     !> the cubic is positive at its inflection, and the start is not itself a root.
-    pure logical function upper_roots_are_close(beta, g0, g1, g2)
-        real(xp), intent(in) :: beta, g0, g1, g2
-        upper_roots_are_close = g0 > 0 .and. &
-            g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0 > 0
+    pure logical function upper_roots_are_close(points)
+        type(turning_points_t), intent(in) :: points
+        associate (beta => points%beta, g0 => points%g0, g1 => points%g1, g2 => points%g2)
+            upper_roots_are_close = g0 > 0 .and. g2 * (2 * g2**2 - 9 * beta * g1) + 27 * beta**2 * g0 > 0
+        end associate
     end function upper_roots_are_close
 
     !> The regular case: the highest root first, as Y3 = beta (u3 - u0), which is regular without gravity.
-    pure subroutine start_from_highest(g0, g1, g2, points)
-        real(xp), intent(in) :: g0, g1, g2
+    pure subroutine start_from_highest(points)
         type(turning_points_t), intent(inout) :: points
         real(xp) :: root, discriminant, total, product, beta_1_minus_u2
 
-        associate (beta => points%beta, y1 => points%y1, y2 => points%y2)
+        associate (beta => points%beta, y1 => points%y1, y2 => points%y2, g0 => points%g0, g1 => points%g1, g2 => points%g2)
             ! The larger root of Y^2 + G2 Y + beta G1: exact for a start at a turning point.
             discriminant = sqrt(max(g2**2 - 4 * beta * g1, 0.0_xp))
             if (g2 <= 0) then
@@ -131,14 +132,13 @@ contains
     end subroutine start_from_highest
 
     !> Near a double upper root: the lowest root first, then the upper two from their sum and product.
-    pure subroutine start_from_lowest(g0, g1, g2, points)
-        real(xp), intent(in) :: g0, g1, g2
+    pure subroutine start_from_lowest(points)
         type(turning_points_t), intent(inout) :: points
         real(xp) :: y1, y3, excess, excess_error, other_error, product, larger, smaller
         real(xp) :: u3_minus_1
 
         associate (beta => points%beta, sh => points%one_minus_u, ch => points%one_plus_u, &
-                   energy => points%swing_squared + points%a**2)
+                   energy => points%swing_squared + points%a**2, g0 => points%g0, g1 => points%g1, g2 => points%g2)
             y1 = -ch
             call walk_to_root([g0, g1, g2, beta], 1, y1)
 

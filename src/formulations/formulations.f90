@@ -1,7 +1,7 @@
 !> The registry of formulations: one line each; lists, help, checks and tests derive from it.
 module spintop_formulations
     use spintop_body, only: body_t
-    use spintop_euler_angles, only: energy_rate_t, euler_t, lagrange_t
+    use spintop_euler_angles, only: euler_angles_t, of_energy_rate, of_euler, of_lagrange, of_lagrange_energy
     use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_rigid_body, only: rigid_body_t
     use spintop_space_frame, only: space_frame_t
@@ -18,13 +18,13 @@ contains
         class(formulation_t), allocatable, intent(out) :: formulation
         select case (i)
         case (1)
-            allocate (euler_t :: formulation)
+            allocate (formulation, source=euler_angles_t(kind=of_euler))
         case (2)
-            allocate (lagrange_t :: formulation)
+            allocate (formulation, source=euler_angles_t(kind=of_lagrange))
         case (3)
-            allocate (formulation, source=energy_rate_t(has_ends=.true.))
+            allocate (formulation, source=euler_angles_t(kind=of_energy_rate))
         case (4)
-            allocate (formulation, source=lagrange_t(resets_speed=.true.))
+            allocate (formulation, source=euler_angles_t(kind=of_lagrange_energy))
         case (5)
             allocate (rigid_body_t :: formulation)
         case (6)

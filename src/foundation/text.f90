@@ -394,21 +394,7 @@ contains
     pure function visible(text) result(shown)
         character(*), intent(in) :: text !! any bytes
         character(:), allocatable :: shown
-        integer :: i, length, code
-
-        allocate (character(len(text)) :: shown)
-        shown(:) = text
-        i = 1
-        do while (i <= len(text))
-            length = utf8_length(text(i:))
-            code = iachar(text(i:i))
-            if (code == 9) then
-                shown(i:i) = ' '
-            else if (length == 0 .or. code == 127 .or. (code < 32 .and. code /= 10)) then
-                shown(i:i) = '?'
-            end if
-            i = i + max(1, length)
-        end do
+        shown = safe(text, .false.)
     end function visible
 
     !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
@@ -416,31 +402,40 @@ contains
     pure function escaped(text) result(shown)
         character(*), intent(in) :: text !! any bytes
         character(:), allocatable :: shown
+        shown = safe(text, .true.)
+    end function escaped
+
+    pure function safe(text, is_escaped) result(shown)
+        character(*), intent(in) :: text
+        logical, intent(in) :: is_escaped
+        character(:), allocatable :: shown, room
         character(*), parameter :: digits = '0123456789abcdef'
-        character(:), allocatable :: room, piece
-        integer :: i, n, length, code
+        character(4) :: piece
+        integer :: i, n, length, code, next
 
         allocate (character(4 * len(text)) :: room)
         n = 0
         i = 1
         do while (i <= len(text))
-            length = max(1, utf8_length(text(i:)))
+            length = utf8_length(text(i:))
+            next = i + max(1, length)
             code = iachar(text(i:i))
-            if (code == 10) then
-                piece = '\n'
-            else if (code == 9) then
-                piece = '\t'
-            else if (utf8_length(text(i:)) == 0 .or. code == 127 .or. code < 32) then
-                piece = '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1)
+            if (length > 0) then
+                piece = text(i:next - 1)
+            else if (code == 9 .or. code == 10) then
+                piece = merge(merge('\t', '\n', code == 9), merge('  ', new_line('a') // ' ', code == 9), is_escaped)
+                length = merge(2, 1, is_escaped)
             else
-                piece = text(i:i + length - 1)
+                piece = '?'
+                if (is_escaped) piece = '\x' // digits(code / 16 + 1:code / 16 + 1) // digits(mod(code, 16) + 1:mod(code, 16) + 1)
+                length = merge(4, 1, is_escaped)
             end if
-            room(n + 1:n + len(piece)) = piece
-            n = n + len(piece)
-            i = i + length
+            room(n + 1:n + length) = piece
+            n = n + length
+            i = next
         end do
         shown = room(:n)
-    end function escaped
+    end function safe
 
     !> Whether every program reads a text as a single line: it has no control character, no byte that is not
     !> UTF-8, and none of the two Unicode line separators.
@@ -453,56 +448,37 @@ contains
         if (is_plain) is_plain = index(text, line_separator) == 0 .and. index(text, paragraph_separator) == 0
     end function is_plain
 
-    !> Number of bytes of the character at the beginning of a text; 0 if it is not UTF-8, or is a control
-    !> character.
+    !> Number of bytes of the character at the beginning of a text; 0 if it is not UTF-8, is a control character, or changes
+    !> the direction of writing, so that a line would show another order than it has.
     pure integer function utf8_length(text) result(length)
         character(*), intent(in) :: text
-        integer :: code, i
+        integer :: first, least, most, i
 
-        code = iachar(text(1:1))
-        select case (code)
-        case (0:127)
-            length = 1
-        case (194:223)
-            length = 2
-        case (224:239)
-            length = 3
-        case (240:244)
-            length = 4
-        case default
-            length = 0
-        end select
-        if (length > len(text)) length = 0
+        first = iachar(text(1:1))
+        length = 0
+        if (first >= 32 .and. first /= 127) length = 1
+        if (first >= 128) length = merge(2, 0, first >= 194) + merge(1, 0, first >= 224) + merge(1, 0, first >= 240)
+        if (length > len(text) .or. first > 244) length = 0
+        ! Of the second byte: without C1 controls, overlong encodings, surrogates, and what is beyond Unicode.
+        least = 128
+        if (first == 194 .or. first == 224) least = 160
+        if (first == 240) least = 144
+        most = 191
+        if (first == 237) most = 159
+        if (first == 244) most = 143
         do i = 2, length
-            if (iand(iachar(text(i:i)), 192) /= 128) then
+            if (iachar(text(i:i)) < least .or. iachar(text(i:i)) > most) then
                 length = 0
                 return
             end if
+            least = 128
+            most = 191
         end do
-        if (length < 2) return
-        i = iachar(text(2:2))
-        select case (code)
-        case (194)
-            if (i < 160) length = 0 ! a C1 control
-        case (224)
-            if (i < 160) length = 0 ! overlong encoding
-        case (226)
-            if (turns_writing(i, iachar(text(3:3)))) length = 0
-        case (237)
-            if (i > 159) length = 0 ! a surrogate
-        case (240)
-            if (i < 144) length = 0 ! overlong encoding
-        case (244)
-            if (i > 143) length = 0 ! beyond Unicode
+        if (first /= 226 .or. length == 0) return
+        select case (256 * iachar(text(2:2)) + iachar(text(3:3)))
+        case (32910:32911, 32938:32942, 33190:33193) ! U+200E, 200F, 202A to 202E, 2066 to 2069
+            length = 0
         end select
     end function utf8_length
-
-    !> Whether the character of bytes 226, `second` and `third` changes the direction of writing, so that
-    !> a line would show another order than it has (U+200E, 200F, 202A to 202E, 2066 to 2069).
-    pure logical function turns_writing(second, third)
-        integer, intent(in) :: second, third
-        turns_writing = (second == 128 .and. (third == 142 .or. third == 143 .or. &
-            (third >= 170 .and. third <= 174))) .or. (second == 129 .and. third >= 166 .and. third <= 169)
-    end function turns_writing
 
 end module spintop_text

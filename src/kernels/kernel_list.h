@@ -23,10 +23,10 @@ PROCEDURE(add_terms, (order, c, h, change), int order, const double *c, double h
 PROCEDURE(add_terms_at, (order, c, h, change), int order, const double *c, const double *h, double *change)
 
 // body_stages.h: the stages `from` to `to`, counted from zero, of a step of size h from y at the time t; c[i] is the time of a
-// stage in the step. Column i of `a`, `stages` apart, has the weights of those before stage i, of which the first and those from
-// number since[i] - 1 on are not zero. Row i of k is the slope of quaternion and momentum. With effects (is_affected) the
-// quaternion keeps the norm that it has in y. Without, row i of `aside` is the change of quaternion, angular velocity and vertical
-// at this slope, over the step; the rows before `from` are known, but row 0 is found here.
+// stage in the step. Column i of `a`, `stages` apart, has the weights of those before stage i, of which the first and those
+// from number since[i] - 1 on are not zero. Row i of k is the slope of quaternion and momentum. With effects (is_affected) the
+// quaternion keeps the norm that it has in y. Without, row i of `aside` is the change of quaternion, angular velocity and
+// vertical at this slope, over the step; the rows before `from` are known, but row 0 is found here.
 PROCEDURE(find_stages, (from, to, is_affected, has, constants, t, y, h, stages, a, since, c, k, aside), int from, int to,
           int is_affected, const struct motion_kinds *has, const double *constants, double t, const double *y, double h,
           int stages, const double *a, const int *since, const double *c, double *k, double *aside)

@@ -33,7 +33,7 @@ struct body_numbers {
     double mass, gravity, friction_torque, friction_arm, smoothing, drag_exponent, drag_force, earth_rate, latitude;
 };
 
-// Which parts of the equations there are, the same in all lanes: see kernel_types.f90 and series/motion_kinds.h.
+// Which parts of the equations there are, the same in all lanes: see kernel_types.f90 and series/motion_series.h.
 struct motion_kinds {
     int rotor, frame, torque, push, drags, harmonic, table, friction, law, given;
 };

@@ -22,9 +22,7 @@
 #include "many_bodies/lane_steps.h"
 
 #include "series/algebra_names.h"
-#include "series/motion_kinds.h"
-#include "series/one_motion_of_level.h"
-#include "series/lane_motion_of_level.h"
+#include "series/motions_of_level.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

@@ -31,9 +31,7 @@ struct share {
 #define NAME(name) quadruple_##name
 #define element quadruple
 #include "series/algebra_scalar.h"
-#include "series/motion_kinds.h"
 #include "series/motion_series.h"
-#include "series/one_motion.h"
 
 void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
                               const void *state, const double *table, const double *law, const void *given, void *c,

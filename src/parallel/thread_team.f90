@@ -9,6 +9,7 @@
 !>     call team%assemble(ranks, cases, 512)       ! in all ranks
 !>     call team%compute(workers, table)           ! in all ranks; in the writer the table is then written
 module spintop_thread_team
+    use, intrinsic :: iso_c_binding, only: c_bool
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: current, refuse_if_stopped
     use spintop_clock, only: pause_for, processor_seconds, seconds
@@ -126,7 +127,7 @@ contains
         self%active = self%threads + self%servers
         has_journal_thread = count_threads() > self%threads + self%servers
         ! Other ranks give the writer time.
-        call set_journal_thread(has_journal_thread .or. .not. self%ranks%is_writer())
+        call set_journal_thread(logical(has_journal_thread .or. .not. self%ranks%is_writer(), c_bool))
         !$omp end single
         if (this_thread() < self%servers) then
             call serve_others(self, table)
@@ -136,7 +137,7 @@ contains
             call run_journal_thread(self, table)
         end if
         !$omp end parallel
-        call set_journal_thread(.false.)
+        call set_journal_thread(.false._c_bool)
         if (end_is_wanted()) call end_on_signal(self, table)
         if (.not. self%ranks%is_writer()) call self%ranks%sign_off()
         call reduce_costs(self)

@@ -88,37 +88,29 @@ contains
         end if
         call make_span(scene, case, keep%nutations, problems)
         if (.not. allocated(case%given_body%effects) .or. problems%any()) return
-        call check_table_end(case, problems)
-        call check_friction_end(scene%effects, case, problems)
+        call check_table_ends(scene%effects, case, problems)
     end subroutine make_case
 
-    !> Reports a table of torques that ends before the motion.
-    subroutine check_table_end(case, problems)
-        type(case_t), intent(in) :: case
-        type(problems_t), intent(inout) :: problems
-        associate (effects => case%given_body%effects)
-            if (.not. allocated(effects%table)) return
-            associate (knots => effects%table%knots)
-                if (knots(size(knots)) >= case%t_end) return
-                call problems%add('effects.torque_table', 'the table ends at t = ' // trim(fixed_text(knots(size(knots)))) // &
-                                  ', before the end of the span, ' // trim(fixed_text(case%t_end)), 'add rows, or shorten the span')
-            end associate
-        end associate
-    end subroutine check_table_end
-
-    !> Reports a table of friction that ends below the angular velocity of the start.
-    subroutine check_friction_end(effects, case, problems)
+    !> Reports a table of torques that ends before the motion, and one of friction that ends below the angular velocity of the
+    !> start.
+    subroutine check_table_ends(effects, case, problems)
         type(effects_scene_t), intent(in) :: effects
         type(case_t), intent(in) :: case
         type(problems_t), intent(inout) :: problems
         real(dp) :: last, spin
+        if (allocated(case%given_body%effects%table)) then
+            last = maxval(case%given_body%effects%table%knots)
+            if (last < case%t_end) call problems%add('effects.torque_table', 'the table ends at t = ' // &
+                trim(fixed_text(last)) // ', before the end of the span, ' // trim(fixed_text(case%t_end)), &
+                'add rows, or shorten the span')
+        end if
         if (.not. allocated(effects%friction_rates)) return
-        last = effects%friction_rates(size(effects%friction_rates))
+        last = maxval(effects%friction_rates)
         spin = abs(case%given_start%omega(3))
-        if (spin <= last) return
-        call problems%add('effects.friction_table', 'the table ends at omega3 = ' // trim(fixed_text(last)) // ', below that of &
-                          &the start, ' // trim(fixed_text(spin)), 'add rows up to the largest angular velocity')
-    end subroutine check_friction_end
+        if (spin > last) call problems%add('effects.friction_table', 'the table ends at omega3 = ' // &
+            trim(fixed_text(last)) // ', below that of the start, ' // trim(fixed_text(spin)), &
+            'add rows up to the largest angular velocity')
+    end subroutine check_table_ends
 
     !> The start of a scene; problems of its description are reported. If the body is not known, only what
     !> does not depend on it is checked.

@@ -17,7 +17,7 @@ module spintop_effects_of_scene
     use spintop_torque_table, only: driving_row, make_friction_table, make_torque_table, fewest_rows, last_of_piece
     implicit none
     private
-    public :: make_effects, warn_of_effects, read_torques, read_friction_table, read_columns
+    public :: make_effects, warn_of_effects, read_effect_tables, read_columns
 
     character(*), parameter :: key_of_torques = 'effects.torque_table', key_of_friction = 'effects.friction_table'
     character(*), parameter :: columns_of_torques(4) = [character(2) :: 't', 'm1', 'm2', 'm3']
@@ -35,9 +35,19 @@ contains
 
         if (allocated(body%effects)) deallocate (body%effects)
         call read_friction(scene, effects, problems)
-        call read_friction_law(scene, effects, problems)
-        call read_drag(scene, effects, problems)
-        call read_vibration(scene, effects, problems)
+        effects%drag_moment = given(scene%drag_moment)
+        effects%drag_force = given(scene%drag_force)
+        if (is_set(scene%drag_exponent)) then
+            effects%drag_exponent = scene%drag_exponent
+            if (.not. any(is_set(scene%drag_moment))) then
+                call problems%add('effects.drag_exponent', 'there is no moment of the air whose exponent it is', &
+                                  'give drag_moment(3) too')
+            end if
+        end if
+        call read_swing('vibration', 'the vibration', scene%vibration_amplitude, scene%vibration_rate, scene%vibration_phase, &
+                        scene%vibration_phase_deg, effects%vibration_phase, problems)
+        effects%vibration_amplitude = given(scene%vibration_amplitude)
+        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
         call read_earth_rotation(scene, effects, problems)
         effects%rotor_momentum = given(scene%rotor_momentum)
         effects%rotor_torque = given(scene%rotor_torque)
@@ -82,26 +92,32 @@ contains
                 end if
             end if
             if (.not. has_fixed_steps) return
-            if (allocated(effects%friction_table)) then
-                call problems%warn('effects.friction_table', 'steps of fixed size do not end at the rows of the table: the order &
-                                   &of the method is ' // to_text(effects%friction_table%interpolation + 1) // ' at most', &
-                                   'use a method with step control')
-            end if
+            if (allocated(effects%friction_table)) call limit(key_of_friction, effects%friction_table%interpolation + 1)
             if (.not. allocated(effects%table)) return
             order = effects%table%interpolation + 1
             if (any(effects%table%is_jump)) order = 1
-            if (count(effects%table%knots > 0 .and. effects%table%knots < t_end) > 0) then
-                call problems%warn('effects.torque_table', 'steps of fixed size do not end at the rows of the table: the order &
-                                   &of the method is ' // to_text(order) // ' at most', 'use a method with step control')
-            end if
+            if (any(effects%table%knots > 0 .and. effects%table%knots < t_end)) call limit(key_of_torques, order)
         end associate
+
+    contains
+
+        !> Warns that a table limits the order of a method.
+        subroutine limit(key, order)
+            character(*), intent(in) :: key
+            integer, intent(in) :: order
+            call problems%warn(key, 'steps of fixed size do not end at the rows of the table: the order of the method is ' // &
+                               to_text(order) // ' at most', 'use a method with step control')
+        end subroutine limit
+
     end subroutine warn_of_effects
 
-    !> Dry friction.
+    !> Dry friction, and its table, which was read before and whose value at rest is dry friction.
     subroutine read_friction(scene, effects, problems)
         type(effects_scene_t), intent(in) :: scene
         type(effects_t), intent(inout) :: effects
         type(problems_t), intent(inout) :: problems
+        integer :: interpolation
+
         effects%friction_torque = given(scene%friction_torque)
         effects%friction_smoothing = given(scene%friction_smoothing)
         effects%friction_arm = given(scene%friction_coefficient) * given(scene%friction_radius)
@@ -117,14 +133,6 @@ contains
             call problems%add('effects.friction_smoothing', 'there is no dry friction to smooth', &
                               'give friction_torque, or friction_coefficient and friction_radius')
         end if
-    end subroutine read_friction
-
-    !> The table of friction, which was read before. Its value at rest is dry friction.
-    subroutine read_friction_law(scene, effects, problems)
-        type(effects_scene_t), intent(in) :: scene
-        type(effects_t), intent(inout) :: effects
-        type(problems_t), intent(inout) :: problems
-        integer :: interpolation
         if (scene%friction_table == '' .and. scene%friction_interpolation /= '') then
             call problems%add('effects.friction_interpolation', 'there is no table of friction', 'give friction_table too')
         end if
@@ -140,33 +148,7 @@ contains
             allocate (effects%friction_table)
             call make_friction_table(omega, friction, interpolation, effects%friction_table)
         end associate
-    end subroutine read_friction_law
-
-    !> The air.
-    subroutine read_drag(scene, effects, problems)
-        type(effects_scene_t), intent(in) :: scene
-        type(effects_t), intent(inout) :: effects
-        type(problems_t), intent(inout) :: problems
-        effects%drag_moment = given(scene%drag_moment)
-        effects%drag_force = given(scene%drag_force)
-        if (.not. is_set(scene%drag_exponent)) return
-        effects%drag_exponent = scene%drag_exponent
-        if (.not. any(is_set(scene%drag_moment))) then
-            call problems%add('effects.drag_exponent', 'there is no moment of the air whose exponent it is', &
-                              'give drag_moment(3) too')
-        end if
-    end subroutine read_drag
-
-    !> The motion of the pivot.
-    subroutine read_vibration(scene, effects, problems)
-        type(effects_scene_t), intent(in) :: scene
-        type(effects_t), intent(inout) :: effects
-        type(problems_t), intent(inout) :: problems
-        call read_swing('vibration', 'the vibration', scene%vibration_amplitude, scene%vibration_rate, scene%vibration_phase, &
-                        scene%vibration_phase_deg, effects%vibration_phase, problems)
-        effects%vibration_amplitude = given(scene%vibration_amplitude)
-        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
-    end subroutine read_vibration
+    end subroutine read_friction
 
     !> A harmonic torque, if its amplitude is not zero.
     subroutine read_harmonic_torque(name, amplitude, rate, phase, phase_deg, harmonic, problems)
@@ -254,43 +236,34 @@ contains
         call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene%torque_interpolation), effects%table)
     end subroutine read_torque_table
 
-    !> Reads and checks the table of torques; problems are reported, and then the scene has none.
-    subroutine read_torques(input, scene, problems)
-        character(*), intent(in) :: input !! path of the input: the table's is relative to it
-        type(effects_scene_t), intent(inout) :: scene !! times and torques are set
+    !> Reads and checks the tables of torques and of friction; problems are reported, and then the scene has none.
+    subroutine read_effect_tables(input, scene, problems)
+        character(*), intent(in) :: input !! path of the input: those of the tables are relative to it
+        type(effects_scene_t), intent(inout) :: scene !! what is in the tables is set
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(table_t) :: table
         real(dp), allocatable :: values(:, :)
+        integer :: fewest, interpolation
 
-        if (scene%torque_table == '') return
-        call read_columns(path_from(input, scene%torque_table), key_of_torques, columns_of_torques, &
-                          fewest_rows(interpolation_of(scene%torque_interpolation)), table, values, problems)
-        if (problems%any()) return
-        call check_times(values(:, 1), fewest_rows(interpolation_of(scene%torque_interpolation)), problems)
-        if (problems%any()) return
-        scene%table_times = values(:, 1)
-        scene%table_torques = transpose(values(:, 2:))
-    end subroutine read_torques
-
-    !> Reads and checks the table of friction; problems are reported, and then the scene has none.
-    subroutine read_friction_table(input, scene, problems)
-        character(*), intent(in) :: input !! path of the input: the table's is relative to it
-        type(effects_scene_t), intent(inout) :: scene !! angular velocities and friction are set
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(table_t) :: table
-        real(dp), allocatable :: values(:, :)
-        integer :: interpolation
-
+        if (scene%torque_table /= '') then
+            fewest = fewest_rows(interpolation_of(scene%torque_interpolation))
+            call read_columns(path_from(input, scene%torque_table), key_of_torques, columns_of_torques, fewest, table, values, &
+                              problems)
+            if (.not. problems%any()) call check_times(values(:, 1), fewest, problems)
+            if (.not. problems%any()) then
+                scene%table_times = values(:, 1)
+                scene%table_torques = transpose(values(:, 2:))
+            end if
+        end if
         if (scene%friction_table == '') return
         interpolation = interpolation_of(scene%friction_interpolation)
         call read_columns(path_from(input, scene%friction_table), key_of_friction, columns_of_friction, &
                           fewest_rows(interpolation), table, values, problems)
-        if (problems%any()) return
-        call check_friction(table, values(:, 1), values(:, 2), interpolation, problems)
+        if (.not. problems%any()) call check_friction(table, values(:, 1), values(:, 2), interpolation, problems)
         if (problems%any()) return
         scene%friction_rates = values(:, 1)
         scene%friction_torques = values(:, 2)
-    end subroutine read_friction_table
+    end subroutine read_effect_tables
 
     !> Reads columns of a table that an input names, with finite numbers in enough rows.
     subroutine read_columns(path, key, names, fewest, table, values, problems)

@@ -9,7 +9,6 @@ module spintop_scene_keys
     use spintop_sweep_axis, only: law_names
     use spintop_effects_keys, only: describe_effects, effects_scene_t
     use spintop_formulations, only: formulation_infos
-    use spintop_effects_keys, only: describe_effects, effects_scene_t
     use spintop_kinds, only: dp
     use spintop_losses, only: loss_names
     use spintop_methods, only: method_infos, method_aliases
@@ -225,15 +224,11 @@ contains
         call describe_top(scene, table)
         call describe_parts(scene%parts, table)
         call describe_effects(scene%effects, table)
-        call describe_initial(scene, table)
-        call describe_span(scene, table)
-        call describe_integration(scene, table)
-        call describe_output(scene, table)
+        call describe_motion(scene, table)
+        call describe_computation(scene, table)
         call describe_uncertainty(scene%uncertainty, table)
-        call describe_sweep(scene, table)
-        call describe_statistics(scene, table)
-        call describe_precision(scene, table)
-        call describe_stability(scene, table)
+        call describe_cases(scene, table)
+        call describe_comparisons(scene, table)
         call table%add('benchmark.cases', scene%benchmark_cases, what='benchmarks of the catalogue (all)')
         call describe_fit(scene%fit, table)
     end subroutine describe_scene
@@ -269,8 +264,8 @@ contains
                        'viscous damping coefficients about body x, y, z')
     end subroutine describe_top
 
-    !> The start: attitude and angular velocity.
-    subroutine describe_initial(scene, table)
+    !> The start: attitude and angular velocity; and how long the motion is followed, and what ends it.
+    subroutine describe_motion(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
 
@@ -292,13 +287,6 @@ contains
                        'angular velocity in body axes, instead of the rates')
         call table%add('initial.steady_precession', scene%steady_precession, 'none|slow|fast', &
                        'computes phi_rate for a constant inclination')
-    end subroutine describe_initial
-
-    !> How long the motion is followed, and what ends it.
-    subroutine describe_span(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(inout) :: table
-
         call table%add('span.t_end', scene%t_end, 's', '> 0', 'time span')
         call table%add('span.nutations', scene%nutations, '', '> 0', 'time span in nutation periods')
         call table%add('span.precessions', scene%precessions, '', '> 0', &
@@ -307,10 +295,10 @@ contains
                        'number of rows, equally spaced in time, both ends included (1001; fixed step size: every step)')
         call table%add('span.stop_at', scene%stop_at, what='the event that ends the motion, as in output.events')
         call table%add('span.stop_after', scene%stop_after, '', '>= 1', 'which of these events ends the motion (1)')
-    end subroutine describe_span
+    end subroutine describe_motion
 
-    !> Formulation, method, and what the method takes.
-    subroutine describe_integration(scene, table)
+    !> Formulation, method, and what the method takes; and the tables.
+    subroutine describe_computation(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
 
@@ -336,13 +324,6 @@ contains
                        'solver of the equations of implicit steps')
         call table%add('integration.project', scene%project, join(projection_names, '|'), &
                        'projection after each step: onto unit quaternions, or onto all invariants')
-    end subroutine describe_integration
-
-    !> The tables.
-    subroutine describe_output(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(inout) :: table
-
         call table%add('output.file', scene%file, what='name of the table (default: that of the input)')
         call table%add('output.columns', scene%columns, what='columns of the table, or all; also in a unit, as theta_deg, &
                        &and derivatives COLUMN__KEY')
@@ -356,12 +337,13 @@ contains
                        'whether a sweep writes the rows of its cases, or only their statistics (all)')
         call table%add('output.certified', scene%certified, 'whether proved numbers are printed, correct to the last digit, &
                        &in builds with FLINT')
-    end subroutine describe_output
+    end subroutine describe_computation
 
-    !> The axes of a sweep, or the table of its cases.
-    subroutine describe_sweep(scene, table)
+    !> The axes of a sweep, or the table of its cases; and the statistics of these.
+    subroutine describe_cases(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
+        character(*), parameter :: of_over = 'of statistics.over'
         character(*), parameter :: of_parameter = 'of sweep.parameter'
 
         call table%add('sweep.parameter', scene%parameter, &
@@ -390,14 +372,6 @@ contains
                        what='CSV file instead of axes: parameters as columns, one case per row (path from the input)')
         call table%add('sweep.table_checksum', scene%sweep_table_checksum, &
                        what='checksum of the table; a table with another checksum is refused (computed)')
-    end subroutine describe_sweep
-
-    !> Statistics of the cases of a sweep.
-    subroutine describe_statistics(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(inout) :: table
-        character(*), parameter :: of_over = 'of statistics.over'
-
         call table%add('statistics.columns', scene%statistics_columns, &
                        what='columns of the sweep of which statistics are computed')
         call table%add('statistics.over', scene%over, &
@@ -416,10 +390,10 @@ contains
                        'cases of which quantiles are computed: all, or those of each bin as well (all)')
         call table%add('statistics.indices', scene%indices, 'sobol', &
                        "first-order and total Sobol' indices of the columns, with sweep.combine = 'saltelli'")
-    end subroutine describe_statistics
+    end subroutine describe_cases
 
-    !> Methods, their settings and the reference of a work-precision study.
-    subroutine describe_precision(scene, table)
+    !> What work-precision and stability studies compare.
+    subroutine describe_comparisons(scene, table)
         type(scene_t), target, intent(inout) :: scene
         type(parameter_table_t), intent(inout) :: table
 
@@ -436,18 +410,11 @@ contains
                        'number of timed runs; the fastest counts (5; fewer if they take seconds)')
         call table%add('work_precision.reference', scene%precision_reference, what='reference of the errors: ' &
                        // join(reference_names, ', ') // ', or a table with t, q0 to q3, omega1 to omega3')
-    end subroutine describe_precision
-
-    !> Cases and methods of a stability study.
-    subroutine describe_stability(scene, table)
-        type(scene_t), target, intent(inout) :: scene
-        type(parameter_table_t), intent(inout) :: table
-
         call table%add('stability.cases', scene%stability_cases, &
                        what="cases of the catalogue, or 'input' for the case of this file (all but long ones)")
         call table%add('stability.methods', scene%stability_methods, &
                        what='methods, by name or as method/formulation (all, some with several formulations)')
-    end subroutine describe_stability
+    end subroutine describe_comparisons
 
     !> One row for each component of a vector whose components have names.
     subroutine add_each(table, group, names, suffix, vector, unit, ranges, whats)
@@ -465,8 +432,7 @@ contains
         type(uncertainty_scene_t), target, intent(inout) :: scene !! the group; it must exist as long as the table
         type(parameter_table_t), intent(inout) :: table !! the keys are added
         character(*), parameter :: top = 'uncertainty.top.', initial = 'uncertainty.initial.', range = '>= 0'
-        character(*), parameter :: angles(3) = [character(5) :: 'phi', 'theta', 'psi']
-        integer :: i
+        character(*), parameter :: angles(3) = [character(5) :: 'phi', 'theta', 'psi'], ranges(3) = range
 
         call table%add(top // 'mass', scene%mass, 'kg', range, 'radius of the mass')
         call table%add(top // 'gravity', scene%gravity, 'm/s^2', range, 'radius of gravity')
@@ -474,15 +440,9 @@ contains
         call table%add(top // 'inertia', scene%inertia, 'kg m^2', range, 'radii of the moments of inertia')
         call table%add(top // 'centre_of_mass', scene%centre_of_mass, 'm', range, 'radii of the centre of mass')
         call table%add(top // 'damping', scene%damping, 'N m s', range, 'radii of the damping coefficients')
-        do i = 1, 3
-            call table%add(initial // trim(angles(i)), scene%angle(i), 'rad', range, 'radius of that angle')
-        end do
-        do i = 1, 3
-            call table%add(initial // trim(angles(i)) // '_deg', scene%angle_deg(i), 'deg', range, 'radius of that angle')
-        end do
-        do i = 1, 3
-            call table%add(initial // trim(angles(i)) // '_rate', scene%rate(i), 'rad/s', range, 'radius of that rate')
-        end do
+        call add_each(table, initial, angles, '', scene%angle, 'rad', ranges, spread('radius of that angle', 1, 3))
+        call add_each(table, initial, angles, '_deg', scene%angle_deg, 'deg', ranges, spread('radius of that angle', 1, 3))
+        call add_each(table, initial, angles, '_rate', scene%rate, 'rad/s', ranges, spread('radius of that rate', 1, 3))
         call table%add(initial // 'omega3', scene%omega3, 'rad/s', range, 'radius of omega3')
         call table%add(initial // 'omega', scene%omega, 'rad/s', range, 'radii of omega')
     end subroutine describe_uncertainty

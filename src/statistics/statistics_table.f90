@@ -15,9 +15,8 @@ module spintop_statistics_table
     use spintop_netcdf_table, only: netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
-    use spintop_statistics_output, only: check_statistics_tables, write_statistics_tables
+    use spintop_statistics_output, only: check_statistics_tables, columns_before, write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
-    use spintop_statistics_result, only: columns_before
     use spintop_status, only: is_good_end, status_bad_input, status_ok
     implicit none
     private

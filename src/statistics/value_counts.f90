@@ -36,8 +36,9 @@ module spintop_value_counts
         integer(int64), allocatable :: counts(:, :)
         !> The pages of bin 1, which is that of most values where there are no others (0: none).
         integer, allocatable :: pages_of_first(:)
-        !> The pages in the order of bins and values, when they were last sorted.
-        integer, allocatable :: sorted(:)
+        !> The pages in the order of bins and values, when they were last sorted; and the first of them in each bin, and
+        !> behind the last.
+        integer, allocatable :: sorted(:), first_of(:)
     contains
         procedure :: start
         procedure :: add
@@ -168,9 +169,10 @@ contains
         integer :: i, k, page, cell, cells, first, last
 
         call sort(self)
-        first = first_of(self, bin)
-        last = first_of(self, bin + 1) - 1
         values = no_number
+        if (bin >= size(self%first_of)) return
+        first = self%first_of(bin)
+        last = self%first_of(bin + 1) - 1
         if (last < first) return
         ranks = max(ceiling(shares * real(sum([(sum(self%counts(:, self%sorted(k))), k=first, last)]), dp), int64), 1_int64)
         below = 0
@@ -194,66 +196,34 @@ contains
     !> Sorts the pages by bin, and those of a bin by the values in them, if pages came since the last time.
     subroutine sort(self)
         class(value_counts_t), intent(inout) :: self
-        integer, allocatable :: merged(:)
-        integer :: n, run, first, middle, last, i, k, place
+        integer :: k, place
 
-        n = self%pages
         if (allocated(self%sorted)) then
-            if (size(self%sorted) == n) return
+            if (size(self%sorted) == self%pages) return
+            deallocate (self%sorted, self%first_of)
         end if
-        self%sorted = [(k, k=1, n)]
-        allocate (merged(n))
-        run = 1
-        do while (run < n)
-            do first = 1, n, 2 * run
-                middle = min(first + run, n + 1)
-                last = min(first + 2 * run, n + 1)
-                i = first
-                k = middle
-                do place = first, last - 1
-                    if (k >= last) then
-                        merged(place) = self%sorted(i)
-                        i = i + 1
-                    else if (i >= middle) then
-                        merged(place) = self%sorted(k)
-                        k = k + 1
-                    else if (key(self, self%sorted(i)) <= key(self, self%sorted(k))) then
-                        merged(place) = self%sorted(i)
-                        i = i + 1
-                    else
-                        merged(place) = self%sorted(k)
-                        k = k + 1
-                    end if
+        allocate (self%sorted(self%pages + 1), self%first_of(maxval([0_int64, self%bin_of(:self%pages)]) + 1), source=0)
+        do k = 1, self%pages
+            self%first_of(self%bin_of(k) + 1) = self%first_of(self%bin_of(k) + 1) + 1
+        end do
+        self%first_of(1) = 1
+        do k = 2, size(self%first_of)
+            self%first_of(k) = self%first_of(k) + self%first_of(k - 1)
+        end do
+        ! A bin has few pages: each is inserted behind those of smaller values.
+        do k = 1, self%pages
+            associate (first => self%first_of(self%bin_of(k)))
+                place = first + findloc(self%sorted(first:), 0, dim=1) - 1
+                do while (place > first)
+                    if (order(self%exponent_of(self%sorted(place - 1))) <= order(self%exponent_of(k))) exit
+                    self%sorted(place) = self%sorted(place - 1)
+                    place = place - 1
                 end do
-            end do
-            self%sorted = merged
-            run = 2 * run
+                self%sorted(place) = k
+            end associate
         end do
+        self%sorted = self%sorted(:self%pages)
     end subroutine sort
-
-    !> Place of a page among all.
-    pure integer(int64) function key(self, page)
-        class(value_counts_t), intent(in) :: self
-        integer, intent(in) :: page
-        key = self%bin_of(page) * exponents + order(self%exponent_of(page))
-    end function key
-
-    !> The first sorted page of a bin or of a later one.
-    pure integer function first_of(self, bin) result(low)
-        class(value_counts_t), intent(in) :: self
-        integer(int64), intent(in) :: bin
-        integer :: high, middle
-        low = 1
-        high = self%pages + 1
-        do while (low < high)
-            middle = (low + high) / 2
-            if (self%bin_of(self%sorted(middle)) < bin) then
-                low = middle + 1
-            else
-                high = middle
-            end if
-        end do
-    end function first_of
 
     !> Place of a sign and exponent among the values.
     pure integer function order(exponent)

@@ -1,19 +1,40 @@
 !> Runs or explains prepared jobs; runs an input for a Fortran program.
 module spintop_execution
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_axes_of_table, only: given_axis_t
+    use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
-    use spintop_files, only: make_folder
-    use spintop_job, only: job_t, print_input
+    use spintop_files, only: make_folder, file_exists, make_private_folder, remove_folder
+    use spintop_fit_study, only: residual_path
+    use spintop_job, only: job_t, print_input, study_head
     use spintop_options, only: options_t
-    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted
+    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted, prepare_job
+    use spintop_row_table, only: row_table_t
+    use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
+    use spintop_statistics_output, only: path_beside
     use spintop_study, only: study_t
     use spintop_summary, only: summary_t
+    use spintop_sweep_study, only: compute_cases
+    use spintop_sweep_table, only: describe_columns
     use spintop_terminal, only: output_width
-    use spintop_text, only: string_t, append, append_wrapped, line_width
-    !$ use omp_lib, only: omp_set_num_threads
+    use spintop_text, only: string_t, append, append_wrapped, line_width, join
+    use spintop_thread_team, only: team_t
+    !$ use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     implicit none
     private
-    public :: run_job, explain_job, run_study
+    public :: run_job, explain_job, run_study, memory_run_t, run_in_memory
+
+    !> What a run gives.
+    type :: memory_run_t
+        !> Its tables: `rows`, and where the input asks for them `events`, `statistics` with `histogram` and `indices`, or
+        !> `residuals`.
+        type(data_table_t), allocatable :: table(:)
+        !> Warnings of the input and of the run, and the summary of the run, for a reader; either may be empty.
+        character(:), allocatable :: warnings, summary
+        !> `exit_ok`, or `exit_failed` where the motion, or some cases, failed.
+        integer :: code = exit_ok
+    end type memory_run_t
 
 contains
 
@@ -93,5 +114,154 @@ contains
         table = prepared(1)%job%files%table
         if (code /= 0) error = error_t(code, input // ': some cases failed; their rows have the status')
     end subroutine run_study
+
+    !> Runs an input. A sweep without statistics is computed in memory; the tables of other studies are written to a
+    !> private folder, read and removed. With `options%output` all tables are written to that folder, and stay.
+    subroutine run_in_memory(text, name, options, run, error, given)
+        character(*), intent(in) :: text !! the namelist groups
+        character(*), intent(in) :: name !! of the text, for messages
+        type(options_t), intent(inout) :: options !! `output` may be '' or not allocated
+        type(memory_run_t), intent(out) :: run !! tables and summary
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(given_axis_t), intent(in), optional :: given(:) !! values of parameters, in place of axes of a sweep
+        type(prepared_t), allocatable, target :: prepared(:)
+        integer :: threads
+
+        threads = 1
+        !$ threads = omp_get_max_threads()
+        options%quiet = .true.
+        options%verbose = .true.
+        if (.not. allocated(options%output)) options%output = ''
+        if (.not. allocated(options%overrides)) allocate (options%overrides(0))
+        allocate (prepared(1))
+        allocate (prepared(1)%job)
+        associate (job => prepared(1)%job)
+            if (present(given)) job%given = given
+            call prepare_job(name, options, prepared(1)%job, prepared(1)%study, error, text)
+            if (allocated(error)) return
+            run%warnings = job%warnings
+            run%summary = ''
+            if (options%output /= '') then
+                call protect_interrupted(prepared, options, error)
+                if (.not. allocated(error)) call run_in_files(prepared(1), options, .true., run, error)
+            else if (job%input%scene%kind == study_kinds(kind_sweep) .and. .not. job%statistics%is_wanted) then
+                !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
+                call run_sweep(job, options, run, error)
+            else
+                call run_in_private_folder(prepared(1), options, run, error)
+            end if
+        end associate
+        !$ call omp_set_num_threads(threads)
+    end subroutine run_in_memory
+
+    !> Computes the cases of a sweep.
+    subroutine run_sweep(job, options, run, error)
+        type(job_t), target, intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(row_table_t) :: table
+        type(team_t) :: team
+
+        call describe_columns(job, table%columns)
+        allocate (table%memory)
+        call table%memory%begin(table%columns, job%axes%cases, error)
+        if (allocated(error)) return
+        call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
+        call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
+        if (allocated(error)) return
+        allocate (run%table(1))
+        table%memory%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
+        call move_table(table%memory, run%table(1))
+    end subroutine run_sweep
+
+    !> Moves the columns of a table.
+    subroutine move_table(from, to)
+        type(data_table_t), intent(inout) :: from
+        type(data_table_t), intent(inout) :: to
+        to%name = from%name
+        to%rows = from%rows
+        call move_alloc(from%column, to%column)
+        call move_alloc(from%frame, to%frame)
+    end subroutine move_table
+
+    !> Runs a job whose files nobody else is to see.
+    subroutine run_in_private_folder(prepared, options, run, error)
+        type(prepared_t), target, intent(inout) :: prepared
+        type(options_t), intent(inout) :: options
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable :: ignored
+
+        call make_private_folder(options%output, error)
+        if (allocated(error)) return
+        associate (job => prepared%job, folder => options%output)
+            job%files%table = folder // job%files%table
+            job%files%log = folder // job%files%log
+            if (job%files%events /= '') job%files%events = folder // job%files%events
+            if (job%files%statistics /= '') job%files%statistics = folder // job%files%statistics
+            call run_in_files(prepared, options, .false., run, error)
+            call remove_folder(folder, ignored)
+        end associate
+        options%output = ''
+    end subroutine run_in_private_folder
+
+    !> Runs a job, and loads its tables. Those of NetCDF are not loaded.
+    subroutine run_in_files(prepared, options, stay, run, error)
+        type(prepared_t), target, intent(inout) :: prepared
+        type(options_t), intent(in) :: options
+        logical, intent(in) :: stay !! whether the files stay: then the summary names them, in its first lines
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(string_t), allocatable :: lines(:)
+        character(:), allocatable :: statistics
+        integer :: first
+
+        allocate (lines(0), run%table(0))
+        call run_job(prepared%study, prepared%job, options, lines, run%code, error)
+        if (allocated(error) .or. .not. allocated(lines)) return
+        first = 1
+        do while (.not. stay .and. first < size(lines))
+            if (scan(lines(first)%text, 'abcdefghijklmnopqrstuvwxyz') == 3 .and. lines(first)%text(:2) == '') exit
+            first = first + 1
+        end do
+        run%summary = join(lines(first:), new_line('a'))
+        if (prepared%job%late_warnings /= '') then
+            if (run%warnings /= '') run%warnings = run%warnings // new_line('a')
+            run%warnings = run%warnings // prepared%job%late_warnings
+        end if
+        associate (job => prepared%job)
+            statistics = job%files%statistics
+            if (.not. job%keeps_rows()) statistics = job%files%table
+            if (job%keeps_rows()) call add_table(job%files%table, 'rows', run, error)
+            if (.not. allocated(error)) call add_table(job%files%events, 'events', run, error)
+            if (.not. allocated(error)) call add_table(statistics, 'statistics', run, error)
+            if (.not. allocated(error) .and. job%statistics%is_wanted) then
+                call add_table(path_beside(statistics, 'histogram'), 'histogram', run, error)
+                if (.not. allocated(error)) call add_table(path_beside(statistics, 'indices'), 'indices', run, error)
+            end if
+            if (.not. allocated(error) .and. job%input%scene%kind == study_kinds(kind_fit)) then
+                call add_table(residual_path(job%files%table), 'residuals', run, error)
+            end if
+        end associate
+    end subroutine run_in_files
+
+    !> Loads a table, if there is one.
+    subroutine add_table(path, name, run, error)
+        character(*), intent(in) :: path, name
+        type(memory_run_t), intent(inout) :: run
+        type(error_t), allocatable, intent(out) :: error
+        type(data_table_t), allocatable :: more(:)
+        integer :: i
+
+        if (len(path) < 4) return
+        if (path(len(path) - 3:) /= '.csv' .or. .not. file_exists(path)) return
+        allocate (more(size(run%table) + 1))
+        do i = 1, size(run%table)
+            call move_table(run%table(i), more(i))
+        end do
+        call load_table(path, name, more(size(more)), error)
+        call move_alloc(more, run%table)
+    end subroutine add_table
 
 end module spintop_execution

@@ -1,9 +1,8 @@
 !> A job: an input that has been read, with its case, axes and plan.
 module spintop_job
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_scene, only: describe_axes => make_axes
+    use spintop_axes_of_scene, only: count_axes, describe_axes => make_axes
     use spintop_axes_of_table, only: given_axis_t, make_axes_of_arrays, read_axes
-    use spintop_axis_laws, only: count_axes
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: make_body
     use spintop_case, only: case_t, make_case
@@ -186,36 +185,23 @@ contains
         subroutine try_case(found)
             type(problems_t), intent(inout) :: found !! its problems
             type(case_t) :: empty
-            if (self%axes%cases > 0) call set_values(self%axes, self%first, swept, found)
-            if (found%any()) return
+            real(dp) :: values(size(self%axes%axis))
+            integer :: i
+            if (self%axes%cases > 0) then
+                values = self%axes%values_of(self%first)
+                i = self%axes%out_of_range(values)
+                if (i == 0) call swept%set_values(values)
+                if (i > 0) call found%add('sweep.mean', 'none of the first ' // to_text(min(self%axes%cases, most_tried)) // &
+                                          ' cases can be computed, the first because ' // self%axes%axis(i)%name // ' ' // &
+                                          self%axes%axis(i)%slot%refusal(values(i)), 'use another mean or deviation')
+                if (i > 0) return
+            end if
             self%case = empty
             call make_case(swept%scene, self%case, found)
             if (planned .and. .not. found%any()) call make_plan(swept%scene, self%case, self%plan, found)
         end subroutine try_case
 
     end subroutine make_first_case
-
-    !> Sets the values of a case in its scene.
-    subroutine set_values(axes, number, swept, problems)
-        type(axes_t), intent(in) :: axes
-        integer(int64), intent(in) :: number
-        type(case_scene_t), intent(inout) :: swept
-        type(problems_t), intent(inout) :: problems
-        real(dp) :: values(size(axes%axis))
-        integer :: i
-
-        values = axes%values_of(number)
-        i = axes%out_of_range(values)
-        if (i == 0) then
-            call swept%set_values(values)
-        else
-            associate (axis => axes%axis(i))
-                call problems%add('sweep.mean', 'none of the first ' // to_text(min(axes%cases, most_tried)) // &
-                                  ' cases can be computed, the first because ' // axis%name // ' ' // &
-                                  axis%slot%refusal(values(i)), 'use another mean or deviation')
-            end associate
-        end if
-    end subroutine set_values
 
     !> The column of the values of an axis.
     type(column_t) function axis_column(self, i) result(column)
@@ -285,13 +271,23 @@ contains
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
         character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
-        character(:), allocatable :: head, beginning
+        character(:), allocatable :: head, beginning, method
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:)
+        integer :: i
 
         beginning = ''
         if (present(part)) beginning = part
-        if (allocated(job%plan%model)) then
+        if (allocated(job%plan%model) .and. job%axes%cases > 0) then
+            method = job%plan%method
+            do i = 1, size(job%axes%axis)
+                associate (name => job%axes%axis(i)%name)
+                    if (index(name, 'tolerance') > 0) method = method // ', in the first case; then that of the column ' // name
+                end associate
+            end do
+            ! Nothing in the table of a sweep varies from run to run.
+            call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
+        else if (allocated(job%plan%model)) then
             call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
                               body=body_in_words(job%case%given_body))
         else

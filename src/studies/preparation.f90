@@ -6,7 +6,7 @@ module spintop_preparation
     use spintop_case, only: case_t
     use spintop_column_choice, only: choose_columns
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_effects_of_scene, only: read_friction_table, read_torques
+    use spintop_effects_of_scene, only: read_effect_tables
     use spintop_errors, only: error_t, input_error
     use spintop_event, only: occasion_knot, occasion_slip, occasion_stuck
     use spintop_event_text, only: column_event_t, read_event
@@ -31,21 +31,13 @@ module spintop_preparation
     use spintop_sweep_result, only: sweep_columns
     use spintop_table_file, only: refuse_to_discard_idle, stem_of
     use spintop_terminal, only: message_width
-    use spintop_text, only: string_t, to_text, escaped
+    use spintop_text, only: append, escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_columns
     use spintop_units, only: convert_unit, units_of
     implicit none
     private
     public :: prepared_t, prepare_jobs, prepare_job, protect_interrupted, convert_named_units, name_job
     public :: name_outputs, refuse_overwriting, tables_written, choose_events
-
-    !> Paths of files of a job.
-    type :: files_t
-        integer :: n = 0
-        type(string_t) :: path(80)
-    contains
-        procedure :: add
-    end type files_t
 
     !> A job, and the study that runs it.
     type :: prepared_t
@@ -107,8 +99,7 @@ contains
         call read_namelist(input, options%overrides, job%input%table, diagnostics, error, text, options%verifies)
         if (allocated(error)) return
         if (.not. diagnostics%has_errors()) call convert_named_units(job%input%scene, job%input%table, diagnostics)
-        call read_torques(input, job%input%scene%effects, problems)
-        call read_friction_table(input, job%input%scene%effects, problems)
+        call read_effect_tables(input, job%input%scene%effects, problems)
         call read_tables(input, job%input%scene, problems)
         call create_study(trim(job%input%scene%kind), study)
         job%has_case = study%info%has_case
@@ -349,15 +340,15 @@ contains
         type(job_t), intent(in) :: job, other !! the jobs
         logical, intent(in) :: is_other !! whether they are two
         type(error_t), allocatable, intent(inout) :: error !! not allocated if all is well
-        type(files_t) :: written, theirs
+        type(string_t), allocatable :: written(:), theirs(:)
         integer :: i, k
 
         written = files_written(job)
         theirs = files_written(other)
-        do i = 1, written%n
-            do k = 1, theirs%n
-                if (.not. is_other .or. written%path(i)%text /= theirs%path(k)%text) cycle
-                call refuse(job, written%path(i)%text, 'is also that of ' // escaped(other%input%path))
+        do i = 1, size(written)
+            do k = 1, size(theirs)
+                if (.not. is_other .or. written(i)%text /= theirs(k)%text) cycle
+                call refuse(job, written(i)%text, 'is also that of ' // escaped(other%input%path))
                 return
             end do
         end do
@@ -369,12 +360,12 @@ contains
         !> Refuses to replace what is read.
         subroutine compare(writer, files, sources)
             type(job_t), intent(in) :: writer
-            type(files_t), intent(in) :: files, sources
+            type(string_t), intent(in) :: files(:), sources(:)
             integer :: i, k
-            do i = 1, files%n
-                do k = 1, sources%n
+            do i = 1, size(files)
+                do k = 1, size(sources)
                     if (allocated(error)) return
-                    associate (file => files%path(i)%text, source => sources%path(k)%text)
+                    associate (file => files(i)%text, source => sources(k)%text)
                         if (.not. is_same_file(file, source)) cycle
                         call refuse(writer, file, 'would replace the file that is read as ' // escaped(source))
                     end associate
@@ -396,59 +387,53 @@ contains
     function tables_written(job) result(names)
         type(job_t), intent(in) :: job !! the job
         character(:), allocatable :: names
-        type(files_t) :: files
+        type(string_t), allocatable :: files(:)
         integer :: i
         names = ''
         files = files_written(job)
-        do i = 1, files%n
-            if (files%path(i)%text == job%files%log .or. .not. file_exists(files%path(i)%text)) cycle
-            names = names // files%path(i)%text // achar(0)
+        do i = 1, size(files)
+            if (files(i)%text == job%files%log .or. .not. file_exists(files(i)%text)) cycle
+            names = names // files(i)%text // achar(0)
         end do
     end function tables_written
 
     !> The files that a job may write.
-    type(files_t) function files_written(job) result(files)
+    function files_written(job) result(files)
         type(job_t), intent(in) :: job
+        type(string_t), allocatable :: files(:)
         character(:), allocatable :: statistics
 
-        call files%add(job%files%table)
-        if (job%axes%cases > 0) call files%add(job%files%log)
-        if (job%files%events /= '') call files%add(job%files%events)
-        if (job%input%scene%fit%data /= '') call files%add(residual_path(job%files%table))
+        call append(files, job%files%table)
+        if (job%axes%cases > 0) call append(files, job%files%log)
+        if (job%files%events /= '') call append(files, job%files%events)
+        if (job%input%scene%fit%data /= '') call append(files, residual_path(job%files%table))
         if (.not. job%statistics%is_wanted) return
         statistics = job%files%table
         if (job%files%statistics /= '') statistics = job%files%statistics
-        call files%add(statistics)
-        call files%add(path_beside(statistics, 'histogram'))
-        call files%add(path_beside(statistics, 'indices'))
+        call append(files, statistics)
+        call append(files, path_beside(statistics, 'histogram'))
+        call append(files, path_beside(statistics, 'indices'))
     end function files_written
 
     !> The files that a job reads.
-    type(files_t) function files_read(job) result(files)
+    function files_read(job) result(files)
         type(job_t), intent(in) :: job
+        type(string_t), allocatable :: files(:)
         integer :: i
         associate (scene => job%input%scene)
-            call files%add(job%input%path)
-            if (scene%sweep_table /= '') call files%add(path_from(job%input%path, scene%sweep_table))
-            if (scene%effects%friction_table /= '') call files%add(path_from(job%input%path, scene%effects%friction_table))
-            if (scene%effects%torque_table /= '') call files%add(path_from(job%input%path, scene%effects%torque_table))
+            call append(files, job%input%path)
+            if (scene%sweep_table /= '') call append(files, path_from(job%input%path, scene%sweep_table))
+            if (scene%effects%friction_table /= '') call append(files, path_from(job%input%path, scene%effects%friction_table))
+            if (scene%effects%torque_table /= '') call append(files, path_from(job%input%path, scene%effects%torque_table))
             do i = 1, size(scene%tableaus)
-                call files%add(path_from(job%input%path, path_of_table(scene%tableaus(i)%key)))
+                call append(files, path_from(job%input%path, path_of_table(scene%tableaus(i)%key)))
             end do
-            if (scene%fit%data /= '') call files%add(path_from(job%input%path, scene%fit%data))
+            if (scene%fit%data /= '') call append(files, path_from(job%input%path, scene%fit%data))
             if (all(reference_names /= scene%precision_reference)) then
-                call files%add(path_from(job%input%path, scene%precision_reference))
+                call append(files, path_from(job%input%path, scene%precision_reference))
             end if
         end associate
     end function files_read
-
-    !> Adds a path.
-    subroutine add(self, path)
-        class(files_t), intent(inout) :: self
-        character(*), intent(in) :: path !! the path
-        self%n = self%n + 1
-        self%path(self%n)%text = path
-    end subroutine add
 
     !> The events for the table, and those that end the motion. An event that is both occurs once.
     subroutine choose_events(study, scene, case, events, problems)
@@ -512,45 +497,38 @@ contains
                     hint = 'use another column'
                 end if
             end if
-            if (problem == '' .and. .not. problems%any()) call check_work(case, some, problem, hint)
-            if (problem == '' .and. .not. problems%any()) call check_occasion(case, some, problem, hint)
+            if (problem == '' .and. .not. problems%any()) call check_events(case, some, problem, hint)
             if (problem /= '') call problems%add(name, problem, hint)
         end subroutine read_text
 
     end subroutine choose_events
 
-    !> The work of effects is known in the rows of a motion, not where events are sought.
-    subroutine check_work(case, some, problem, hint)
+    !> Why a body cannot have events. The work of effects is known in the rows of a motion, not where events are sought; only dry
+    !> friction by the exact law stops a body, and only a table has rows.
+    subroutine check_events(case, some, problem, hint)
         type(case_t), intent(in) :: case
         type(column_event_t), intent(in) :: some(:)
         character(:), allocatable, intent(inout) :: problem, hint
-        if (any(some%column%is(needs_effects)) .and. .not. allocated(case%given_body%effects)) then
-            problem = 'this event needs effects, and the body has none'
-        else if (any(some%column%is(needs_work)) .and. allocated(case%given_body%effects)) then
-            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
-        end if
-        if (problem /= '') hint = 'use another column'
-    end subroutine check_work
-
-    !> Only dry friction by the exact law stops a body, and only a table has rows.
-    subroutine check_occasion(case, some, problem, hint)
-        type(case_t), intent(in) :: case
-        type(column_event_t), intent(in) :: some(:)
-        character(:), allocatable, intent(inout) :: problem, hint
-        logical :: is_dry, has_table
+        logical :: is_affected, is_dry, has_table
+        is_affected = allocated(case%given_body%effects)
         is_dry = .false.
         has_table = .false.
-        if (allocated(case%given_body%effects)) then
+        if (is_affected) then
             is_dry = case%given_body%effects%is_dry()
             has_table = allocated(case%given_body%effects%table)
         end if
-        if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
+        hint = 'use another column'
+        if (any(some%column%is(needs_effects)) .and. .not. is_affected) then
+            problem = 'this event needs effects, and the body has none'
+        else if (any(some%column%is(needs_work)) .and. is_affected) then
+            problem = 'this event needs the work of effects, which is computed for the rows of a motion only'
+        else if (.not. is_dry .and. any(some%event%occasion == occasion_stuck .or. some%event%occasion == occasion_slip)) then
             problem = 'only a body with dry friction that is not smoothed sticks and slips'
             hint = 'give effects.friction_torque or friction_coefficient, without friction_smoothing'
         else if (.not. has_table .and. any(some%event%occasion == occasion_knot)) then
             problem = 'this event needs a table of torques'
             hint = 'give effects.torque_table'
         end if
-    end subroutine check_occasion
+    end subroutine check_events
 
 end module spintop_preparation

@@ -5,7 +5,7 @@
 !> step size. Tolerances that would become finer than rounding are larger instead. There are two, because one may have the same
 !> error by chance.
 module spintop_sensitivity
-    use spintop_axis_laws, only: find_swept
+    use spintop_axes_of_scene, only: find_swept
     use spintop_case, only: case_t, make_case
     use spintop_differences, only: node_count, nodes_t, nodes_around
     use spintop_kinds, only: dp, no_number

@@ -19,7 +19,7 @@ module spintop_summary
     use spintop_text, only: append_wrapped, escaped, string_t, to_text
     implicit none
     private
-    public :: summary_t, decimal, rounded, slow_sleeper
+    public :: summary_t, decimal, duration, rounded, slow_sleeper
 
     !> Indentation of a line, minimum width of its keyword, and the separator.
     character(*), parameter :: indent = '  '
@@ -331,5 +331,18 @@ contains
         text = with_letter(trim(adjustl(buffer)))
         if (text(len(text):) == '.') text = text(:len(text) - 1)
     end function rounded
+
+    !> A time in the unit that suits it.
+    function duration(time, digits) result(text)
+        real(dp), intent(in) :: time !! the time, s
+        integer, intent(in) :: digits !! number of significant digits
+        character(:), allocatable :: text
+        real(dp), parameter :: sizes(*) = [1.0e-6_dp, 1.0e-3_dp, 1.0_dp, 60.0_dp, 3600.0_dp, 86400.0_dp]
+        character(*), parameter :: units(*) = [character(7) :: 'us', 'ms', 's', 'minutes', 'hours', 'days']
+        real(dp), parameter :: from(*) = [0.0_dp, 1.0e-3_dp, 1.0_dp, 180.0_dp, 10800.0_dp, 259200.0_dp]
+        integer :: i
+        i = max(1, count(time >= from))
+        text = rounded(time / sizes(i), digits) // ' ' // trim(units(i))
+    end function duration
 
 end module spintop_summary

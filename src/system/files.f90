@@ -126,9 +126,10 @@ module spintop_files
             character(c_char), intent(in) :: path(*)
         end function c_file_size
 
-        integer(c_int) function c_make_private_folder(path) bind(C, name='spintop_make_private_folder')
+        integer(c_int) function c_make_private_folder(path, room) bind(C, name='spintop_make_private_folder')
             import :: c_char, c_int
             character(c_char), intent(inout) :: path(*)
+            integer(c_int), value :: room
         end function c_make_private_folder
 
         subroutine c_remove_lock_file(path) bind(C, name='spintop_remove_lock_file')
@@ -284,19 +285,11 @@ contains
     subroutine make_private_folder(path, error)
         character(:), allocatable, intent(out) :: path !! path of the folder
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        character(*), parameter :: name = '/spintop.XXXXXX'
-        integer :: length, status
-
-        call get_environment_variable('TMPDIR', length=length, status=status)
-        if (status == 0 .and. length > 0) then
-            allocate (character(length) :: path)
-            call get_environment_variable('TMPDIR', path)
-        else
-            path = '/tmp'
-        end if
-        path = path // name // c_null_char
-        call check_call(c_make_private_folder(path), 'make a folder in', path(:len(path) - len(name) - 1), error)
-        path = path(:len(path) - 1)
+        character(4096) :: room
+        integer(c_int) :: status
+        status = c_make_private_folder(room, len(room))
+        path = up_to_null(room)
+        call check_call(status, 'make a folder in', path(:index(path, '/', back=.true.) - 1), error)
     end subroutine make_private_folder
 
     !> Creates a folder and its missing parents, and waits until they are on the disk.

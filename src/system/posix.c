@@ -225,8 +225,12 @@ int spintop_remove_folder(const char *path) {
     return rmdir(path) < 0 ? errno : 0;
 }
 
-// Makes a folder that no other process has; `path` ends with XXXXXX, which become its name.
-int spintop_make_private_folder(char *path) { return mkdtemp(path) == NULL ? errno : 0; }
+// Makes a folder that no other process has, in TMPDIR or in /tmp.
+int spintop_make_private_folder(char *path, int room) {
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, (size_t)room, "%s/spintop.XXXXXX", folder != NULL && *folder != '\0' ? folder : "/tmp");
+    return mkdtemp(path) == NULL ? errno : 0;
+}
 
 // -1 if there is nothing of that name.
 long long spintop_file_size(const char *path) {

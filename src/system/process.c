@@ -173,10 +173,10 @@ void spintop_begin_process(void) {
 }
 
 // Whether from now on a journal thread ends the process after a signal, by `spintop_end_by_signal`.
-void spintop_set_journal_thread(int there_is_one) { has_journal_thread = there_is_one; }
+void spintop_set_journal_thread(_Bool there_is_one) { has_journal_thread = there_is_one; }
 
 // Whether a signal is to end the process.
-long long spintop_end_is_wanted(void) { return wanted != 0; }
+_Bool spintop_end_is_wanted(void) { return wanted != 0; }
 
 // Ends the process by that signal.
 void spintop_end_by_signal(void) { report_and_end(wanted); }

@@ -1,6 +1,6 @@
-!> The process: standard streams, messages on signals, limits, and its end.
+!> The process: its processor, standard streams, messages on signals, limits, and its end.
 module spintop_process
-    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: c_close, c_write, check_call, up_to_null
@@ -10,7 +10,7 @@ module spintop_process
     public :: begin_process, end_process, check_stacks, print_text, complain_of, end_output
     public :: watch_signals, keep_rows, stop_watching_signals, set_journal_thread, end_is_wanted, end_by_signal
     public :: expect_crash, leave_libraries
-    public :: host_name, peak_memory, physical_memory
+    public :: host_name, peak_memory, physical_memory, check_level, processor_level_name
 
     !> Numbers of the standard streams.
     integer(c_int), parameter :: standard_output = 1, standard_error = 2
@@ -18,8 +18,16 @@ module spintop_process
     !> Minimum stack of a thread, bytes: twice the 224 kB measured for the most demanding sweep.
     integer(int64), parameter :: least_stack = 448 * 1024
 
-    ! Functions of process.c and posix.c, which describe them.
+    !> The variable of the environment that chooses a lower level of the processor, and the lowest level that has a build.
+    character(*), parameter :: level_variable = 'SPINTOP_LEVEL'
+    integer, parameter :: lowest_level = 2
+
+    ! Functions of process.c, processor.c and posix.c, which describe them.
     abstract interface
+        integer(c_int) function c_number() bind(C)
+            import :: c_int
+        end function c_number
+
         subroutine c_command() bind(C)
         end subroutine c_command
 
@@ -43,7 +51,11 @@ module spintop_process
     procedure(c_amount), bind(C, name='spintop_physical_memory') :: physical_memory
     procedure(c_amount), bind(C, name='spintop_stack_limit') :: c_stack_limit
     procedure(c_amount), bind(C, name='spintop_thread_stack') :: c_thread_stack
-    procedure(c_amount), bind(C, name='spintop_end_is_wanted') :: c_end_is_wanted
+
+    !> The level of the processor by which the kernels choose one of their builds, and the highest that it has; 0 where all
+    !> kernels have the flags of the build.
+    procedure(c_number), bind(C, name='spintop_processor_level') :: c_level
+    procedure(c_number), bind(C, name='spintop_highest_level') :: c_highest_level
 
     interface
         !> Ends the process with an exit code.
@@ -52,10 +64,18 @@ module spintop_process
             integer(c_int), value :: code !! exit code
         end subroutine end_process
 
-        subroutine c_set_journal_thread(there_is_one) bind(C, name='spintop_set_journal_thread')
-            import :: c_int
-            integer(c_int), value :: there_is_one
-        end subroutine c_set_journal_thread
+        !> Sets whether a thread of this process looks for `end_is_wanted`, keeps what is to be kept, and then calls
+        !> `end_by_signal`. After a signal it has nine tenths of a second. Without such a thread, and at a second signal, the
+        !> process ends at once.
+        subroutine set_journal_thread(there_is_one) bind(C, name='spintop_set_journal_thread')
+            import :: c_bool
+            logical(c_bool), value :: there_is_one !! whether there is such a thread
+        end subroutine set_journal_thread
+
+        !> Whether a signal wants the process to end.
+        logical(c_bool) function end_is_wanted() bind(C, name='spintop_end_is_wanted')
+            import :: c_bool
+        end function end_is_wanted
 
         subroutine c_watch(head, tail, rows) bind(C, name='spintop_watch')
             import :: c_char, c_long_long
@@ -138,25 +158,12 @@ contains
         call c_watch(head // c_null_char, tail // c_null_char, int(rows, c_long_long))
     end subroutine watch_signals
 
-    !> Sets whether a thread of this process looks for `end_is_wanted`, keeps what is to be kept, and then calls
-    !> `end_by_signal`. After a signal it has nine tenths of a second. Without such a thread, and at a second signal, the
-    !> process ends at once.
-    subroutine set_journal_thread(there_is_one)
-        logical, intent(in) :: there_is_one !! whether there is such a thread
-        call c_set_journal_thread(merge(1_c_int, 0_c_int, there_is_one))
-    end subroutine set_journal_thread
-
     !> Sets the message with which an invalid access to memory ends the program, with the exit code of an output error: for
     !> calls of a library that does not stand its own failures. '' ends that. In a process of somebody else it does nothing.
     subroutine expect_crash(text)
         character(*), intent(in) :: text !! the message
         call c_expect_crash(text // c_null_char)
     end subroutine expect_crash
-
-    !> Whether a signal wants the process to end.
-    logical function end_is_wanted()
-        end_is_wanted = c_end_is_wanted() /= 0
-    end function end_is_wanted
 
     !> Name of the machine on which the process runs.
     function host_name() result(text)
@@ -165,5 +172,31 @@ contains
         call c_host(room, len(room))
         text = up_to_null(room)
     end function host_name
+
+    !> The name of the level in use, such as `x86-64-v3`; `as built` where all kernels have the flags of the build.
+    function processor_level_name() result(name)
+        character(:), allocatable :: name
+        name = 'as built'
+        if (c_level() > 0) name = 'x86-64-v' // to_text(int(c_level()))
+    end function processor_level_name
+
+    !> Checks that SPINTOP_LEVEL names a level of this processor, if it is set.
+    subroutine check_level(error)
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(:), allocatable :: levels
+        character(64) :: wanted
+        integer :: length, level
+
+        call get_environment_variable(level_variable, wanted, length)
+        if (length == 0) return
+        levels = ''
+        do level = lowest_level, int(c_highest_level())
+            if (wanted == 'v' // to_text(level)) return
+            levels = levels // ', v' // to_text(level)
+        end do
+        if (levels == '') levels = ', none'
+        error = input_error('spintop: ' // level_variable // ' is ''' // trim(wanted) // &
+                            ''', but the levels of this processor are: ' // levels(3:))
+    end subroutine check_level
 
 end module spintop_process

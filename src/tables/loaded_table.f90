@@ -1,39 +1,68 @@
-!> A table in memory, read from a CSV file: names of the columns, and the cells as text or as numbers.
+!> A CSV table in memory: names of the columns, and the cells as text or as numbers.
+!>
+!>     # drawn elsewhere
+!>     initial.spin_ratio, "top.inertia(2)"
+!>     0.5,                0.875
+!>
+!> Blank lines and lines that begin with `#` are ignored, and so are blanks around a cell; double quotes may stand around a
+!> whole cell.
 !>
 !>     call read_table(path, table, error)
 !>     if (.not. allocated(error)) call table%read_column('theta', theta, error)
 module spintop_loaded_table
-    use spintop_diagnostics, only: diagnostics_t
+    use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t, input_error
+    use spintop_files, only: path_from, read_file
     use spintop_kinds, only: dp, no_number
-    use spintop_literals, only: is_number_cell
+    use spintop_literals, only: is_number_cell, read_real
     use spintop_suggestions, only: suggest_word
-    use spintop_table_walk, only: table_cursor_t, table_walk_t
+    use spintop_table_end, only: check_table_text
+    use spintop_table_head, only: check_format
     use spintop_text, only: abbreviate, escaped, string_t, to_text
     implicit none
     private
     public :: read_table, table_t
 
+    !> Maximum size of a table, bytes.
+    integer, parameter :: largest_table = 2**30 - 1
+    character(*), parameter :: blanks = ' ' // achar(9) // achar(13)
+    character(*), parameter :: whole = 'quotes must be around the whole cell'
+
+    !> The place of a cell: its line, its position in that, and its first and last byte, without blanks and quotes.
+    type :: cell_t
+        integer :: line = 0, position = 1, from = 1, to = 0
+    end type cell_t
+
     !> A table in memory.
     type :: table_t
-        !> Names of the columns.
+        !> Names of the columns; not allocated if it has none.
         type(string_t), allocatable :: names(:)
-        !> The cells as text: columns, rows.
-        type(string_t), allocatable :: cells(:, :)
         !> Whether it has the last line of a complete table.
         logical :: has_end = .false.
         !> How it differs from what was written, where that is no error; '' if it does not.
         character(:), allocatable :: damage
-        !> Its text without the rows: header, names of the columns, and lines at the end such as the status.
-        character(:), allocatable :: frame
-        !> The file, and the line of each row, for messages.
+        !> Its text, and that without the rows: header, names of the columns, and lines at the end such as the status.
+        character(:), allocatable :: text, frame
+        !> Number of rows, and whether no error was found.
+        integer :: rows = 0
+        logical :: is_valid = .true.
+        !> The file, for messages, and its number among the sources of the diagnostics, if it has errors.
         character(:), allocatable, private :: path
-        integer, allocatable, private :: lines(:)
+        integer, private :: source = 0
+        !> The cells: columns, rows; row 0 has the names. And the end of the line of names.
+        type(cell_t), allocatable, private :: cells(:, :)
+        integer, private :: end_of_names = 0
     contains
+        procedure :: open => open_table
+        procedure :: read_rows
         procedure :: column
         procedure :: words
         procedure :: read_column
+        procedure :: read_number
+        procedure :: refuse
         procedure :: place_of_row
+        procedure, private :: cut
+        procedure, private :: complain
     end type table_t
 
 contains
@@ -45,92 +74,169 @@ contains
         type(table_t), intent(out) :: table !! the table; without columns if there is an error
         type(error_t), allocatable, intent(out) :: error !! it cannot be read, or is not a table
         logical, intent(in), optional :: takes_damaged !! whether a table that differs from what was written is no error
-        type(table_walk_t) :: walk
+        character(*), parameter :: hint = 'the line of names has one name per column'
         type(diagnostics_t) :: diagnostics
-        logical :: has_lines
+        integer :: i, k
 
-        call walk%open('', path, diagnostics, has_lines, error, takes_damaged)
-        if (allocated(error)) return
-        table%has_end = walk%has_end
-        table%damage = walk%damage
-        table%path = path
-        if (has_lines) call read_names(walk, table%names, diagnostics)
-        if (.not. diagnostics%has_errors()) call read_rows(walk, table, diagnostics)
-        call diagnostics%raise(error)
+        call table%open('', path, diagnostics, error, takes_damaged)
+        if (.not. (allocated(error) .or. diagnostics%has_errors())) then
+            associate (names => table%names)
+                do i = 1, size(names)
+                    if (names(i)%text == '') then
+                        call table%refuse(diagnostics, i, 0, 'column ' // to_text(i) // ' has no name', hint)
+                    else if (any([(names(k)%text == names(i)%text, k=1, i - 1)])) then
+                        call table%refuse(diagnostics, i, 0, 'there are two columns ' // abbreviate(names(i)%text), hint)
+                    end if
+                end do
+            end associate
+            if (.not. diagnostics%has_errors()) call table%read_rows(diagnostics)
+        end if
+        if (.not. allocated(error)) call diagnostics%raise(error)
         if (allocated(error)) table = table_t()
     end subroutine read_table
 
-    !> Reads the line of names.
-    subroutine read_names(walk, names, diagnostics)
-        type(table_walk_t), intent(inout) :: walk
-        type(string_t), allocatable, intent(out) :: names(:)
-        type(diagnostics_t), intent(inout) :: diagnostics
-        character(*), parameter :: hint = 'the line of names has one name per column'
-        type(table_cursor_t) :: head
-        integer :: columns, i, k
+    !> Opens a table whose path is relative to the folder of an input, and reads the names of its columns. A file
+    !> that cannot be read is an error; errors of its text are added to the diagnostics.
+    subroutine open_table(self, input, path, diagnostics, error, takes_damaged)
+        class(table_t), intent(out) :: self
+        character(*), intent(in) :: input !! path of the input
+        character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: takes_damaged !! whether a table that differs from what was written is no error
+        type(cell_t), allocatable :: cells(:)
+        character(:), allocatable :: problem
+        integer :: line, first, last, n, bad, i
 
-        head = walk%at
-        columns = 0
-        do while (walk%has_cell())
-            call walk%next_cell()
-            columns = columns + 1
+        self%damage = ''
+        self%path = path_from(input, path)
+        call read_file(self%path, largest_table, self%text, error, may_wait=.true., is_text=.true.)
+        if (.not. allocated(error)) call check_format(self%path, self%text, error)
+        if (allocated(error)) return
+        if (index(self%text, achar(0)) > 0) then
+            call self%complain(diagnostics, cell_t(), 'not a text file: it has NUL bytes', 'expected a CSV table')
+            return
+        end if
+        call check_table_text(self%text, self%has_end, problem)
+        self%damage = problem
+        if (present(takes_damaged)) then
+            if (takes_damaged) problem = ''
+        end if
+        if (problem /= '') then
+            call self%complain(diagnostics, cell_t(), 'the table ' // problem, 'if this is intended, remove its last line')
+            return
+        end if
+        line = 0
+        last = -1
+        if (.not. next_line(self%text, line, first, last)) then
+            call self%complain(diagnostics, cell_t(), 'the table is empty', 'expected a line of names')
+            return
+        end if
+        allocate (cells(1 + count([(self%text(i:i) == ',', i=first, last)])))
+        call self%cut(line, first, last, cells, n, bad)
+        allocate (self%names(n))
+        do i = 1, n
+            self%names(i)%text = self%text(cells(i)%from:cells(i)%to)
         end do
-        walk%at = head
-        allocate (names(columns))
-        do i = 1, columns
-            call walk%next_cell()
-            names(i)%text = walk%cell()
-            if (.not. walk%at%is_quoted_well) then
-                call walk%refuse(diagnostics, 'quotes must be around the whole cell', hint)
-            else if (names(i)%text == '') then
-                call walk%refuse(diagnostics, 'column ' // to_text(i) // ' has no name', hint)
-            else if (any([(names(k)%text == names(i)%text, k=1, i - 1)])) then
-                call walk%refuse(diagnostics, 'there are two columns ' // abbreviate(names(i)%text), hint)
-            end if
-        end do
-    end subroutine read_names
+        allocate (self%cells(n, 0:0))
+        self%cells(:, 0) = cells(:n)
+        self%end_of_names = last
+        if (bad > 0) call self%complain(diagnostics, cells(bad), whole, 'the line of names has one name per column')
+    end subroutine open_table
 
     !> Reads the rows, up to the first that is not valid.
-    subroutine read_rows(walk, table, diagnostics)
-        type(table_walk_t), intent(inout) :: walk
-        type(table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
+    subroutine read_rows(self, diagnostics)
+        class(table_t), intent(inout) :: self
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         character(*), parameter :: hint = 'a row has a cell for each column'
-        type(table_cursor_t) :: head
-        integer :: rows, row, last, i
+        type(cell_t), allocatable :: names(:, :), cells(:)
+        integer :: columns, rows, line, first, last, end_of_rows, n, bad
 
-        head = walk%at
+        columns = size(self%names)
         rows = 0
-        last = head%last
-        do while (walk%next_line())
+        line = self%cells(1, 0)%line
+        last = self%end_of_names
+        do while (next_line(self%text, line, first, last))
             rows = rows + 1
-            last = walk%at%last
         end do
-        table%frame = walk%text(:min(head%last + 1, len(walk%text))) // walk%text(last + 2:)
-        walk%at = head
-        allocate (table%cells(size(table%names), rows), table%lines(rows))
-        do row = 1, rows
-            if (.not. walk%next_line()) exit
-            table%lines(row) = walk%at%line
-            do i = 1, size(table%names)
-                if (.not. walk%has_cell()) then
-                    call walk%refuse(diagnostics, 'the row ends before ' // abbreviate(table%names(i)%text), hint)
-                    return
-                end if
-                call walk%next_cell()
-                if (.not. walk%at%is_quoted_well) then
-                    call walk%refuse(diagnostics, 'quotes must be around the whole cell', hint)
-                    return
-                end if
-                table%cells(i, row)%text = walk%cell()
-            end do
-            if (walk%has_cell()) then
-                call walk%next_cell()
-                call walk%refuse(diagnostics, 'the row has more cells than the table has columns', hint)
-                return
+        call move_alloc(self%cells, names)
+        allocate (self%cells(columns, 0:rows), cells(columns + 1))
+        self%cells(:, 0) = names(:, 0)
+        line = names(1, 0)%line
+        last = self%end_of_names
+        end_of_rows = last
+        do while (next_line(self%text, line, first, last))
+            call self%cut(line, first, last, cells, n, bad)
+            if (bad > 0) then
+                call self%complain(diagnostics, cells(bad), whole, hint)
+            else if (n < columns) then
+                call self%complain(diagnostics, cells(n), 'the row ends before ' // abbreviate(self%names(n + 1)%text), hint)
+            else if (n > columns) then
+                call self%complain(diagnostics, cells(n), 'the row has more cells than the table has columns', hint)
             end if
+            if (bad > 0 .or. n /= columns) return
+            self%rows = self%rows + 1
+            self%cells(:, self%rows) = cells(:columns)
+            end_of_rows = last
         end do
+        self%frame = self%text(:min(self%end_of_names + 1, len(self%text))) // self%text(end_of_rows + 2:)
     end subroutine read_rows
+
+    !> Moves to the next line with cells; false if there is none.
+    logical function next_line(text, line, first, last) result(found)
+        character(*), intent(in) :: text
+        integer, intent(inout) :: line, last !! number of the line, and its last byte: before and after
+        integer, intent(out) :: first !! its first byte
+        integer :: start
+        do
+            first = last + 2 ! behind the line feed
+            found = first <= len(text)
+            if (.not. found) return
+            last = first + index(text(first:), new_line('a')) - 2
+            if (last < first - 1) last = len(text)
+            line = line + 1
+            start = first + verify(text(first:last), blanks) - 1
+            if (start < first) cycle
+            if (text(start:start) /= '#') return
+        end do
+    end function next_line
+
+    !> Finds the cells of a line, as many as there is room for. A comma inside quotes does not separate cells.
+    subroutine cut(self, line, first, last, cells, n, bad)
+        class(table_t), intent(in) :: self
+        integer, intent(in) :: line, first, last !! number of the line, its first and last byte
+        type(cell_t), intent(out) :: cells(:)
+        integer, intent(out) :: n !! number of them
+        integer, intent(out) :: bad !! the first whose quotes are not around the whole of it; 0 if there is none
+        integer :: next, from, to, behind, comma, closing
+        logical :: is_quoted
+
+        n = 0
+        bad = 0
+        next = first
+        associate (text => self%text)
+            do while (next <= last + 1 .and. n < size(cells))
+                from = verify(text(next:last), blanks)
+                from = merge(next + from - 1, last + 1, from > 0)
+                closing = 0
+                is_quoted = .false.
+                if (from <= last) is_quoted = text(from:from) == '"'
+                if (is_quoted) closing = index(text(from + 1:last), '"')
+                behind = from + closing + merge(1, 0, is_quoted)
+                comma = index(text(behind:last), ',')
+                comma = merge(behind + comma - 1, last + 1, comma > 0)
+                to = from - 1 + verify(text(from:comma - 1), blanks, back=.true.)
+                next = comma + 1
+                n = n + 1
+                if (is_quoted .and. closing > 0 .and. from + closing == to) then
+                    cells(n) = cell_t(line, from - first + 2, from + 1, to - 1)
+                else
+                    cells(n) = cell_t(line, from - first + 1, from, to)
+                    if (index(text(from:to), '"') > 0 .and. bad == 0) bad = n
+                end if
+            end do
+        end associate
+    end subroutine cut
 
     !> The numbers of a column; NaN where a cell is not a number, and no elements if there is no such column.
     function column(self, name) result(values)
@@ -146,13 +252,12 @@ contains
         class(table_t), intent(in) :: self
         character(*), intent(in) :: name !! name of the column
         type(string_t), allocatable :: cells(:)
-        integer :: i
+        integer :: i, row
         i = index_of(self, name)
-        if (i > 0) then
-            allocate (cells, source=self%cells(i, :))
-        else
-            allocate (cells(0))
-        end if
+        allocate (cells(merge(self%rows, 0, i > 0)))
+        do row = 1, size(cells)
+            cells(row)%text = self%text(self%cells(i, row)%from:self%cells(i, row)%to)
+        end do
     end function words
 
     !> The numbers of a column, or an error: there is no such column, or a cell is not a number.
@@ -175,23 +280,56 @@ contains
         end if
         takes = .false.
         if (present(takes_empty)) takes = takes_empty
-        allocate (values(size(self%lines)))
+        allocate (values(self%rows))
         do row = 1, size(values)
             associate (cell => self%cells(column, row))
-                call read_cell(cell%text, values(row), is_number)
-                if (is_number .or. allocated(error) .or. (takes .and. cell%text == '')) cycle
+                call read_cell(self%text(cell%from:cell%to), values(row), is_number)
+                if (is_number .or. allocated(error) .or. (takes .and. cell%to < cell%from)) cycle
                 error = input_error(self%place_of_row(row) // ": '" // &
-                                    escaped(abbreviate(cell%text)) // "' in column " // name // ' is not a number')
+                                    escaped(abbreviate(self%text(cell%from:cell%to))) // "' in column " // name // &
+                                    ' is not a number')
             end associate
         end do
     end subroutine read_column
+
+    !> Reads a finite number; `problem` and `hint` describe an error.
+    subroutine read_number(self, column, row, value, problem, hint)
+        class(table_t), intent(in) :: self
+        integer, intent(in) :: column, row
+        real(dp), intent(out) :: value !! the value, if there is no problem
+        character(:), allocatable, intent(out) :: problem, hint !! what is wrong, and what is expected; '' without an error
+        associate (cell => self%cells(column, row))
+            call read_real(self%text(cell%from:cell%to), value, problem, hint)
+            if (cell%to < cell%from) problem = 'no value for ' // self%names(column)%text
+        end associate
+    end subroutine read_number
+
+    !> Reports an error in a cell; row 0 has the names.
+    subroutine refuse(self, diagnostics, column, row, message, hint)
+        class(table_t), intent(inout) :: self
+        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        integer, intent(in) :: column, row
+        character(*), intent(in) :: message, hint !! what is wrong, and what is expected
+        call self%complain(diagnostics, self%cells(column, row), message, hint)
+    end subroutine refuse
+
+    !> Reports an error at a place.
+    subroutine complain(self, diagnostics, cell, message, hint)
+        class(table_t), intent(inout) :: self
+        type(diagnostics_t), intent(inout) :: diagnostics
+        type(cell_t), intent(in) :: cell
+        character(*), intent(in) :: message, hint
+        self%is_valid = .false.
+        if (self%source == 0) call diagnostics%add_source(self%path, self%text, self%source)
+        call diagnostics%error(place_t(self%source, cell%line, cell%position, max(1, cell%to - cell%from + 1)), message, hint)
+    end subroutine complain
 
     !> The file and the line of a row, for messages.
     function place_of_row(self, row) result(place)
         class(table_t), intent(in) :: self
         integer, intent(in) :: row !! its number
         character(:), allocatable :: place
-        place = escaped(self%path) // ':' // to_text(self%lines(row))
+        place = escaped(self%path) // ':' // to_text(self%cells(1, row)%line)
     end function place_of_row
 
     !> Index of a column by its name; 0 if there is none.

@@ -244,7 +244,7 @@ STOPPED = """\
 
 def test_a_motion_computed_again(spin):
     """The rows of a motion that ended at an event come from a second computation: it counts too."""
-    steps, rejected = re.search(r"(\d+) steps, (\d+) rejected", spin(STOPPED).out).groups()
+    steps, rejected = re.search(r"(\d+) steps, (\d+) rejected", spin(STOPPED, "--verbose").out).groups()
     # Those of both computations; the looks for events in the first are fewer than half of them.
     both = int(steps) + int(rejected)
     run = spin(STOPPED, f"integration.max_steps={both}", code=3)

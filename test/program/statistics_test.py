@@ -180,6 +180,20 @@ def test_the_same_numbers_as_netcdf(spin):
             np.testing.assert_array_equal(found.high, rows["to"])
 
 
+def test_a_changed_netcdf_result_is_not_resumed(spin):
+    """Each of its tables is checked."""
+    netcdf = "output.format=netcdf"
+    if "this build has no NetCDF" in swept(spin, BARE, netcdf, name="bare", code=(0, 2, 3)).stderr:
+        pytest.skip("no NetCDF")
+    swept(spin, BARE, netcdf, "--resume", name="bare")
+    path = spin.folder / "output/bare.histogram.nc"
+    data = bytearray(path.read_bytes())
+    data[-9] ^= 1
+    path.write_bytes(data)
+    refused = swept(spin, BARE, netcdf, "--resume", name="bare", code=2)
+    assert "bare.histogram.nc was changed after it was written" in refused.stderr
+
+
 def test_rows_and_parts(spin):
     """The same numbers with rows and without; a part without its statistics is refused."""
     swept(spin, MAP, "--output=one")

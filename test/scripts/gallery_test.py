@@ -88,7 +88,7 @@ class GalleryTest(TableCase):
                 steps = int(setting.partition("=")[2]) * NUTATIONS / 1e6
                 settings.append(f"integration.steps={round(steps)}")
             words = [word for setting in settings for word in ("--set", setting)]
-            command = [EXE, "-o", self.folder, *words, *short, ROOT / "input" / "long_drift.nml"]
+            command = [EXE, "--verbose", "-o", self.folder, *words, *short, ROOT / "input" / "long_drift.nml"]
             said = run_it(command, check=True, capture_output=True, text=True).stdout
             count = re.search(r"(\d+) (right-hand sides|(RHS|function) evaluations)", said)
             (title,) = (setting for setting in settings if setting.startswith("study.title="))

@@ -72,7 +72,7 @@ WRONG = re.compile(
 )
 """Complaints of a program about its arguments, or of a script that broke."""
 VARIABLE = re.compile(r"\$\{?([A-Z][A-Z0-9_]{3,})|environ\.get\(\"([A-Z_]+)\"")
-USUAL = {"INPUT.nml": "a.nml", "PARTS": "3", "COMMAND": "true", "EXE": EXE, "OUTPUT": "results"}
+USUAL = {"INPUT.nml": "a.nml", "PARTS": "3", "COMMAND": "true", "PROGRAM": EXE, "OUTPUT": "results"}
 """What stands for the words of a usage that are not those under test."""
 
 HAND_ON = {Path("scripts/test"), Path("scripts/compiler/gfortran")}
@@ -241,7 +241,7 @@ def arguments_of(script: Path, value: str) -> list[list[str]]:
     found = []
     for words in usages_of(script, text):
         for place, word in enumerate(words):
-            if word != "EXE" and (word.isupper() or word in USUAL):
+            if word != "PROGRAM" and (word.isupper() or word in USUAL):
                 known = [USUAL.get(other, other) for other in words]
                 known[place] = file if "." in word else value
                 found.append(known)

@@ -85,8 +85,7 @@ contains
     !> The number of rows.
     pure integer function rows(self)
         class(study_result_t), intent(in) :: self
-        rows = 0
-        if (allocated(self%table%cells)) rows = size(self%table%cells, 2)
+        rows = self%table%rows
     end function rows
 
 end module study_tables

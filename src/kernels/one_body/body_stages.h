@@ -1,11 +1,11 @@
-// Stages of a Runge-Kutta step of one body, with the constants of its series (series/motion_series.h). C with vectors of three or
-// four components, as a stage waits for the one before it.
+// Stages of a Runge-Kutta step of one body, with the constants of its series (series/motion_series.h). C with vectors of three
+// or four components, as a stage waits for the one before it.
 
 typedef unsigned long long half_bits __attribute__((vector_size(8 * half)));
 
-// A body without effects: the angular velocity and the vertical wait for themselves only, and the quaternion follows beside; see
-// rigid_body.f90, which has the equations. Constants of the body over the moments of inertia, 1 and 1/2, times the size of the
-// step.
+// A body without effects: the angular velocity and the vertical wait for themselves only, and the quaternion follows beside;
+// see rigid_body.f90, which has the equations. Constants of the body over the moments of inertia, 1 and 1/2, times the size of
+// the step.
 struct step_constants {
     half_vector one, half, coupling, decay, pull, swing;
 };
@@ -107,7 +107,12 @@ struct affected {
     half_vector q, p;
 };
 
-// The rates at a time; `twice` is twice the inverse of the squared norm of q, `push` the acceleration of the pivot in space axes.
+inlined void add_slope(struct affected *sum, double weight, const double *row) {
+    sum->q += weight * get_half(row), sum->p += weight * get_half(row + half);
+}
+
+// The rates at a time; `twice` is twice the inverse of the squared norm of q, `push` the acceleration of the pivot in space
+// axes.
 inlined struct affected rates_of(const struct motion_kinds *has, const struct one_constants *e, double t,
                                  const half_vector *push, const struct affected *now, double twice) {
     const half_vector q = now->q, q0 = component(q, 0), imaginary = shuffle(q, q, 1, 2, 3, 0), pivot = *push;
@@ -154,7 +159,8 @@ inlined struct affected rates_of(const struct motion_kinds *has, const struct on
 }
 
 static void find_affected_stages(int from, int to, const struct motion_kinds *has, const struct one_constants *e, double t,
-                                 const double *y, double h, int stages, const double *a, const double *c, double *k) {
+                                 const double *y, double h, int stages, const double *a, const int *since, const double *c,
+                                 double *k) {
     const double twice = 2 / ((y[0] * y[0] + y[3] * y[3]) + (y[1] * y[1] + y[2] * y[2]));
     const double o[3] = {*e->frame[0], *e->frame[1], *e->frame[2]};
     double swings[2][half] = {{0}};
@@ -166,22 +172,12 @@ static void find_affected_stages(int from, int to, const struct motion_kinds *ha
     const half_vector swing[2] = {get_half(swings[0]), get_half(swings[1])};
     for (int i = from; i <= to; ++i) {
         const double *weight = a + (long)stages * i;
-        struct affected even = {{0}, {0}}, odd = even, now = start;
-        int j = 0;
+        struct affected change = {{0}, {0}}, now = start;
         // The newest stage comes last, as all others are known before it.
-        for (; j + 2 < i; j += 2) {
-            const double *const one = k + numbers * j, *const other = one + numbers;
-            even.q += weight[j] * get_half(one), even.p += weight[j] * get_half(one + half);
-            odd.q += weight[j + 1] * get_half(other), odd.p += weight[j + 1] * get_half(other + half);
-        }
-        if (j + 1 < i) {
-            const double *const one = k + numbers * j;
-            even.q += weight[j] * get_half(one), even.p += weight[j] * get_half(one + half);
-        }
-        if (i > 0) {
-            now.q = (start.q + h * (even.q + odd.q)) + (h * weight[i - 1]) * newest.q;
-            now.p = (start.p + h * (even.p + odd.p)) + (h * weight[i - 1]) * newest.p;
-        }
+        if (i > 1) add_slope(&change, weight[0], k);
+        for (int j = since[i] - 1; j < i - 1; ++j) add_slope(&change, weight[j], k + numbers * j);
+        now.q += h * change.q, now.p += h * change.p;
+        if (i > 0) now.q += (h * weight[i - 1]) * newest.q, now.p += (h * weight[i - 1]) * newest.p;
         if (has->push) pivot = pivot_at(swing, *e->rate[of_pivot] * (c[i] * h));
         newest = rates_of(has, e, t + c[i] * h, &pivot, &now, twice);
         newest.p[half - 1] = 0;
@@ -194,7 +190,7 @@ static void find_stages(int from, int to, int is_affected, const struct motion_k
                         double *aside) {
     const struct one_constants *const e = (const struct one_constants *)constants;
     if (is_affected) {
-        find_affected_stages(from, to, has, e, t, y, h, stages, a, c, k);
+        find_affected_stages(from, to, has, e, t, y, h, stages, a, since, c, k);
     } else {
         find_plain_stages(from, to, e, y, h, stages, a, since, k, aside);
     }

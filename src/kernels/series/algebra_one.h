@@ -40,7 +40,6 @@ inlined num sum_of(vec a) { return a[0] + (a[1] + a[2]); }
 
 inlined num power_of(num s, num b) { return b < 0.5 || b > 0.5 ? pow(s, b) : sqrt(s); }
 inlined void find_circle(num x, num *cosine, num *sine) { *cosine = cos(x), *sine = sin(x); }
-#include "one_body_start.h"
 
 // q' = q (0, w)/2. The spare numbers of the products sum up to -2 q0'.
 inlined void store_attitude(double *row, num real, vec q) {

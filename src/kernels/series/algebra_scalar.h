@@ -39,7 +39,6 @@ inlined num sum_of(vec a) { return a.x + (a.y + a.z); }
 
 inlined num power_of(num s, num b) { return b < 0.5 || b > 0.5 ? of_element(pow)(s, b) : of_element(sqrt)(s); }
 inlined void find_circle(num x, num *cosine, num *sine) { *cosine = of_element(cos)(x), *sine = of_element(sin)(x); }
-#include "one_body_start.h"
 
 // q' = q (0, w)/2.
 inlined void store_attitude(element *row, num real, vec q) { store_vec(row, q), row[3] = real; }

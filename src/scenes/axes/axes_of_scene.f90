@@ -1,22 +1,36 @@
 !> Makes the axes of a sweep from the description in a scene, and reports the problems of that description.
 module spintop_axes_of_scene
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_compare, only: is_equal, is_finite
     use spintop_kinds, only: dp
-    use spintop_axis_laws, only: axis_entry_t, count_axes, entry_of, find_swept, is_drawn, components_of, &
-        read_covariance, read_law
-    use spintop_compare, only: is_finite
-    use spintop_sweep_axis, only: law_uniform
-    use spintop_parameters, only: is_set, parameter_table_t, unset_integer
+    use spintop_number_slot, only: number_slot_t
+    use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: combination_names, combine_saltelli, combine_sobol, combine_zip
+    use spintop_scene_keys, only: max_axes, max_list_axes, scene_t
+    use spintop_scene_words, only: combination_names, combine_grid, combine_saltelli, combine_sobol, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
-    use spintop_text, only: to_text
+    use spintop_sweep_axis, only: factor_covariance, law_lognormal, law_names, law_normal, law_sphere, law_uniform, &
+        sphere_attitude, sphere_direction, sphere_inclination, sphere_turn
+    use spintop_text, only: join, to_text
     implicit none
     private
     public :: make_axes, find_swept, count_axes
 
+    !> Parameters of the sweep as a whole, which cannot vary from case to case.
+    character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'statistics.', 'work_precision.', &
+        'stability.', 'fit.', 'sensor.', 'output.', 'span.samples', 'span.stop_after']
+
+    !> The parameters that can be uniform on a sphere, and what each of them is.
+    character(*), parameter :: on_sphere(*) = [character(18) :: 'initial.quaternion', 'initial.omega', &
+        'top.centre_of_mass', 'initial.theta', 'initial.theta_deg', 'initial.phi', 'initial.phi_deg', 'initial.psi', &
+        'initial.psi_deg']
+    integer, parameter :: sphere_of(size(on_sphere)) = [sphere_attitude, sphere_direction, sphere_direction, &
+        sphere_inclination, sphere_inclination, sphere_turn, sphere_turn, sphere_turn, sphere_turn]
+    !> Components of each kind.
+    integer, parameter :: components(4) = [4, 3, 1, 1]
+    !> A normal value is never as many deviations from the mean.
+    real(dp), parameter :: most_deviations = 9
     !> Relative rounding error of the spacing that is allowed for an integer.
     real(dp), parameter :: spacing_slack = 8 * epsilon(1.0_dp)
 
@@ -40,7 +54,7 @@ contains
         combination = findloc(combination_names, scene%combine, dim=1)
         call check_cases(scene, problems)
         call make_each(scene, table, axes%axis, problems)
-        call read_covariance(scene, count_axes(scene), combination == combine_saltelli, factor, problems)
+        call read_covariance(scene, combination == combine_saltelli, factor, problems)
         if (combination == combine_zip .and. .not. problems%any()) call check_lengths(axes%axis, problems)
         if (.not. problems%any()) call check_design(scene, combination, axes%axis, problems)
         if (problems%any()) return
@@ -57,22 +71,17 @@ contains
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(inout) :: axis(:)
         type(problems_t), intent(inout) :: problems
-        type(axis_entry_t), allocatable :: entries(:)
         integer :: i, k, made
         logical :: is_made
 
-        allocate (entries(count_axes(scene)))
-        do i = 1, size(entries)
-            entries(i) = entry_of(scene, i)
-        end do
-        allocate (axis(sum([(components_of(entries(i)), i=1, size(entries))])))
+        allocate (axis(sum([(components_of(scene, i), i=1, count_axes(scene))])))
         made = 0
-        do i = 1, size(entries)
-            do k = 1, components_of(entries(i))
+        do i = 1, count_axes(scene)
+            do k = 1, components_of(scene, i)
                 made = made + 1
                 axis(made)%component = k
-                axis(made)%components = components_of(entries(i))
-                call make_axis(entries(i), axis(:made - 1), table, axis(made), is_made, problems)
+                axis(made)%components = components_of(scene, i)
+                call make_axis(scene, i, axis(:made - 1), table, axis(made), is_made, problems)
                 if (.not. is_made) exit
             end do
         end do
@@ -116,8 +125,9 @@ contains
     end subroutine check_cases
 
     !> An axis: the number that varies, and its values.
-    subroutine make_axis(entry, others, table, axis, is_made, problems)
-        type(axis_entry_t), intent(in) :: entry
+    subroutine make_axis(scene, i, others, table, axis, is_made, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
         type(axis_t), intent(in) :: others(:) !! those before it
         type(parameter_table_t), intent(in) :: table
         type(axis_t), intent(inout) :: axis !! its component is known
@@ -125,80 +135,82 @@ contains
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: problem, hint
         logical :: found
-        integer :: i
+        integer :: k
 
         is_made = .false.
-        axis%name = entry%name
+        axis%name = trim(scene%parameter(i))
         if (axis%components > 1) axis%name = axis%name // '(' // to_text(axis%component) // ')'
         if (axis%name == '') then
-            call problems%add(entry%key('parameter'), entry%in_words() // ' has no parameter', &
+            call problems%add(key_of(i, 'parameter'), called(i) // ' has no parameter', &
                               'number the axes without gaps')
             return
         end if
         call find_swept(axis%name, table, axis%slot, problem, hint)
         if (problem /= '') then
-            call problems%add(entry%key('parameter'), problem, hint)
+            call problems%add(key_of(i, 'parameter'), problem, hint)
             return
         end if
-        if (any([(others(i)%slot%is_same(axis%slot), i=1, size(others))])) then
-            call problems%add(entry%key('parameter'), axis%name // ' is on two axes', 'vary it on one')
+        if (any([(others(k)%slot%is_same(axis%slot), k=1, size(others))])) then
+            call problems%add(key_of(i, 'parameter'), axis%name // ' is on two axes', 'vary it on one')
         end if
         is_made = .true.
         axis%whole = axis%slot%is_whole()
-        if (entry%law /= law_uniform) then
-            call read_law(entry, axis, problems)
+        if (law_of(scene, i) /= law_uniform) then
+            call read_law(scene, i, axis, problems)
             return
         end if
-        if (is_set(entry%mean) .or. is_set(entry%deviation)) then
-            call problems%add(entry%key('distribution'), 'the values of ' // entry%in_words() // ' are uniform', &
+        if (is_set(scene%mean(i)) .or. is_set(scene%deviation(i))) then
+            call problems%add(key_of(i, 'distribution'), 'the values of ' // called(i) // ' are uniform', &
                               "omit mean and deviation, or use distribution = 'normal' or 'lognormal'")
         end if
-        call read_values(entry, axis, found, problems)
-        if (found) call check_values(entry, axis, problems)
+        call read_values(scene, i, axis, found, problems)
+        if (found) call check_values(i, axis, problems)
     end subroutine make_axis
 
     !> The values listed, or the interval; `found` tells whether there are any.
-    subroutine read_values(entry, axis, found, problems)
-        type(axis_entry_t), intent(in) :: entry
+    subroutine read_values(scene, i, axis, found, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
         type(axis_t), intent(inout) :: axis
         logical, intent(out) :: found
         type(problems_t), intent(inout) :: problems
         logical :: has_ends
 
-        has_ends = is_set(entry%from) .and. is_set(entry%to)
+        has_ends = is_set(scene%from(i)) .and. is_set(scene%to(i))
         found = .false.
-        if (size(entry%listed) > 0) then
-            if (is_set(entry%from) .or. is_set(entry%to) .or. entry%has_count()) then
-                call problems%add('sweep.values', 'the values of ' // entry%in_words() // ' are given twice', &
+        if (size(listed_of(scene, i)) > 0) then
+            if (is_set(scene%from(i)) .or. is_set(scene%to(i)) .or. scene%count(i) /= unset_integer) then
+                call problems%add('sweep.values', 'the values of ' // called(i) // ' are given twice', &
                                   'give either values, or from, to and count')
             end if
-            axis%listed = entry%listed
-            axis%count = size(entry%listed)
+            axis%listed = listed_of(scene, i)
+            axis%count = size(listed_of(scene, i))
             found = .true.
-        else if (has_ends .and. entry%drawn .and. entry%has_count()) then
-            call problems%add(entry%key('count'), 'a random axis has no number of values', &
+        else if (has_ends .and. is_drawn(scene) .and. scene%count(i) /= unset_integer) then
+            call problems%add(key_of(i, 'count'), 'a random axis has no number of values', &
                               'omit it; sweep.cases is the number of cases')
-        else if (has_ends .and. (entry%drawn .or. entry%has_count())) then
-            call read_interval(entry, axis, problems)
+        else if (has_ends .and. (is_drawn(scene) .or. scene%count(i) /= unset_integer)) then
+            call read_interval(scene, i, axis, problems)
             found = .true.
         else
-            call problems%add(entry%key('parameter'), entry%in_words() // ' has no values', &
+            call problems%add(key_of(i, 'parameter'), called(i) // ' has no values', &
                               'give values, or ' // &
-                              trim(merge('from and to       ', 'from, to and count', entry%drawn)))
+                              trim(merge('from and to       ', 'from, to and count', is_drawn(scene))))
         end if
     end subroutine read_values
 
     !> Values with equal differences or equal ratios, or the ends of an interval.
-    subroutine read_interval(entry, axis, problems)
-        type(axis_entry_t), intent(in) :: entry
+    subroutine read_interval(scene, i, axis, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
         type(axis_t), intent(inout) :: axis
         type(problems_t), intent(inout) :: problems
         real(dp) :: distance
 
-        axis%from = entry%from
-        axis%to = entry%to
-        if (.not. entry%drawn) axis%count = entry%count
-        axis%logarithmic = entry%logarithmic
+        axis%from = scene%from(i)
+        axis%to = scene%to(i)
+        if (.not. is_drawn(scene)) axis%count = scene%count(i)
+        axis%logarithmic = scene%spacing(i) == 'log'
         distance = axis%to - axis%from
         if (axis%logarithmic) then
             if (.not. (axis%from > 0 .and. axis%to > 0)) then
@@ -209,15 +221,15 @@ contains
             distance = max(axis%from, axis%to) / min(axis%from, axis%to)
         end if
         if (.not. is_finite(distance)) then
-            call problems%add(entry%key('to'), 'the ends of ' // entry%in_words() // ' are too far apart', &
+            call problems%add(key_of(i, 'to'), 'the ends of ' // called(i) // ' are too far apart', &
                               'use other ends')
         end if
     end subroutine read_interval
 
     !> Checks that all listed values, or both ends of an interval, are in the range of the parameter, and are
     !> whole numbers if it is an integer.
-    subroutine check_values(entry, axis, problems)
-        type(axis_entry_t), intent(in) :: entry
+    subroutine check_values(i, axis, problems)
+        integer, intent(in) :: i !! number of the axis in the scene
         type(axis_t), intent(in) :: axis
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: place
@@ -225,18 +237,18 @@ contains
 
         if (allocated(axis%listed)) then
             do k = 1, axis%count
-                place = 'sweep.values(' // to_text(entry%number) // ',' // to_text(k) // ')'
+                place = 'sweep.values(' // to_text(i) // ',' // to_text(k) // ')'
                 if (is_refused(axis%listed(k), place)) return
             end do
             return
         end if
-        if (is_refused(axis%from, entry%key('from'))) return
-        if (is_refused(axis%to, entry%key('to'))) return
+        if (is_refused(axis%from, key_of(i, 'from'))) return
+        if (is_refused(axis%to, key_of(i, 'to'))) return
         if (.not. axis%whole) return
         do k = 1, axis%count
             associate (value => axis%unrounded(k))
                 if (abs(value - anint(value)) <= spacing_slack * abs(value)) cycle
-                if (is_refused(value, entry%key('parameter'))) return
+                if (is_refused(value, key_of(i, 'parameter'))) return
             end associate
         end do
 
@@ -270,5 +282,261 @@ contains
         call problems%add('sweep.combine', 'axes side by side need equal numbers of values: ' // lengths, &
                           "give equal numbers of values, or use combine = 'grid'")
     end subroutine check_lengths
+
+    !> Number of components of the parameter of an axis: those of a vector that is drawn as a whole, else 1.
+    pure integer function components_of(scene, i)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
+        integer :: sphere
+        components_of = 1
+        if (law_of(scene, i) /= law_sphere) return
+        sphere = find_sphere(trim(scene%parameter(i)))
+        if (sphere > 0) components_of = components(sphere)
+    end function components_of
+
+    !> What a parameter is that can be uniform on a sphere; 0 if it is none.
+    pure integer function find_sphere(name) result(sphere)
+        character(*), intent(in) :: name
+        integer :: k
+        sphere = 0
+        do k = 1, size(on_sphere)
+            if (on_sphere(k) == name) sphere = sphere_of(k)
+        end do
+    end function find_sphere
+
+    !> Reads the distribution of an axis that is not uniform over an interval or a list; problems are reported once for all
+    !> components of a vector.
+    subroutine read_law(scene, i, axis, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
+        type(axis_t), intent(inout) :: axis !! its name, slot and component are known
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+
+        axis%law = law_of(scene, i)
+        if (is_set(scene%mean(i))) axis%mean = scene%mean(i)
+        if (axis%law == law_sphere) axis%sphere = find_sphere(trim(scene%parameter(i)))
+        if (axis%component > 1) return
+        if (.not. is_drawn(scene)) then
+            call problems%add(key_of(i, 'distribution'), 'a distribution needs a random sample', &
+                              "use combine = 'random', 'latin_hypercube' or 'sobol'")
+        else if (has_values(scene, i)) then
+            call problems%add(key_of(i, 'distribution'), called(i) // ' has a distribution and values', &
+                              "omit values, from, to, count and spacing, or use distribution = 'uniform'")
+        else if (axis%law == law_sphere) then
+            call check_sphere(scene, i, axis, problems)
+        else
+            call read_normal(scene, i, axis, problems)
+        end if
+    end subroutine read_law
+
+    !> Reports parameters of a distribution on an axis that is uniform.
+    subroutine check_sphere(scene, i, axis, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
+        type(axis_t), intent(in) :: axis
+        type(problems_t), intent(inout) :: problems
+        if (axis%sphere == 0) then
+            call problems%add(key_of(i, 'distribution'), trim(scene%parameter(i)) // ' is neither an attitude nor a direction', &
+                              "'sphere' is for " // join(on_sphere, ', '))
+        else if (is_set(scene%deviation(i))) then
+            call problems%add(key_of(i, 'deviation'), "distribution 'sphere' has no deviation", 'omit it')
+        else if (axis%sphere == sphere_direction .and. .not. axis%mean > 0) then
+            call problems%add(key_of(i, 'mean'), 'the magnitude of ' // trim(scene%parameter(i)) // ' is not given', &
+                              'give mean > 0, the magnitude of the vector')
+        else if (axis%sphere /= sphere_direction .and. is_set(scene%mean(i))) then
+            call problems%add(key_of(i, 'mean'), "distribution 'sphere' of " // trim(scene%parameter(i)) // ' has no mean', &
+                              'omit it')
+        end if
+    end subroutine check_sphere
+
+    !> Reads mean and standard deviation of a value or of its logarithm.
+    subroutine read_normal(scene, i, axis, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i !! number of the axis in it
+        type(axis_t), intent(inout) :: axis
+        type(problems_t), intent(inout) :: problems
+        real(dp) :: largest, limit
+
+        if (is_set(scene%deviation(i))) axis%deviation = scene%deviation(i)
+        if (is_set(scene%covariance(i, i))) axis%deviation = sqrt(max(0.0_dp, scene%covariance(i, i)))
+        if (axis%whole) then
+            call problems%add(key_of(i, 'distribution'), axis%name // ' is a whole number', "use distribution = 'uniform'")
+        else if (.not. is_set(scene%mean(i))) then
+            call problems%add(key_of(i, 'parameter'), called(i) // ' has no mean', 'give mean and deviation')
+        else if (is_set(scene%deviation(i)) .and. is_set(scene%covariance(i, i))) then
+            call problems%add(key_of(i, 'deviation'), 'the deviation of ' // called(i) // ' is given twice', &
+                              'omit it, or its variance in the covariance')
+        else if (.not. axis%deviation > 0) then
+            call problems%add(key_of(i, 'parameter'), called(i) // ' has no deviation', &
+                              'give deviation > 0, or a covariance')
+        else
+            largest = abs(axis%mean) + most_deviations * axis%deviation
+            limit = merge(log(huge(limit)), huge(limit), axis%law == law_lognormal)
+            if (.not. largest < limit) then
+                call problems%add(key_of(i, 'deviation'), 'the values of ' // called(i) // ' can be too large', &
+                                  'use another mean or deviation')
+            end if
+        end if
+    end subroutine read_normal
+
+    !> Reads the covariance of normal values, or of the logarithms of log-normal ones: the lower triangular factor of the axes
+    !> with such values in their order; empty where no covariance is given.
+    subroutine read_covariance(scene, independent, factor, problems)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        logical, intent(in) :: independent !! whether the axes must be independent
+        real(dp), allocatable, intent(out) :: factor(:, :) !! the factor
+        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        real(dp), allocatable :: covariance(:, :)
+        integer, allocatable :: normal(:)
+        logical :: positive
+        integer :: i, j
+
+        allocate (factor(0, 0), normal(0))
+        if (.not. any(is_set(scene%covariance))) return
+        do i = 1, count_axes(scene)
+            if (any(law_of(scene, i) == [law_normal, law_lognormal])) normal = [normal, i]
+        end do
+        call check_covariance(scene, normal, problems)
+        if (independent .and. .not. problems%any()) then
+            call problems%add('sweep.covariance', 'sensitivity indices need independent axes', 'omit the covariance')
+        end if
+        if (problems%any()) return
+        allocate (covariance(size(normal), size(normal)))
+        do j = 1, size(normal)
+            do i = 1, size(normal)
+                covariance(i, j) = covariance_of(scene, normal(i), normal(j))
+            end do
+        end do
+        deallocate (factor)
+        allocate (factor(size(normal), size(normal)))
+        call factor_covariance(covariance, factor, positive)
+        if (.not. positive) then
+            call problems%add('sweep.covariance', 'the covariance matrix is not positive definite', &
+                              'each correlation is between -1 and 1, and all together are those of some variables')
+        end if
+    end subroutine read_covariance
+
+    !> Checks that covariances are those of axes with normal values, and that the matrix is symmetric.
+    subroutine check_covariance(scene, normal, problems)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: normal(:)
+        type(problems_t), intent(inout) :: problems
+        integer :: i, j
+
+        do i = 1, size(scene%covariance, 1)
+            do j = 1, size(scene%covariance, 2)
+                associate (one => scene%covariance(i, j), mirrored => scene%covariance(j, i))
+                    if (.not. is_set(one)) cycle
+                    if (abs(one) > 0 .and. .not. (any(normal == i) .and. any(normal == j))) then
+                        call problems%add(key(i, j), 'a covariance is that of two axes with normal values', &
+                                          "use distribution = 'normal' or 'lognormal', or omit it")
+                        return
+                    else if (is_set(mirrored) .and. .not. is_equal(one, mirrored)) then
+                        call problems%add(key(i, j), 'the covariance is not symmetric', 'give each covariance once')
+                        return
+                    end if
+                end associate
+            end do
+        end do
+
+    contains
+
+        !> The key of an element of the covariance.
+        function key(i, j)
+            integer, intent(in) :: i, j
+            character(:), allocatable :: key
+            key = 'sweep.covariance(' // to_text(i) // ',' // to_text(j) // ')'
+        end function key
+
+    end subroutine check_covariance
+
+    !> A covariance, or a variance, that is given in some way; 0 if it is not.
+    pure real(dp) function covariance_of(scene, i, j) result(covariance)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i, j
+        covariance = 0
+        if (is_set(scene%covariance(i, j))) then
+            covariance = scene%covariance(i, j)
+        else if (is_set(scene%covariance(j, i))) then
+            covariance = scene%covariance(j, i)
+        else if (i == j) then
+            covariance = scene%deviation(i)**2
+        end if
+    end function covariance_of
+
+    !> Whether the cases of a sweep are a sample.
+    pure logical function is_drawn(scene)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        is_drawn = all(scene%combine /= combination_names([combine_grid, combine_zip]))
+    end function is_drawn
+
+    !> Index of the last axis for which anything is given; 0 if there is none.
+    pure integer function count_axes(scene) result(count)
+        type(scene_t), intent(in) :: scene !! contents of the input
+        do count = max_axes, 1, -1
+            if (scene%parameter(count) /= '' .or. scene%count(count) /= unset_integer .or. any(is_set( &
+                [scene%from(count), scene%to(count), scene%mean(count), scene%deviation(count), &
+                 scene%covariance(count, :)])) .or. scene%distribution(count) /= '') return
+            ! Only the first axes have lists.
+            if (is_set(scene%values(min(count, max_list_axes), 1)) .and. count <= max_list_axes) return
+        end do
+    end function count_axes
+
+    !> The listed values of an axis.
+    pure function listed_of(scene, i) result(values)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i
+        real(dp), allocatable :: values(:)
+        integer :: n
+        n = 0
+        if (i <= max_list_axes) n = findloc(is_set([scene%values(i, :), unset]), .false., dim=1) - 1
+        allocate (values, source=scene%values(min(i, max_list_axes), :n))
+    end function listed_of
+
+    !> The distribution of an axis by its place in `law_names`.
+    pure integer function law_of(scene, i)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i
+        law_of = max(law_uniform, findloc(law_names, scene%distribution(i), dim=1))
+    end function law_of
+
+    !> Finds the number that a parameter contains; `problem` is the reason why it cannot vary, or ''.
+    subroutine find_swept(name, table, slot, problem, hint)
+        character(*), intent(in) :: name !! name of a parameter, as `top.inertia(2)`
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        type(number_slot_t), intent(out) :: slot !! the element, if there is no problem
+        character(:), allocatable, intent(out) :: problem, hint !! why it cannot vary, and what to do; '' if it can vary
+        integer :: i
+        call table%find_number(name, slot, problem)
+        hint = '`spintop list parameters` shows them all'
+        do i = 1, size(fixed)
+            if (problem /= '' .or. index(name, trim(fixed(i))) /= 1) cycle
+            problem = name // ' cannot vary'
+            hint = 'vary a parameter of the top, its start, its span or its integration'
+        end do
+    end subroutine find_swept
+
+    !> Whether a list of values, an interval, or a part of one is given.
+    pure logical function has_values(scene, i)
+        type(scene_t), intent(in) :: scene
+        integer, intent(in) :: i
+        has_values = size(listed_of(scene, i)) > 0 .or. is_set(scene%from(i)) .or. is_set(scene%to(i)) &
+                     .or. scene%count(i) /= unset_integer .or. scene%spacing(i) == 'log'
+    end function has_values
+
+    !> A key of an axis: `sweep.from(2)`.
+    pure function key_of(i, name) result(key)
+        integer, intent(in) :: i
+        character(*), intent(in) :: name !! of the key without its group
+        character(:), allocatable :: key
+        key = 'sweep.' // name // '(' // to_text(i) // ')'
+    end function key_of
+
+    !> An axis in a message: `axis 2`.
+    pure function called(i)
+        integer, intent(in) :: i
+        character(:), allocatable :: called
+        called = 'axis ' // to_text(i)
+    end function called
 
 end module spintop_axes_of_scene

@@ -5,18 +5,18 @@
 !>     0.5,                0.875
 module spintop_axes_of_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axis_laws, only: count_axes, find_swept
+    use spintop_axes_of_scene, only: count_axes, find_swept
     use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
+    use spintop_loaded_table, only: table_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
-    use spintop_table_walk, only: table_cursor_t, table_walk_t
     use spintop_text, only: to_text
     use spintop_units, only: find_unit, units_of
     implicit none
@@ -41,27 +41,26 @@ contains
         type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        type(table_walk_t) :: walk
+        type(table_t) :: cases
         type(error_t), allocatable :: error
         real(dp), allocatable :: sizes(:)
-        logical :: has_lines, refused
 
         call check_scene(scene, problems)
-        call walk%open(input, scene%sweep_table, diagnostics, has_lines, error)
+        call cases%open(input, scene%sweep_table, diagnostics, error)
         if (allocated(error)) then
             call problems%add('sweep.table', error%message, 'its path is relative to the folder of the input')
             return
         end if
         if (scene%sweep_table_checksum == '') then
-            scene%sweep_table_checksum = checksum_of(walk%text)
-        else if (scene%sweep_table_checksum /= checksum_of(walk%text)) then
+            scene%sweep_table_checksum = checksum_of(cases%text)
+        else if (scene%sweep_table_checksum /= checksum_of(cases%text)) then
             call problems%add('sweep.table_checksum', 'the table has changed: its checksum is ' &
-                              // checksum_of(walk%text), 'omit the checksum to accept any table')
+                              // checksum_of(cases%text), 'omit the checksum to accept any table')
         end if
-        if (.not. has_lines) return
-        call read_head(walk, table, axes%axis, sizes, diagnostics, refused)
-        if (size(axes%axis) > 0) call read_rows(walk, axes%axis, sizes, diagnostics, refused)
-        if (refused .or. problems%any()) return
+        if (.not. allocated(cases%names)) return
+        call find_parameters(cases, table, axes%axis, sizes, diagnostics)
+        if (size(axes%axis) > 0) call read_values(cases, axes%axis, sizes, diagnostics)
+        if (problems%any() .or. .not. cases%is_valid) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
     end subroutine read_axes
 
@@ -78,35 +77,23 @@ contains
         end if
     end subroutine check_scene
 
-    !> Reads the line of names: an axis for each, and the size of its unit in that of its parameter; none if a comma parts a name.
-    subroutine read_head(walk, table, axis, sizes, diagnostics, refused)
-        type(table_walk_t), intent(inout) :: walk
+    !> Makes an axis for each column, with the size of its unit in that of its parameter; none if a comma parts a name.
+    subroutine find_parameters(cases, table, axis, sizes, diagnostics)
+        type(table_t), intent(inout) :: cases
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(out) :: axis(:)
         real(dp), allocatable, intent(out) :: sizes(:)
         type(diagnostics_t), intent(inout) :: diagnostics
-        logical, intent(out) :: refused
-        type(table_cursor_t) :: head
         character(:), allocatable :: problem, hint
-        integer :: i, k, columns
+        integer :: i, k
 
-        head = walk%at
-        columns = 0
-        do while (walk%has_cell())
-            call walk%next_cell()
-            columns = columns + 1
-        end do
-        walk%at = head
-        allocate (axis(columns))
-        allocate (sizes(columns), source=1.0_dp)
-        refused = .false.
-        do i = 1, columns
-            call walk%next_cell()
-            axis(i)%name = walk%cell()
+        allocate (axis(size(cases%names)))
+        allocate (sizes(size(axis)), source=1.0_dp)
+        do i = 1, size(axis)
+            axis(i)%name = cases%names(i)%text
             if (index(axis(i)%name, '(') > 0 .and. index(axis(i)%name, ')') == 0) then
-                call walk%refuse(diagnostics, 'a comma parts the name ' // axis(i)%name, &
-                                 'put a name with a comma in double quotes: "top.inertia_tensor(1,2)"')
-                refused = .true.
+                call cases%refuse(diagnostics, i, 0, 'a comma parts the name ' // axis(i)%name, &
+                                  'put a name with a comma in double quotes: "top.inertia_tensor(1,2)"')
                 deallocate (axis)
                 allocate (axis(0))
                 return
@@ -120,10 +107,9 @@ contains
             end if
             if (problem == '') cycle
             if (axis(i)%name == '') problem = 'a column has no name'
-            call walk%refuse(diagnostics, problem, hint)
-            refused = .true.
+            call cases%refuse(diagnostics, i, 0, problem, hint)
         end do
-    end subroutine read_head
+    end subroutine find_parameters
 
     !> Finds the parameter of a column whose name ends in a unit, as `initial.omega3_rpm`. The problem stays if there is none.
     subroutine find_in_unit(table, axis, size_of_unit, problem, hint)
@@ -153,67 +139,38 @@ contains
     end subroutine find_in_unit
 
     !> Reads the rows into the axes. Values of refused columns are not checked.
-    subroutine read_rows(walk, axis, sizes, diagnostics, refused)
-        type(table_walk_t), intent(inout) :: walk
+    subroutine read_values(cases, axis, sizes, diagnostics)
+        type(table_t), intent(inout) :: cases
         type(axis_t), intent(inout) :: axis(:)
         real(dp), intent(in) :: sizes(:) !! of the units of the columns
         type(diagnostics_t), intent(inout) :: diagnostics
-        logical, intent(inout) :: refused
-        character(*), parameter :: one_a_column = 'a row has a cell for each column'
-        type(table_cursor_t) :: head
         character(:), allocatable :: problem, hint
-        real(dp) :: value
-        integer :: rows, row, i
+        integer :: row, i
 
-        head = walk%at
-        rows = 0
-        do while (walk%next_line())
-            rows = rows + 1
-        end do
-        if (rows == 0) then
-            walk%at = head
-            call walk%refuse(diagnostics, 'the table has no rows', 'each row is a case')
-            refused = .true.
-            return
+        call cases%read_rows(diagnostics)
+        if (cases%rows == 0 .and. cases%is_valid) then
+            call cases%refuse(diagnostics, 1, 0, 'the table has no rows', 'each row is a case')
         end if
         do i = 1, size(axis)
-            allocate (axis(i)%listed(rows))
-            axis(i)%count = rows
+            allocate (axis(i)%listed(cases%rows))
+            axis(i)%count = cases%rows
         end do
-        walk%at = head
-        do row = 1, rows
-            if (.not. walk%next_line()) exit
+        do row = 1, cases%rows
             do i = 1, size(axis)
-                if (.not. walk%has_cell()) then
-                    call fail('the row ends before ' // axis(i)%name, one_a_column)
-                    exit
-                end if
-                call walk%next_cell()
-                call walk%read_number(axis(i)%name, value, problem, hint)
-                value = value * sizes(i)
-                ! A refused column has no rule.
-                if (problem == '' .and. allocated(axis(i)%slot%rule)) then
-                    problem = axis(i)%slot%refusal(value)
-                    if (problem /= '') problem = axis(i)%name // ' ' // problem
-                end if
-                if (problem /= '') call fail(problem, hint)
-                axis(i)%listed(row) = value
+                associate (value => axis(i)%listed(row))
+                    call cases%read_number(i, row, value, problem, hint)
+                    value = value * sizes(i)
+                    ! A refused column has no rule.
+                    if (problem == '' .and. allocated(axis(i)%slot%rule)) then
+                        problem = axis(i)%slot%refusal(value)
+                        if (problem /= '') problem = axis(i)%name // ' ' // problem
+                    end if
+                end associate
+                if (problem == '') cycle
+                call cases%refuse(diagnostics, i, row, problem, hint)
             end do
-            if (i > size(axis) .and. walk%has_cell()) then
-                call walk%next_cell()
-                call fail('the row has more cells than the table has columns', one_a_column)
-            end if
         end do
-
-    contains
-
-        subroutine fail(message, hint)
-            character(*), intent(in) :: message, hint
-            call walk%refuse(diagnostics, message, hint)
-            refused = .true.
-        end subroutine fail
-
-    end subroutine read_rows
+    end subroutine read_values
 
     !> The axes of some arrays, which have the same length. Without any, there is one case: that of the scene. With
     !> problems the axes have no cases.

@@ -44,7 +44,6 @@ module spintop_sweep_axes
         procedure :: correlate
         procedure :: out_of_range
         procedure :: values_of
-        procedure :: find_values
         procedure :: find_block
         procedure :: place_of
         procedure :: varies
@@ -139,34 +138,10 @@ contains
     pure function values_of(self, number) result(values)
         class(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number !! number of the case, from 1
-        real(dp) :: values(size(self%axis))
-        call self%find_values(number, values)
+        real(dp) :: values(size(self%axis)), block(size(values), 1)
+        call self%find_block(number, block)
+        values = block(:, 1)
     end function values_of
-
-    !> The same into memory of the caller, for loops over millions of cases.
-    pure subroutine find_values(self, number, values)
-        class(axes_t), intent(in) :: self
-        integer(int64), intent(in) :: number !! number of the case, from 1
-        real(dp), intent(out) :: values(:) !! one value for each axis
-        real(dp) :: fractions(self%design%dimensions)
-        integer(int64) :: rest, n
-        integer :: i
-
-        select case (self%combination)
-        case (combine_grid)
-            rest = number - 1
-            do i = size(self%axis), 1, -1
-                n = self%axis(i)%count
-                values(i) = self%axis(i)%value(int(mod(rest, n)) + 1)
-                rest = rest / n
-            end do
-        case (combine_zip)
-            values = self%axis%value(int(number))
-        case default
-            call self%design%find_fractions(number, fractions)
-            call draw_values(self, fractions, values)
-        end select
-    end subroutine find_values
 
     !> The values of consecutive cases.
     pure subroutine find_block(self, number, values)
@@ -192,17 +167,22 @@ contains
         type(axes_t), intent(in) :: self
         integer(int64), intent(in) :: number
         real(dp), intent(out) :: values(:, :)
-        integer :: last, run, first, k, n
+        integer(int64) :: rest
+        integer :: last, run, first, i, k, n
 
         last = size(self%axis)
         n = size(values, 2)
         k = 1
         do while (k <= n)
-            call self%find_values(number + k - 1, values(:, k))
+            rest = number + k - 2
+            do i = last, 1, -1
+                values(i, k) = self%axis(i)%value(int(mod(rest, int(self%axis(i)%count, int64))) + 1)
+                rest = rest / self%axis(i)%count
+            end do
             associate (axis => self%axis(last))
                 first = int(mod(number + k - 2, int(axis%count, int64))) + 1
                 run = min(axis%count - first, n - k)
-                call axis%list_values(first + 1, values(last, k + 1:k + run))
+                values(last, k + 1:k + run) = axis%value([(first + i, i=1, run)])
             end associate
             values(:last - 1, k + 1:k + run) = spread(values(:last - 1, k), 2, run)
             k = k + run + 1

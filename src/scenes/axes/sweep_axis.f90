@@ -43,7 +43,6 @@ module spintop_sweep_axis
     contains
         procedure :: value
         procedure :: unrounded
-        procedure :: list_values
         procedure :: draw
         procedure :: draw_on_sphere
         procedure :: dimensions
@@ -73,17 +72,6 @@ contains
             value = between(self%from, self%to, self%logarithmic, real(k - 1, dp) / max(1, self%count - 1))
         end if
     end function unrounded
-
-    !> Consecutive values, from a number on.
-    pure subroutine list_values(self, first, values)
-        class(axis_t), intent(in) :: self
-        integer, intent(in) :: first !! number of the first of them, from 1
-        real(dp), intent(out) :: values(:) !! as many values from that number on, in the unit of the parameter
-        integer :: k
-        do k = 1, size(values)
-            values(k) = self%value(first + k - 1)
-        end do
-    end subroutine list_values
 
     !> The quantile of a fraction in (0, 1): uniform over the interval (or over its logarithm). All values of
     !> a list have the same probability. For an integer parameter the quantile is that of a uniform

@@ -178,16 +178,12 @@ module spintop_benchmark_cases
         figure_t('heavy_top_first', 'omega_y', 149.8473939540758_dp, by_exudyn_lie), &
         figure_t('heavy_top_first', 'omega_y', 149.84738885863888_dp, by_exudyn_parameters), &
         figure_t('heavy_top_first', 'omega_y', 149.89507599262697_dp, by_exudyn_vector), &
-        figure_t('heavy_top_first', 'omega_x'), &
-        figure_t('heavy_top_first', 'omega_z'), &
+        figure_t('heavy_top_first', 'omega_x'), figure_t('heavy_top_first', 'omega_z'), &
         figure_t('heavy_top_rate', 'omega_y', -106.16380619750855_dp, by_exudyn_rk4), &
         figure_t('heavy_top_rate', 'omega_y', -106.16380414306643_dp, by_exudyn_dopri5), &
         figure_t('simo_wong', 'energy', 1269.975_dp, 'Solfec validation: the start'), &
-        figure_t('simo_wong', 'com_x'), &
-        figure_t('simo_wong', 'com_y'), &
-        figure_t('simo_wong', 'com_z'), &
-        figure_t('steady_cone', 'com_x'), &
-        figure_t('steady_cone', 'com_y'), &
+        figure_t('simo_wong', 'com_x'), figure_t('simo_wong', 'com_y'), figure_t('simo_wong', 'com_z'), &
+        figure_t('steady_cone', 'com_x'), figure_t('steady_cone', 'com_y'), &
         figure_t('steady_cone', 'com_z'), &
         figure_t('free_gyroscope', 'omega1', 0.692800241862_dp, by_cvode), &
         figure_t('free_gyroscope', 'gamma2', 0.708468221_dp, by_cvode), &
@@ -214,20 +210,12 @@ module spintop_benchmark_cases
         figure_t('tumbling_brick', 'q3', brick_attitude_5(4), by_nasa_5), &
         figure_t('tumbling_box', 'kinetic', 1.09_dp * box_energy, by_mujoco), &
         figure_t('tumbling_box', 'kinetic', 0.93_dp * box_energy, by_implicitfast), &
-        figure_t('flipping_body', 'omega1'), &
-        figure_t('flipping_body', 'omega2'), &
-        figure_t('flipping_body', 'omega3'), &
-        figure_t('flipping_body', 'q0'), &
-        figure_t('flipping_body', 'q1'), &
-        figure_t('flipping_body', 'q2'), &
-        figure_t('flipping_body', 'q3'), &
-        figure_t('flipping_box', 'omega1'), &
-        figure_t('flipping_box', 'omega2'), &
-        figure_t('flipping_box', 'omega3'), &
-        figure_t('flipping_box', 'q0'), &
-        figure_t('flipping_box', 'q1'), &
-        figure_t('flipping_box', 'q2'), &
-        figure_t('flipping_box', 'q3'), &
+        figure_t('flipping_body', 'omega1'), figure_t('flipping_body', 'omega2'), &
+        figure_t('flipping_body', 'omega3'), figure_t('flipping_body', 'q0'), &
+        figure_t('flipping_body', 'q1'), figure_t('flipping_body', 'q2'), figure_t('flipping_body', 'q3'), &
+        figure_t('flipping_box', 'omega1'), figure_t('flipping_box', 'omega2'), &
+        figure_t('flipping_box', 'omega3'), figure_t('flipping_box', 'q0'), figure_t('flipping_box', 'q1'), &
+        figure_t('flipping_box', 'q2'), figure_t('flipping_box', 'q3'), &
         figure_t('free_body', 'axis_x', 0.5608118150306917_dp, by_metis_eml), &
         figure_t('free_body', 'axis_y', 0.08722427373011672_dp, by_metis_eml), &
         figure_t('free_body', 'axis_z', -0.8233359181975696_dp, by_metis_eml), &
@@ -238,16 +226,10 @@ module spintop_benchmark_cases
         figure_t('free_body', 'axis_z', -0.823335920366382_dp, by_metis_emh), &
         figure_t('free_body', 'gamma1', -0.01066349978493103_dp, by_metis_emh), &
         figure_t('free_body', 'gamma2', 0.5674541849407575_dp, by_metis_emh), &
-        figure_t('torqued_body', 'omega1'), &
-        figure_t('torqued_body', 'omega2'), &
-        figure_t('torqued_body', 'omega3'), &
-        figure_t('staude', 'omega1'), &
-        figure_t('staude', 'gamma3'), &
-        figure_t('grioli', 'omega1'), &
-        figure_t('grioli', 'gamma3'), &
-        figure_t('hess', 'omega1'), &
-        figure_t('hess', 'gamma3'), &
-        figure_t('bobylev_steklov', 'omega3'), &
+        figure_t('torqued_body', 'omega1'), figure_t('torqued_body', 'omega2'), &
+        figure_t('torqued_body', 'omega3'), figure_t('staude', 'omega1'), figure_t('staude', 'gamma3'), &
+        figure_t('grioli', 'omega1'), figure_t('grioli', 'gamma3'), figure_t('hess', 'omega1'), &
+        figure_t('hess', 'gamma3'), figure_t('bobylev_steklov', 'omega3'), &
         figure_t('bobylev_steklov', 'gamma3')]
 
 end module spintop_benchmark_cases

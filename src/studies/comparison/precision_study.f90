@@ -23,11 +23,12 @@ module spintop_precision_study
     use spintop_status, only: is_ok, status_meaning, status_names, status_ok
     use spintop_stepper, only: method_info_t
     use spintop_study_column, only: categorical, column => study_column_t
-    use spintop_summary, only: summary_t, rounded
+    use spintop_summary, only: duration, summary_t, rounded
     use spintop_sweep_axes, only: case_scene_t
     use spintop_text, only: append, string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trial, only: errors_t, run_trial, time_trial
+    use spintop_trial, only: error_energy, error_l3, error_lz, error_norm, error_orientation, error_phi, error_tip, no_errors, &
+        run_trial, time_trial
     implicit none
     private
     public :: precision_study_t, precision_columns, add_row, sort_rows, mark_front, summarize_problem, auto_tally_t
@@ -201,26 +202,17 @@ contains
     subroutine refuse_settings(scene, problems)
         type(scene_t), intent(in) :: scene
         type(problems_t), intent(inout) :: problems
-        character(*), parameter :: hint = 'give it in &work_precision'
+        character(*), parameter :: hint = 'give it in &work_precision', steps = 'a work-precision study varies the steps'
 
-        call refuse('integration.method', scene%method /= 'auto', 'a work-precision study compares methods', hint)
-        call refuse('integration.formulation', scene%formulation /= 'auto', &
-                    'a work-precision study compares formulations', hint)
-        call refuse('integration.steps', scene%steps /= unset_integer, 'a work-precision study varies the steps', hint)
-        call refuse('integration.step', is_set(scene%step), 'a work-precision study varies the steps', hint)
-        call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance), &
-                    'a work-precision study varies the tolerance', hint)
-        call refuse('span.stop_at', scene%stop_at /= '', 'a work-precision study computes each motion to the end of its span', &
-                    'omit it')
-
-    contains
-
-        subroutine refuse(key, given, message, hint)
-            character(*), intent(in) :: key, message, hint
-            logical, intent(in) :: given
-            if (given) call problems%add(key, message, hint)
-        end subroutine refuse
-
+        if (scene%method /= 'auto') call problems%add('integration.method', 'a work-precision study compares methods', hint)
+        if (scene%formulation /= 'auto') call problems%add('integration.formulation', &
+                                                           'a work-precision study compares formulations', hint)
+        if (scene%steps /= unset_integer) call problems%add('integration.steps', steps, hint)
+        if (is_set(scene%step)) call problems%add('integration.step', steps, hint)
+        if (is_set(scene%relative_tolerance)) call problems%add('integration.relative_tolerance', &
+                                                                'a work-precision study varies the tolerance', hint)
+        if (scene%stop_at /= '') call problems%add('span.stop_at', &
+                                                   'a work-precision study computes each motion to the end of its span', 'omit it')
     end subroutine refuse_settings
 
     !> Reads the reference motion of a case if the input names a table, and checks that the requested
@@ -452,29 +444,29 @@ contains
         type(reference_t), intent(in) :: reference !! the reference motion
         real(dp), intent(in) :: values(:) !! of the swept parameters
         type(text_buffer_t), intent(inout) :: cells !! the row is appended
-        type(errors_t) :: largest, last
+        real(dp), dimension(size(no_errors)) :: largest, last
 
         if (is_ok(row%trial%status)) then
             largest = row%trial%errors
             last = row%trial%last
         else
-            largest = errors_t(no_number, no_number, no_number, no_number, no_number, no_number, no_number, no_number)
-            last = largest
+            largest = no_number
+            last = no_number
         end if
         call row%begin_cells(problem, cells)
         call cells%add_text(row%setting%text())
         associate (counts => row%trial%counts)
-            call cells%add_reals([last%orientation, last%tip, largest%orientation])
+            call cells%add_reals([last(error_orientation), last(error_tip), largest(error_orientation)])
             call cells%add_integer(counts%steps)
             call cells%add_integer(counts%rejected)
             call cells%add_integer(counts%evaluations)
-            call cells%add_reals([row%time, largest%energy])
+            call cells%add_reals([row%time, largest(error_energy)])
             call cells%add_text(status_names(row%trial%status))
-            call cells%add_reals([largest%tip])
+            call cells%add_reals([largest(error_tip)])
             call cells%add_integer(counts%jacobians)
         end associate
-        call cells%add_reals([largest%vertical, largest%axial, largest%quaternion])
-        call cells%add_reals([last%angle, last%rate, largest%angle, largest%rate])
+        call cells%add_reals(largest([error_lz, error_l3, error_norm]))
+        call cells%add_reals([last(error_phi:), largest(error_phi:)])
         call cells%add_reals([maxval(reference%floor)])
         call cells%add_text(reference%source)
         call cells%add_reals([reference%uncertainty, reference%disagreement])
@@ -509,8 +501,8 @@ contains
         best = huge(best)
         do i = 1, size(rows)
             associate (row => rows(i))
-                row%is_front = is_ok(row%trial%status) .and. row%trial%errors%orientation < best
-                if (row%is_front .and. row%is_stepped) best = row%trial%errors%orientation
+                row%is_front = is_ok(row%trial%status) .and. row%trial%errors(error_orientation) < best
+                if (row%is_front .and. row%is_stepped) best = row%trial%errors(error_orientation)
             end associate
         end do
     end subroutine mark_front
@@ -533,8 +525,8 @@ contains
         end if
         do i = 1, size(rows)
             if (rows(i)%is_stepped .or. .not. is_ok(rows(i)%trial%status)) cycle
-            call summary%add('', 'the exact solution takes ' // duration(rows(i)%time) // ' at any time, with an error of ' &
-                             // rounded(rows(i)%trial%errors%orientation) // ' rad')
+            call summary%add('', 'the exact solution takes ' // duration(rows(i)%time, 3) // ' at any time, with an error of ' &
+                             // rounded(rows(i)%trial%errors(error_orientation)) // ' rad')
         end do
     end subroutine summarize_problem
 
@@ -573,7 +565,7 @@ contains
             return
         end if
         text = 'the cheapest is ' // rows(best)%name() // ', ' // rows(best)%setting%text() // ': ' &
-               // duration(rows(best)%time)
+               // duration(rows(best)%time, 3)
         next = cheapest(rows, error, rows%is_stepped .and. rows%choice%method%name /= rows(best)%choice%method%name)
         if (next == nobody) then
             text = text // '; no other method is accurate enough'
@@ -591,7 +583,7 @@ contains
         logical, intent(in) :: mask(:)
         do cheapest = 1, size(rows)
             if (.not. mask(cheapest) .or. .not. is_ok(rows(cheapest)%trial%status)) cycle
-            if (rows(cheapest)%trial%errors%orientation <= error) return
+            if (rows(cheapest)%trial%errors(error_orientation) <= error) return
         end do
         cheapest = nobody
     end function cheapest
@@ -632,19 +624,5 @@ contains
         if (self%missed > 0) text = text // '; in ' // to_text(self%missed) // ' it is not accurate enough'
         call summary%add('auto', text)
     end subroutine summarize_auto
-
-    !> A time with a suitable unit.
-    function duration(time) result(text)
-        real(dp), intent(in) :: time
-        character(:), allocatable :: text
-        real(dp), parameter :: milli = 1.0e-3_dp, micro = 1.0e-6_dp
-        if (time < milli) then
-            text = rounded(time / micro, 3) // ' us'
-        else if (time < 1) then
-            text = rounded(time / milli, 3) // ' ms'
-        else
-            text = rounded(time, 3) // ' s'
-        end if
-    end function duration
 
 end module spintop_precision_study

@@ -30,7 +30,7 @@ module spintop_stability_study
     use spintop_summary, only: summary_t, rounded
     use spintop_text, only: string_t, to_text
     use spintop_text_buffer, only: text_buffer_t
-    use spintop_trial, only: errors_t, run_trial, trial_t
+    use spintop_trial, only: error_energy, error_l3, error_lz, error_norm, error_orientation, run_trial, trial_t
     implicit none
     private
     public :: stability_study_t, own_case, stability_columns, add_row, verdict_names, verdict_meaning, judge_trial, &
@@ -308,7 +308,7 @@ contains
 
     !> The trial of a method that was not run: it has no errors, no computing time and no end.
     pure type(trial_t) function no_trial() result(trial)
-        trial%errors = errors_t(no_number, no_number, no_number, no_number, no_number, no_number)
+        trial%errors = no_number
         trial%time = no_number
         trial%t = no_number
     end function no_trial
@@ -326,8 +326,7 @@ contains
         call row%begin_cells(problem%name, cells)
         call cells%add_text(verdict_names(row%verdict))
         associate (errors => row%trial%errors, counts => row%trial%counts)
-            call cells%add_reals([errors%orientation, errors%tip, errors%energy, errors%vertical, errors%axial, &
-                                  errors%quaternion, inherent_error])
+            call cells%add_reals([errors(:error_norm), inherent_error])
             call cells%add_integer(counts%steps)
             call cells%add_integer(counts%rejected)
             call cells%add_integer(counts%evaluations)
@@ -419,9 +418,9 @@ contains
             verdict = verdict_failed
         else if (accurate_below + floors * floor > wrong_above .or. uncertainty > wrong_above) then
             verdict = verdict_no_reference
-        else if (trial%errors%orientation <= accurate_below + floors * floor) then
+        else if (trial%errors(error_orientation) <= accurate_below + floors * floor) then
             verdict = verdict_accurate
-        else if (trial%errors%orientation <= wrong_above) then
+        else if (trial%errors(error_orientation) <= wrong_above) then
             verdict = verdict_drifts
         else
             verdict = verdict_wrong
@@ -446,10 +445,10 @@ contains
             reason = 'the motion is not known to ' // to_text(wrong_above) // ' rad'
         case (verdict_drifts, verdict_wrong)
             associate (errors => trial%errors)
-                reason = 'orientation error ' // scientific(errors%orientation) // ' rad'
-                invariants = 'energy error ' // scientific(errors%energy) // ', momentum error ' &
-                             // scientific(max(errors%vertical, errors%axial))
-                if (max(errors%energy, errors%vertical, errors%axial) < hidden * errors%orientation) then
+                reason = 'orientation error ' // scientific(errors(error_orientation)) // ' rad'
+                invariants = 'energy error ' // scientific(errors(error_energy)) // ', momentum error ' &
+                             // scientific(maxval(errors([error_lz, error_l3])))
+                if (maxval(errors([error_energy, error_lz, error_l3])) < hidden * errors(error_orientation)) then
                     reason = reason // ', although ' // invariants
                 else
                     reason = reason // '; ' // invariants

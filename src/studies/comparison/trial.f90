@@ -19,22 +19,20 @@ module spintop_trial
     use spintop_stepper, only: counts_t
     implicit none
     private
-    public :: trial_t, errors_t, run_trial, time_trial
+    public :: trial_t, run_trial, time_trial, no_errors, error_orientation, error_tip, error_energy, error_lz, &
+        error_l3, error_norm, error_phi, error_theta, error_psi, error_phi_rate, error_theta_rate, error_psi_rate
 
-    !> Magnitudes of the differences from the reference.
-    type :: errors_t
-        !> Rotation angle between the attitudes, rad, and distance of the axis tips.
-        real(dp) :: orientation = 0, tip = 0
-        !> Error of the energy over (kinetic energy at the start + m g |r|); errors of the momenta about the
-        !> vertical and about body z over (momentum at the start + square root of m g |r| times the largest
-        !> inertia).
-        real(dp) :: energy = 0, vertical = 0, axial = 0
-        !> Norm error abs(q) - 1 of the quaternion.
-        real(dp) :: quaternion = 0
-        !> phi, theta, psi, rad, phi and psi within half a turn; and their rates, rad/s. In a pole only theta exists; what
-        !> never did is NaN.
-        real(dp) :: angle(3) = no_number, rate(3) = no_number
-    end type errors_t
+    !> Magnitudes of the differences from the reference, as places in a list: the rotation angle between the attitudes, rad, and
+    !> the distance of the axis tips; the error of the energy over (kinetic energy at the start + m g |r|), those of the momenta
+    !> about the vertical and about body z over (momentum at the start + square root of m g |r| times the largest inertia); the
+    !> norm error abs(q) - 1 of the quaternion; phi, theta, psi, rad, phi and psi within half a turn, and their rates, rad/s.
+    enum, bind(C)
+        enumerator :: error_orientation = 1, error_tip, error_energy, error_lz, error_l3, error_norm
+        enumerator :: error_phi, error_theta, error_psi, error_phi_rate, error_theta_rate, error_psi_rate
+    end enum
+    !> The errors before the first comparison. In a pole only theta exists; what never did is NaN.
+    real(dp), parameter :: no_errors(error_psi_rate) = [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, no_number, no_number, &
+                                                        no_number, no_number, no_number, no_number]
 
     !> Result of a computation.
     type :: trial_t
@@ -42,7 +40,7 @@ module spintop_trial
         !> Time reached, s.
         real(dp) :: t = 0
         !> Largest errors at the times of the reference, and errors at the last time reached.
-        type(errors_t) :: errors, last
+        real(dp), dimension(size(no_errors)) :: errors = no_errors, last = no_errors
         type(counts_t) :: counts
         !> Computing time without comparisons, s.
         real(dp) :: time = 0
@@ -54,7 +52,7 @@ module spintop_trial
         type(reference_t) :: reference
         integer :: seen = 0
         real(dp) :: energy_scale = 1, momentum_scale = 1
-        type(errors_t) :: errors, last
+        real(dp), dimension(size(no_errors)) :: errors = no_errors, last = no_errors
         !> Time for comparisons, s.
         real(dp) :: comparing = 0
     contains
@@ -151,61 +149,45 @@ contains
     subroutine compare(self, motion)
         class(judge_t), intent(inout) :: self
         type(motion_t), intent(in) :: motion
+        real(dp) :: differences(size(no_errors))
+        logical :: exists(size(no_errors))
 
         if (self%seen == size(self%reference%motions)) return
         self%seen = self%seen + 1
-        self%last = errors_t()
-        associate (truth => self%reference%motions(self%seen), body => self%case%body, last => self%last)
-            call enlarge(last%orientation, rotation_angle(truth%quaternion, motion%quaternion))
-            call enlarge(last%tip, norm2(axis_tip(body, motion) - axis_tip(body, truth)))
-            call enlarge(last%energy, (energy(body, motion) - energy(body, truth)) / self%energy_scale)
-            call enlarge(last%vertical, (vertical_momentum(body, motion) &
-                                         - vertical_momentum(body, truth)) / self%momentum_scale)
-            call enlarge(last%axial, (axial_momentum(body, motion) - axial_momentum(body, truth)) &
-                                     / self%momentum_scale)
-            call enlarge(last%quaternion, motion%norm_error)
-            call compare_angles(self%case, motion, truth, last)
+        associate (truth => self%reference%motions(self%seen), body => self%case%body)
+            differences(error_orientation) = rotation_angle(truth%quaternion, motion%quaternion)
+            differences(error_tip) = norm2(axis_tip(body, motion) - axis_tip(body, truth))
+            differences(error_energy) = (energy(body, motion) - energy(body, truth)) / self%energy_scale
+            differences(error_lz) = (vertical_momentum(body, motion) - vertical_momentum(body, truth)) / self%momentum_scale
+            differences(error_l3) = (axial_momentum(body, motion) - axial_momentum(body, truth)) / self%momentum_scale
+            differences(error_norm) = motion%norm_error
+            exists = .true.
+            call compare_angles(self%case, motion, truth, differences(error_phi:), exists(error_phi:))
         end associate
-        associate (errors => self%errors, last => self%last)
-            call enlarge(errors%orientation, last%orientation)
-            call enlarge(errors%tip, last%tip)
-            call enlarge(errors%energy, last%energy)
-            call enlarge(errors%vertical, last%vertical)
-            call enlarge(errors%axial, last%axial)
-            call enlarge(errors%quaternion, last%quaternion)
-            where (is_finite(last%angle)) errors%angle = enlarged(errors%angle, last%angle)
-            where (is_finite(last%rate)) errors%rate = enlarged(errors%rate, last%rate)
-        end associate
+        self%last = merge(enlarged(no_errors, differences), no_errors, exists)
+        where (exists) self%errors = enlarged(self%errors, self%last)
     end subroutine compare
 
-    !> Compares angles and rates, in the axes in which the body was given.
-    subroutine compare_angles(case, motion, truth, errors)
+    !> Compares angles and rates, in the axes in which the body was given: their differences, and which of them exist.
+    subroutine compare_angles(case, motion, truth, differences, exists)
         type(case_t), intent(in) :: case
         type(motion_t), intent(in) :: motion, truth
-        type(errors_t), intent(inout) :: errors
+        real(dp), intent(out) :: differences(6)
+        logical, intent(out) :: exists(6)
         type(motion_t) :: computed, true
-        real(dp) :: difference(3), gamma(3)
+        real(dp) :: gamma(3)
 
         ! Angles of a state may have left 0 <= theta <= pi; those of the attitude have not.
         computed = motion_from_quaternion(motion%t, motion%quaternion, motion%omega, motion%angle)
         computed = case%turn%back(computed, case%given_start%angle)
         true = case%turn%back(truth, case%given_start%angle)
-        difference = computed%angle - true%angle
-        difference = difference - 2 * pi * anint(difference / (2 * pi))
-        call enlarge(errors%angle(2), difference(2))
+        differences = [computed%angle - true%angle, computed%rate - true%rate]
+        differences(:3) = differences(:3) - 2 * pi * anint(differences(:3) / (2 * pi))
+        exists = [.true., .true., .true., is_finite(true%rate)]
         ! In a pole only theta exists.
         gamma = vertical_from_quaternion(true%quaternion)
-        if (norm2(gamma(1:2)) <= through_pole) return
-        call enlarge(errors%angle(1:3:2), difference(1:3:2))
-        where (is_finite(true%rate)) errors%rate = enlarged(errors%rate, computed%rate - true%rate)
+        if (norm2(gamma(1:2)) <= through_pole) exists = [.false., .true., .false., .false., .false., .false.]
     end subroutine compare_angles
-
-    !> Replaces an error by a larger one.
-    elemental subroutine enlarge(error, difference)
-        real(dp), intent(inout) :: error
-        real(dp), intent(in) :: difference
-        error = enlarged(error, difference)
-    end subroutine enlarge
 
     !> The larger of an error, which may not exist yet, and a difference, of which NaN counts as the largest.
     elemental real(dp) function enlarged(error, difference)

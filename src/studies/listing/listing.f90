@@ -31,7 +31,7 @@ module spintop_listing
     use spintop_units, only: find_unit, suffixes_of
     implicit none
     private
-    public :: list_topic, list_as_json, topic_names, topics, add_topic, add_methods, add_formulations, listing_t
+    public :: list_topic, topic_names
 
     !> Lists of items, as text and as members of a JSON object.
     type :: listing_t
@@ -78,68 +78,41 @@ contains
         names = join(topics%name, separator)
     end function topic_names
 
-    !> The lines of a topic, as wide as the terminal; without a topic, the topics.
-    subroutine list_topic(topic, lines, error)
+    !> The list of a topic, or of all: as a JSON document, or as lines as wide as the terminal, without a topic the topics.
+    subroutine list_topic(topic, as_json, lines, error)
         character(*), intent(in) :: topic !! one of `topics`, or ''
+        logical, intent(in) :: as_json !! whether the list is for scripts
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         type(error_t), allocatable, intent(out) :: error !! there is no such topic
         type(listing_t) :: list
+        character(:), allocatable :: hint
+        integer :: i
 
-        if (topic == '') then
-            call print_topics(lines)
-        else
-            call check_topic(topic, error)
-            if (allocated(error)) return
-            call list%json%begin()
-            call add_topic(list, topic)
-            call move_alloc(list%text, lines)
+        if (topic /= '' .and. .not. any(topics%name == topic)) then
+            hint = did_you_mean(topic, topics%name)
+            if (hint /= '') hint = '; ' // hint
+            error = input_error("spintop: cannot list '" // topic // "'" // hint // ' (there are ' // topic_names(', ') // ')')
+            return
         end if
-        call fit_lines(output_width(), lines)
-    end subroutine list_topic
-
-    !> The topics with what each of them lists.
-    subroutine print_topics(lines)
-        type(string_t), allocatable, intent(out) :: lines(:)
-        integer :: i
-        allocate (lines(size(topics) + 2))
-        lines(1)%text = 'spintop list TOPIC lists one of these; with --json for scripts, without a topic all of them'
-        lines(2)%text = ''
-        do i = 1, size(topics)
-            lines(i + 2)%text = '  ' // topics(i)%name // '  ' // trim(topics(i)%what)
-        end do
-    end subroutine print_topics
-
-    !> A topic, or all of them, as a JSON document.
-    subroutine list_as_json(topic, lines, error)
-        character(*), intent(in) :: topic !! '' for all
-        type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
-        type(error_t), allocatable, intent(out) :: error !! there is no such topic
-        type(listing_t) :: list
-        integer :: i
-
-        if (topic /= '') call check_topic(topic, error)
-        if (allocated(error)) return
         call list%json%begin()
         call list%json%add('format', json_format)
         call list%json%add('version', program_version)
         do i = 1, size(topics)
-            if (topic == '' .or. topic == topics(i)%name) call add_topic(list, trim(topics(i)%name))
+            if (topic == topics(i)%name .or. (topic == '' .and. as_json)) call add_topic(list, trim(topics(i)%name))
         end do
-        call list%json%finish(lines)
-    end subroutine list_as_json
-
-    !> An error that names the nearest topic if there is none of a name.
-    subroutine check_topic(topic, error)
-        character(*), intent(in) :: topic
-        type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: hint
-
-        if (any(topics%name == topic)) return
-        hint = did_you_mean(topic, topics%name)
-        if (hint /= '') hint = '; ' // hint
-        error = input_error("spintop: cannot list '" // topic // "'" // hint // &
-                            ' (there are ' // topic_names(', ') // ')')
-    end subroutine check_topic
+        if (as_json) then
+            call list%json%finish(lines)
+            return
+        else if (topic == '') then
+            call append(list%text, 'spintop list TOPIC lists one of these; with --json for scripts, without a topic all of them')
+            call append(list%text, '')
+            do i = 1, size(topics)
+                call append(list%text, '  ' // topics(i)%name // '  ' // trim(topics(i)%what))
+            end do
+        end if
+        call move_alloc(list%text, lines)
+        call fit_lines(output_width(), lines)
+    end subroutine list_topic
 
     !> Breaks lines that are longer than the width of the terminal; continuation lines are below their own
     !> column.
@@ -226,14 +199,15 @@ contains
         type(string_t), allocatable :: known(:), suffixes(:)
         character(:), allocatable :: unit, problem
         real(dp) :: factor
-        integer :: i, k
+        integer :: kind, i, k
 
         allocate (known(0))
-        do i = 1, size(listed_studies)
-            call create_study(listed_studies(i), study)
+        do kind = 1, size(listed_studies)
+            call create_study(listed_studies(kind), study)
             if (.not. study%info%takes_columns) cycle
             do k = 1, size(study%columns)
-                if (.not. is_in(known, trim(study%columns(k)%unit))) call append(known, trim(study%columns(k)%unit))
+                if (any([(known(i)%text == study%columns(k)%unit, i=1, size(known))])) cycle
+                call append(known, trim(study%columns(k)%unit))
             end do
         end do
         call append(list%text, '')
@@ -255,14 +229,6 @@ contains
         end do
         call list%json%close()
     end subroutine add_units
-
-    !> Whether a text is one of others.
-    pure logical function is_in(texts, text)
-        type(string_t), intent(in) :: texts(:)
-        character(*), intent(in) :: text
-        integer :: i
-        is_in = any([(texts(i)%text == text, i=1, size(texts))])
-    end function is_in
 
     !> The events with names, what their rows are called in a table, and the grammar of the others.
     subroutine add_events(list)
@@ -290,7 +256,8 @@ contains
         do i = 1, size(shape_infos)
             associate (shape => shape_infos(i))
                 needs = [.true., shape%needs_inner_radius, shape%needs_thickness, shape%needs_rod_length]
-                call list%begin_item(shape%name, trim(shape%what) // '; needs mass or density' // listed(dimensions, needs))
+                call list%begin_item(shape%name, trim(shape%what) // '; needs mass or density' // &
+                                     listed(dimensions, needs, ', ', ''))
                 call list%json%add('needs', pack(dimensions, needs))
                 call list%end_item(shape%what)
             end associate
@@ -308,7 +275,7 @@ contains
             associate (part => part_infos(i))
                 may_have = part%takes .and. .not. part%needs
                 call list%begin_item(part%name, trim(part%what) // '; needs mass or density' // &
-                                     listed(dimensions, part%needs) // listed(dimensions, may_have, ' (', ')'))
+                                     listed(dimensions, part%needs, ', ', '') // listed(dimensions, may_have, ' (', ')'))
                 call list%json%add('needs', pack(dimensions, part%needs))
                 call list%json%add('takes', pack(dimensions, may_have))
                 call list%end_item(part%what)
@@ -316,22 +283,13 @@ contains
         end do
     end subroutine add_parts
 
-    !> Some of a list of names, each after a comma, or with what is before and after it.
+    !> Some of a list of names, each with what is before and after it.
     pure function listed(names, chosen, before, after) result(text)
-        character(*), intent(in) :: names(:)
+        character(*), intent(in) :: names(:), before, after
         logical, intent(in) :: chosen(:)
-        character(*), intent(in), optional :: before, after
         character(:), allocatable :: text
-        integer :: i
         text = ''
-        do i = 1, size(names)
-            if (.not. chosen(i)) cycle
-            if (present(before) .and. present(after)) then
-                text = text // before // trim(names(i)) // after
-            else
-                text = text // ', ' // trim(names(i))
-            end if
-        end do
+        if (any(chosen)) text = before // join(pack(names, chosen), after // before) // after
     end function listed
 
     !> The parameters of an input.

@@ -113,7 +113,7 @@ contains
 
         found%is_sweep = job%input%scene%kind == 'sweep'
         found%has_events = size(found%table%words('event')) > 0
-        rows = size(found%table%cells, 2)
+        rows = found%table%rows
         allocate (found%printed(proof_count, rows), found%bounds(proof_count, rows))
         found%printed = no_number
         found%bounds = no_number
@@ -198,7 +198,7 @@ contains
                                     &of its input')
                 return
             end if
-            call job%axes%find_values(int(cases(row), int64), values)
+            values = job%axes%values_of(int(cases(row), int64))
             call check_values(job, row, merge(printed(row, :), values, is_there), values, found%wrong)
             if (size(status) > 0) call check_cells(found, row, is_good_end(status_number(status(row)%text)))
             if (.not. any(is_finite(found%printed(:, row)))) cycle

@@ -66,7 +66,7 @@ contains
         plan%is_wanted = .true.
         plan%is_netcdf = job%input%scene%format == 'netcdf'
         plan%by_bin = job%input%scene%quantiles_of == 'bins'
-        plan%status_cell = place_in(cells, status_column)
+        plan%status_cell = findloc(cells%name, status_column, dim=1)
         call choose_gathered(job, cells, plan, problems)
         call choose_quantiles(job, plan, problems)
         call choose_bins(job, cells, plan, problems)
@@ -139,7 +139,7 @@ contains
         character(:), allocatable :: problem, hint
         integer :: i
 
-        place = place_in(cells, name)
+        place = findloc(cells%name, name, dim=1)
         if (place > case_cell) then
             if (cells(place)%kind /= column_of_notes) return
         end if
@@ -165,15 +165,6 @@ contains
         end if
         place = 0
     end function find_cell
-
-    !> The place of a name among cells; 0 if it is none of them.
-    pure integer function place_in(cells, name) result(place)
-        type(table_column_t), intent(in) :: cells(:)
-        character(*), intent(in) :: name
-        do place = size(cells), 1, -1
-            if (cells(place)%name == name) return
-        end do
-    end function place_in
 
     !> The quantiles.
     subroutine choose_quantiles(job, plan, problems)

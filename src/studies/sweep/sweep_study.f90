@@ -19,15 +19,14 @@ module spintop_sweep_study
     use spintop_scene_keys, only: scene_t
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
-    use spintop_statistics_result, only: bytes_of_result
+    use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
-    use spintop_summary, only: rounded, summary_t
+    use spintop_summary, only: duration, rounded, summary_t
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
-    use spintop_sweep_rows, only: sweep_rows_t
+    use spintop_sweep_worker, only: sweep_rows_t, size_of_block
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
-    use spintop_sweep_worker, only: size_of_block
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_text, only: join, to_text, string_t
     use spintop_thread_team, only: team_t, blocks_ahead
@@ -282,9 +281,9 @@ contains
             call summary%add('statistics', 'about ' // amount(len(head) + bytes, 'B') // ' at most')
         end if
         call summary%add('memory', 'about ' // amount(memory, 'B'))
-        call summary%add('time', 'about ' // duration(each(sample) * cases / threads) // ' on ' // &
+        call summary%add('time', 'about ' // duration(each(sample) * cases / threads, 2) // ' on ' // &
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
-                         duration(sample%time))
+                         duration(sample%time, 2))
         if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
     end subroutine forecast
 
@@ -420,23 +419,5 @@ contains
         step = min(ubound(prefixes, 1), max(0, int(log10(max(value, 1.0_dp)) / 3)))
         text = rounded(value / 1000.0_dp**step, 3) // ' ' // trim(prefixes(step)) // unit
     end function amount
-
-    !> A time in the unit that suits it.
-    function duration(time) result(text)
-        real(dp), intent(in) :: time !! the time, s
-        character(:), allocatable :: text
-        real(dp), parameter :: minute = 60, hour = 3600, day = 86400
-        if (time < 1) then
-            text = rounded(1000 * time, 2) // ' ms'
-        else if (time < 3 * minute) then
-            text = rounded(time, 2) // ' s'
-        else if (time < 3 * hour) then
-            text = rounded(time / minute, 2) // ' minutes'
-        else if (time < 3 * day) then
-            text = rounded(time / hour, 2) // ' hours'
-        else
-            text = rounded(time / day, 2) // ' days'
-        end if
-    end function duration
 
 end module spintop_sweep_study

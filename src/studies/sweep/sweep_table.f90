@@ -6,15 +6,14 @@ module spintop_sweep_table
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
     use spintop_row_table, only: row_table_t
-    use spintop_job, only: job_t, print_input
+    use spintop_job, only: job_t, study_head
     use spintop_netcdf_grid, only: netcdf_axis_t
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
-    use spintop_provenance, only: fact_count, fact_t, gather_facts, header_of
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_grid
     use spintop_shard, only: shard_t
-    use spintop_statistics_result, only: result_columns
+    use spintop_statistics_output, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
     use spintop_sweep_axes, only: axes_t
@@ -23,10 +22,9 @@ module spintop_sweep_table
     use spintop_sweep_quantities, only: explain_missing
     use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, note_t, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
-    use spintop_text, only: string_t
     implicit none
     private
-    public :: describe_table, describe_columns, make_head, cells_of_row, add_rows
+    public :: describe_table, describe_columns, cells_of_row, add_rows
 
     !> Name of the column with the number of the case.
     character(*), parameter :: case_column = 'case'
@@ -56,44 +54,24 @@ contains
             table%netcdf%axes = grid_of(job%axes)
             if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
-        if (job%keeps_rows()) call make_head(job, shard, table%columns, head)
+        if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_table
-
-    !> The header of a table of a job with these columns.
-    subroutine make_head(job, shard, columns, head)
-        type(job_t), intent(in) :: job !! the job
-        type(shard_t), intent(in) :: shard !! the part of the cases
-        type(table_column_t), intent(in) :: columns(:) !! one for each cell of a row
-        character(:), allocatable, intent(out) :: head !! ready to write
-        type(fact_t) :: facts(fact_count)
-        type(string_t), allocatable :: input(:)
-        character(:), allocatable :: method
-        integer :: i
-        call print_input(job, input)
-        method = job%plan%method
-        if (allocated(job%axes%axis)) then
-            do i = 1, size(job%axes%axis)
-                associate (name => job%axes%axis(i)%name)
-                    if (index(name, 'tolerance') > 0) method = method // ', in the first case; then that of the column ' // name
-                end associate
-            end do
-        end if
-        call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
-        head = header_of(shard%beginning(job%axes%cases), facts, input, columns)
-    end subroutine make_head
 
     !> What is gathered of the rows of a table.
     subroutine describe_statistics(job, shard, table)
         type(job_t), intent(in) :: job
         type(shard_t), intent(in) :: shard
         type(statistics_table_t), intent(inout) :: table
+        type(table_column_t), allocatable :: columns(:)
 
         table%keeps_rows = job%keeps_rows()
         table%plan = job%statistics
         table%is_part = shard%is_part()
         table%result_path = job%files%table
         if (job%keeps_rows()) table%result_path = job%files%statistics
-        call make_head(job, shard, result_columns(table%plan), table%result_head)
+        ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
+        columns = result_columns(table%plan)
+        table%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_statistics
 
     !> The grid of the cases: that of the axes, or a single dimension.
@@ -154,6 +132,7 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: sizes(size(columns))
+        logical :: overflowed
         integer :: place(size(columns)), k, axes, final_status
 
         sizes = columns%size
@@ -165,8 +144,8 @@ contains
                     final_status = slot%status
                     values = slot%result%of(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
-                        call explain_all_missing(columns, values, slot%case, slot%note)
-                        if (overflowed(columns, values)) final_status = status_non_finite
+                        call judge_values(columns, values, slot%case, slot%note, overflowed)
+                        if (overflowed) final_status = status_non_finite
                     end if
                     cells(1, k) = real(first + k - 1, dp)
                     cells(2:axes + 1, k) = parameters(:, k)
@@ -181,32 +160,23 @@ contains
         end associate
     end subroutine add_rows
 
-    !> Notes what a case lacks and nothing has told yet.
-    subroutine explain_all_missing(columns, cells, case, note)
+    !> Notes what a case lacks and nothing has told yet. It is a failure where a quantity is infinite, or one undefined that every
+    !> case has; an infinite bound says itself what it is.
+    subroutine judge_values(columns, cells, case, note, overflowed)
         type(study_column_t), intent(in) :: columns(:)
         real(dp), intent(in) :: cells(:)
         type(case_t), intent(in) :: case
         type(note_t), intent(inout) :: note
-        integer :: i
-        do i = 1, size(columns)
-            if (columns(i)%missing == 0 .or. is_finite(cells(i))) cycle
-            ! An infinite bound says itself what it is.
-            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
-            call explain_missing(columns(i)%missing, case, note)
-        end do
-    end subroutine explain_all_missing
-
-    !> Whether a quantity, but a bound, is infinite, or one undefined that every case has.
-    pure logical function overflowed(columns, cells)
-        type(study_column_t), intent(in) :: columns(:)
-        real(dp), intent(in) :: cells(:)
+        logical, intent(out) :: overflowed
         integer :: i
         overflowed = .false.
         do i = 1, size(columns)
+            if (is_finite(cells(i))) cycle
+            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
+            if (columns(i)%missing > 0) call explain_missing(columns(i)%missing, case, note)
             if (columns(i)%group == proof_group) cycle
-            overflowed = overflowed .or. abs(cells(i)) > huge(cells)
-            if (columns(i)%is(always)) overflowed = overflowed .or. .not. is_finite(cells(i))
+            overflowed = overflowed .or. abs(cells(i)) > huge(cells) .or. columns(i)%is(always)
         end do
-    end function overflowed
+    end subroutine judge_values
 
 end module spintop_sweep_table

@@ -36,26 +36,14 @@ module spintop_motion_rows
     !> Rows that are passed on at once.
     integer, parameter :: rows_at_once = 1024
 
-    !> A table that is being written.
-    type :: motion_table_t
-        !> The table: CSV or NetCDF, with its header.
-        type(row_table_t) :: rows_table
-        character(:), allocatable, private :: path, head
-        type(row_block_t), private :: block
-    contains
-        procedure :: describe
-        procedure :: create
-        procedure :: add_row
-        procedure :: ended_with
-        procedure :: finish
-        procedure :: discard
-    end type motion_table_t
-
     !> Writes a row for each motion, or keeps it.
     type, extends(observer_t) :: writer_t
         type(row_maker_t) :: columns
         type(study_column_t), allocatable :: chosen(:)
-        type(motion_table_t) :: table
+        !> The table, CSV or NetCDF; its path and header, and rows that are passed on at once.
+        type(row_table_t) :: table
+        character(:), allocatable, private :: table_path, head
+        type(row_block_t), private :: block
         !> The values of row i, where rows are kept: `kept(:, i)`. Otherwise they go to the table.
         real(dp), allocatable :: kept(:, :)
         !> The times of the rows where they are asked for, s: in any order of an exact motion, which is prepared in advance.
@@ -80,6 +68,10 @@ module spintop_motion_rows
     contains
         procedure :: observe
         procedure :: set_columns
+        procedure :: describe
+        procedure :: start
+        procedure :: add_row
+        procedure :: finish
         procedure, private :: write_row, keep_row
     end type writer_t
 
@@ -95,41 +87,41 @@ contains
 
     !> Describes the table of a job, before it is created.
     subroutine describe(self, job)
-        class(motion_table_t), intent(inout) :: self
+        class(writer_t), intent(inout) :: self
         type(job_t), intent(in) :: job !! the job
         integer :: i
 
-        self%path = job%files%table
-        allocate (self%rows_table%columns(size(job%columns) + 2 * job%sensitivities%count))
-        self%rows_table%columns%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
+        self%table_path = job%files%table
+        allocate (self%table%columns(size(job%columns) + 2 * job%sensitivities%count))
+        self%table%columns%column_t = [job%columns%column_t, job%sensitivities%table_columns()]
         do i = 1, size(job%columns)
-            if (job%columns(i)%is(categorical)) call self%rows_table%columns(i)%set_words(proof_words(0:1))
+            if (job%columns(i)%is(categorical)) call self%table%columns(i)%set_words(proof_words(0:1))
         end do
-        self%head = study_head(job, self%rows_table%columns)
-        self%rows_table%has_journal = .false.
+        self%head = study_head(job, self%table%columns)
+        self%table%has_journal = .false.
         if (job%input%scene%format /= 'netcdf') return
-        allocate (self%rows_table%netcdf)
-        self%rows_table%netcdf%axes = [netcdf_axis_t(row_dimension, job%plan%samples)]
-        if (job%input%scene%compression >= 0) self%rows_table%netcdf%compression = job%input%scene%compression
+        allocate (self%table%netcdf)
+        self%table%netcdf%axes = [netcdf_axis_t(row_dimension, job%plan%samples)]
+        if (job%input%scene%compression >= 0) self%table%netcdf%compression = job%input%scene%compression
         i = findloc(job%columns%quantity(), time_column, dim=1)
         if (i == 0) return
-        self%rows_table%columns(i)%axis = 1
-        self%rows_table%netcdf%axes(1)%name = job%columns(i)%name
+        self%table%columns(i)%axis = 1
+        self%table%netcdf%axes(1)%name = job%columns(i)%name
     end subroutine describe
 
     !> Starts the table, unless it is to be left where it is complete (`resume`); or starts it anew after `discard`.
-    subroutine create(self, resume, restart, error)
-        class(motion_table_t), intent(inout) :: self
+    subroutine start(self, resume, restart, error)
+        class(writer_t), intent(inout) :: self
         logical, intent(in) :: resume, restart !! the options of the command line
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        self%rows_table%counts = 0
-        call self%block%reserve(size(self%rows_table%columns), rows_at_once)
-        call self%rows_table%start(self%path, self%head, resume, restart, error)
-    end subroutine create
+        self%table%counts = 0
+        call self%block%reserve(size(self%table%columns), rows_at_once)
+        call self%table%start(self%table_path, self%head, resume, restart, error)
+    end subroutine start
 
     !> Adds a row.
     subroutine add_row(self, values, error)
-        class(motion_table_t), intent(inout) :: self
+        class(writer_t), intent(inout) :: self
         real(dp), intent(in), contiguous :: values(:) !! a number for each column, of a word its number from 0
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         self%block%rows = self%block%rows + 1
@@ -139,38 +131,26 @@ contains
 
     !> Passes the next rows on.
     subroutine append_block(self, error)
-        class(motion_table_t), intent(inout) :: self
+        class(writer_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
         self%block%counts(status_ok) = self%block%rows
-        call self%rows_table%format(self%block)
-        call self%rows_table%append(self%block, error)
+        call self%table%format(self%block)
+        call self%table%append(self%block, error)
         call self%block%clear()
     end subroutine append_block
 
-    !> How the motion of a complete table ended: a status.
-    pure integer function ended_with(self)
-        class(motion_table_t), intent(in) :: self
-        ended_with = findloc(self%rows_table%counts > 0, .true., dim=1) - 1
-    end function ended_with
-
     !> Finishes the table, with how the motion ended.
     subroutine finish(self, status, error)
-        class(motion_table_t), intent(inout) :: self
+        class(writer_t), intent(inout) :: self
         character(*), intent(in) :: status !! `ok`, or the reason and the time of the end
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
 
         call append_block(self, error)
         if (allocated(error)) return
-        self%rows_table%trailer = [string_t(status_column // ': ' // status)]
-        if (allocated(self%rows_table%netcdf)) self%rows_table%netcdf%axes(1)%length = int(self%rows_table%rows())
-        call self%rows_table%finish(error)
+        self%table%trailer = [string_t(status_column // ': ' // status)]
+        if (allocated(self%table%netcdf)) self%table%netcdf%axes(1)%length = int(self%table%rows())
+        call self%table%finish(error)
     end subroutine finish
-
-    !> Discards the table: nothing of it is left.
-    subroutine discard(self)
-        class(motion_table_t), intent(inout) :: self
-        call self%rows_table%discard()
-    end subroutine discard
 
     !> Sets the columns of the rows, and the motion of which they are.
     subroutine set_columns(self, columns, case, scene)
@@ -229,7 +209,7 @@ contains
         first = outcome
         if (.not. allocated(writer%kept)) then
             call writer%table%discard()
-            call writer%table%create(.false., .true., writer%error)
+            call writer%start(.false., .true., writer%error)
             if (allocated(writer%error)) return
         end if
         writer%rows = 0
@@ -355,7 +335,7 @@ contains
         if (allocated(self%kept)) then
             self%kept(:, self%rows) = values
         else
-            call self%table%add_row(values, self%error)
+            call self%add_row(values, self%error)
         end if
         self%has_enough = allocated(self%error) .or. t >= self%t_stop
         if (allocated(self%asked)) self%has_enough = self%rows == size(self%asked)

@@ -7,7 +7,7 @@ module spintop_trajectory_study
     use spintop_errors, only: error_t
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_exit_codes, only: exit_internal
+    use spintop_exit_codes, only: exit_internal, exit_ok
     use spintop_row_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t, study_head
@@ -20,7 +20,7 @@ module spintop_trajectory_study
     use spintop_process, only: stop_watching_signals
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
-    use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name, status_ok
+    use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name
     use spintop_steady_motion, only: sleeps_slowly
     use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
@@ -30,7 +30,7 @@ module spintop_trajectory_study
     use spintop_uncertainties, only: data_radii
     implicit none
     private
-    public :: trajectory_study_t, run_trajectory
+    public :: trajectory_study_t
 
     !> One motion, one table.
     type, extends(study_t) :: trajectory_study_t
@@ -75,7 +75,7 @@ contains
         call describe_proof_cost(job, summary)
     end subroutine forecast
 
-    !> Computes the motion; the study fails if it ends early.
+    !> Computes the motion, and writes its table. A motion that fails has the rows up to the failure.
     subroutine run(self, job, options, summary, code, error)
         class(trajectory_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job
@@ -83,39 +83,31 @@ contains
         type(summary_t), intent(out) :: summary !! lines for standard output
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer :: status
-
-        call run_trajectory(job, options, summary, status, error)
-        code = code_of(status)
-    end subroutine run
-
-    !> Computes a trajectory, and writes its table. A motion that fails has the rows
-    !> up to the failure; `status` is the reason of its end.
-    subroutine run_trajectory(job, options, summary, status, error)
-        type(job_t), intent(inout) :: job !! the job
-        type(options_t), intent(in) :: options !! options of the command line
-        type(summary_t), intent(out) :: summary !! lines for standard output
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(writer_t) :: writer
         type(event_recorder_t), allocatable, target :: recorder
         type(outcome_t) :: outcome
         real(dp), allocatable :: times(:)
+        character(:), allocatable :: problem
         real(dp) :: began, elapsed
-        integer :: missing
+        integer :: status, missing
 
-        status = status_ok
+        code = exit_ok
         missing = 0
         call make_times(job, times, error)
         if (allocated(error)) return
         call begin_tables(job, options, writer, recorder, error)
         if (allocated(error)) return
-        if (writer%table%rows_table%is_complete) then
-            status = writer%table%ended_with()
-            if (job%files%events /= '') call check_events(job%files%events, error)
+        if (writer%table%is_complete) then
+            status = findloc(writer%table%counts > 0, .true., dim=1) - 1
+            code = code_of(status)
+            if (job%files%events /= '') then
+                call check_table(job%files%events, problem)
+                if (problem == '') call remove_leftovers(job%files%events)
+                if (problem /= '') error = refusal(job%files%events, problem)
+            end if
             if (allocated(error)) return
             call summary%headline(job%input%path // ': trajectory -> ' // job%files%table)
-            call summary%add('note', writer%table%rows_table%remark)
+            call summary%add('note', writer%table%remark)
             if (.not. is_good_end(status)) call summary%add('status', status_name(status) // ': ' // status_meaning(status))
             return
         end if
@@ -123,11 +115,11 @@ contains
         call compute_motion(job%case, job%plan, times, writer, outcome, recorder, job%input%scene)
         if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
         elapsed = seconds() - began
-        status = outcome%status
+        code = code_of(outcome%status)
         call finish_tables(job, outcome, writer, recorder, error)
         if (allocated(error)) return
         call describe_run(job, options, writer%rows, outcome, elapsed, recorder, summary)
-        if (writer%table%rows_table%remark /= '') call summary%add('note', writer%table%rows_table%remark)
+        if (writer%table%remark /= '') call summary%add('note', writer%table%remark)
         if (.not. (job%plan%exact .or. sleeps_slowly(job%case%body, job%case%start))) then
             associate (last => writer%last)
                 if (sleeps_slowly(job%case%body, last)) call summary%add('note', 'in the end ' // slow_sleeper(job%case%body, last))
@@ -136,7 +128,7 @@ contains
         if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
         if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
         call writer%columns%close()
-    end subroutine run_trajectory
+    end subroutine run
 
     !> Begins the table of the motion, and that of its events if there is to be one. `recorder` looks for the events; it is not
     !> allocated where there are none to look for. After an error there is no table.
@@ -155,33 +147,24 @@ contains
             if (allocated(error)) return
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
-        call writer%table%describe(job)
-        call writer%table%create(options%resume, options%restart, error)
-        if (allocated(error) .or. writer%table%rows_table%is_complete) return
-        call begin_events(job, recorder, error)
-        if (allocated(error)) then
-            call discard_tables(writer, recorder)
-            return
+        call writer%describe(job)
+        call writer%start(options%resume, options%restart, error)
+        if (allocated(error) .or. writer%table%is_complete) return
+        if (size(job%events) > 0) then
+            allocate (recorder)
+            call recorder%set(job%events, job%stop_after, job%case)
+            if (job%files%events /= '') call recorder%open_table(job%files%events, study_head(job, &
+                [event_columns, job%columns%column_t]), job%columns, job%case, job%input%scene, error)
+            if (allocated(error)) then
+                call discard_tables(writer, recorder)
+                return
+            end if
         end if
-        associate (table => writer%table%rows_table)
+        associate (table => writer%table)
             if (table%remark /= '') call writer%progress%note(table%remark)
             call options%announce_signals(job%input%path, job%files%table, table, writer%total)
         end associate
     end subroutine begin_tables
-
-    !> Begins the search for events, and their table.
-    subroutine begin_events(job, recorder, error)
-        type(job_t), intent(in) :: job
-        type(event_recorder_t), allocatable, target, intent(inout) :: recorder
-        type(error_t), allocatable, intent(out) :: error
-
-        if (size(job%events) == 0) return
-        allocate (recorder)
-        call recorder%set(job%events, job%stop_after, job%case)
-        if (job%files%events == '') return
-        call recorder%open_table(job%files%events, study_head(job, [event_columns, job%columns%column_t]), &
-                                 job%columns, job%case, job%input%scene, error)
-    end subroutine begin_events
 
     !> Discards the tables after an error.
     subroutine discard_tables(writer, recorder)
@@ -220,22 +203,9 @@ contains
         missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
         do i = 1, writer%rows
             if (allocated(writer%error)) return
-            call writer%table%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
+            call writer%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
         end do
     end subroutine add_sensitivities
-
-    !> Checks the table of events of a motion that is complete.
-    subroutine check_events(path, error)
-        character(*), intent(in) :: path
-        type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: problem
-        call check_table(path, problem)
-        if (problem == '') then
-            call remove_leftovers(path)
-        else
-            error = refusal(path, problem)
-        end if
-    end subroutine check_events
 
     !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
     subroutine finish_tables(job, outcome, writer, recorder, error)
@@ -251,7 +221,7 @@ contains
         else
             trailer(1)%text = 'status: ' // ending_of(outcome)
             if (job%files%events /= '') call recorder%close_table(trailer, error)
-            if (.not. allocated(error)) call writer%table%finish(ending_of(outcome), error)
+            if (.not. allocated(error)) call writer%finish(ending_of(outcome), error)
         end if
         call stop_watching_signals()
         if (allocated(error)) call discard_tables(writer, recorder)

@@ -325,35 +325,32 @@ contains
         shares_lanes = a%max_steps == b%max_steps
     end function shares_lanes
 
-    !> Computes what perturbations of the cases have to tell.
+    !> Computes what perturbations of the cases have to tell: their growth. A status reports work that was not finished, or
+    !> overflow.
     subroutine compute_perturbations(self, slots, list, task)
         class(perturbations_t), intent(inout) :: self
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
-        call compute_growths(slots, pack(list, slots(list)%growth_until > 0), task%wanted)
-    end subroutine compute_perturbations
-
-    !> The growth of perturbations of the cases of a list. A status reports work that was not finished, or overflow.
-    subroutine compute_growths(slots, list, wanted)
-        type(slot_t), intent(inout) :: slots(:)
-        integer, intent(in) :: list(:)
-        logical, intent(in) :: wanted(kinds_of_work)
         type(growth_t), allocatable :: growth(:)
+        integer, allocatable :: places(:)
         integer :: i
 
-        if (size(list) == 0) return
-        allocate (growth(size(list)))
-        call find_growth(slots(list)%case%body, slots(list)%case%start, slots(list)%growth_until, &
-                         wanted(of_lyapunov), wanted(of_singular), max(slots(list(1))%max_steps, 1_int64), growth)
-        do i = 1, size(list)
-            associate (found => growth(i), slot => slots(list(i)))
-                if (wanted(of_lyapunov)) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
-                                                                    found%exponent_status, note_no_lyapunov)
-                if (wanted(of_singular)) call slot%store_or_explain(at_largest_singular_value, found%singular, &
-                                                                    found%singular_status, note_no_singular)
-            end associate
-        end do
-    end subroutine compute_growths
+        places = pack(list, slots(list)%growth_until > 0)
+        if (size(places) == 0) return
+        allocate (growth(size(places)))
+        associate (wanted => task%wanted)
+            call find_growth(slots(places)%case%body, slots(places)%case%start, slots(places)%growth_until, &
+                             wanted(of_lyapunov), wanted(of_singular), max(slots(places(1))%max_steps, 1_int64), growth)
+            do i = 1, size(places)
+                associate (found => growth(i), slot => slots(places(i)))
+                    if (wanted(of_lyapunov)) call slot%store_or_explain(at_lyapunov_exponent, found%exponent, &
+                                                                        found%exponent_status, note_no_lyapunov)
+                    if (wanted(of_singular)) call slot%store_or_explain(at_largest_singular_value, found%singular, &
+                                                                        found%singular_status, note_no_singular)
+                end associate
+            end do
+        end associate
+    end subroutine compute_perturbations
 
 end module spintop_sweep_one_by_one

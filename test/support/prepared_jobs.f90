@@ -46,7 +46,8 @@ contains
             message = ''
             if (allocated(error)) message = error%message
         else if (allocated(error)) then
-            error stop 'prepared_jobs: ' // name // ' with ' // overrides // ': ' // error%message
+            print '(a)', name // ' with ' // overrides // ': ' // error%message
+            error stop 'prepared_jobs: an input that has to be without fault has one'
         end if
 
     contains

@@ -36,7 +36,9 @@ contains
         character(*), intent(in) :: settings
         type(error_t), allocatable :: error
         call read_settings(settings, scene, error)
-        if (allocated(error)) error stop 'scene_reports: ' // settings // ': ' // error%message
+        if (.not. allocated(error)) return
+        print '(a)', settings // ': ' // error%message
+        error stop 'scene_reports: these are no settings'
     end function scene_of
 
     !> What the checks say of settings.

@@ -1,0 +1,29 @@
+!> The words of scenes and studies that several suites use, and the jobs that suites have for them.
+module scenes_and_studies
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+    use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_axes_of_scene
+    use spintop_case
+    use spintop_comparison
+    use spintop_event_recorder
+    use spintop_event_text
+    use spintop_hard_cases
+    use spintop_job
+    use spintop_options
+    use spintop_plan
+    use spintop_preparation
+    use spintop_reference_motion
+    use spintop_scene_keys
+    use spintop_scene_words
+    use spintop_study_column
+    use spintop_summary
+    use spintop_sweep_axes
+    use spintop_sweep_worker
+    use spintop_trajectory_columns
+    use spintop_trajectory_study
+    use prepared_jobs
+    use scene_reports
+    use study_tables
+    implicit none
+    public
+end module scenes_and_studies

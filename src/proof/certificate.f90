@@ -35,7 +35,7 @@ module spintop_certificate
     integer, parameter :: proved = 0, no_library = 5, not_polynomial = 6, other_radii = 7, no_numbers = 8, &
         no_memory = 9
     integer, parameter :: last_reason = no_memory
-    character(*), parameter :: proof_reasons(0:last_reason) = [character(89) :: &
+    character(*), parameter :: proof_reasons(0:last_reason) = [character(90) :: &
         'proved', &
         'the ball is still too wide at the highest precision', &
         'phi and psi do not exist on a pole', &

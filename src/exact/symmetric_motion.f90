@@ -35,7 +35,7 @@ contains
     pure subroutine prepare_symmetric_motion(body, start, exact, status, rotor)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
-        type(symmetric_motion_t), intent(out) :: exact !! the exact solution; evaluated with `exact%at(t)`
+        type(symmetric_motion_t), intent(inout) :: exact !! on entry as it is at first: to set it again would take time
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), intent(in), optional :: rotor !! constant momentum of a rotor about body z, kg m^2/s
 

@@ -165,7 +165,7 @@ contains
         integer, intent(in) :: lane
         logical, intent(in) :: wanted(kinds_of_work)
         type(slot_t), intent(inout) :: slot
-        type(exact_motion_t) :: exact
+        type(exact_motion_t), allocatable :: exact ! large, and mostly not needed
         type(motion_t) :: last
         integer(int64) :: steps
         integer :: status
@@ -176,6 +176,7 @@ contains
                 last%angle = [block%phi_end(lane), block%theta_end(lane), block%psi_end(lane)]
                 last%rate(2) = block%theta_rate_end(lane)
             else
+                allocate (exact)
                 call prepare_exact_motion(case%body, case%start, exact, status)
                 if (wanted(of_turns) .and. is_ok(status)) then
                     steps = 0

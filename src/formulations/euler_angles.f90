@@ -91,8 +91,6 @@ contains
         self%swing0 = body%inertia(1) * start%rate(1) * sin(start%angle(2))**2
         self%speed0 = start%rate(2)**2 + (sin(start%angle(2)) * start%rate(1))**2
         self%sheet = sign(1.0_dp, dot_product(start%quaternion, quaternion_from_angles(start%angle)))
-        self%resets_speed = self%kind == of_lagrange_energy
-        self%has_ends = self%kind == of_energy_rate
         if (self%has_ends) call choose_branch(self, start)
         scales = motion_scales(body, start)
         values = [start%angle(1), start%rate(1), start%angle(2), start%rate(2), start%angle(3)]

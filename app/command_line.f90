@@ -121,7 +121,7 @@ contains
                         return
                     end if
                 end if
-                request%inputs = [request%inputs, string_t(argument)]
+                call append(request%inputs, argument)
             else
                 call read_option(i, request, error)
                 if (allocated(error) .or. any(request%action == [action_help, action_version])) return
@@ -169,7 +169,7 @@ contains
             request%options%output = value
             if (value == '') error = wrong('the name of the folder for results is empty')
         case ('--set')
-            request%options%overrides = [request%options%overrides, string_t(value)]
+            call append(request%options%overrides, value)
         case ('--threads')
             status = verify(value, '0123456789')
             if (status == 0) read (value, *, iostat=status) request%options%threads
@@ -234,7 +234,7 @@ contains
         do k = i + 1, command_argument_count()
             argument = argument_at(k)
             if (command == 'merge' .or. index(argument, '-') /= 1) then
-                request%inputs = [request%inputs, string_t(argument)]
+                call append(request%inputs, argument)
             else if (argument /= option) then
                 error = wrong(command // ' takes no option but ' // option)
             else

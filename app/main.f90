@@ -16,7 +16,7 @@ program spintop_main
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
-    use spintop_text, only: join, string_t, to_text, visible
+    use spintop_text, only: append, join, string_t, to_text, visible
     use spintop_verification, only: verify_table
     implicit none
     type(ranks_t) :: ranks
@@ -42,15 +42,14 @@ program spintop_main
     case (action_help)
         call describe_usage(lines)
     case (action_version)
-        lines = [string_t('spintop ' // program_version // ' (revision ' // program_revision() // ')')]
+        call append(lines, 'spintop ' // program_version // ' (revision ' // program_revision() // ')')
     case (action_list)
         call list_topic(request%topic, request%as_json, lines, error)
         call end_on(error)
     case (action_merge)
         call merge_parts(request%merged, request%inputs, cases, error)
         call end_on(error)
-        lines = [string_t(to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' &
-                          // request%merged)]
+        call append(lines, to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' // request%merged)
     end select
     if (all(request%action /= [action_run, action_check, action_verify])) then
         code = exit_ok

@@ -222,6 +222,12 @@ class ArchitectureTest(unittest.TestCase):
             self.assertRegex(line, WORDS_COMPARED)
         self.assertRegex("status(row)%text == 'ok'", NAMES_COMPARED)
 
+    def test_lists_of_texts_are_no_constructors(self) -> None:
+        """gfortran does not free the texts of `[list, string_t(text)]`: `append` and `strings_of` do."""
+        made = re.compile(r"\[[^][]*\bstring_t\(")
+        found = [path.name for path in SOURCES if made.search(path.read_text(encoding="utf-8"))]
+        self.assertEqual(found, ["text.f90"])  # which says so
+
     def test_formats_do_not_depend_on_the_environment(self) -> None:
         """Numbers in a text have their sign by the format (SS), not by GFORTRAN_OPTIONAL_PLUS."""
         found = [

@@ -28,7 +28,7 @@ module spintop_sweep_study
     use spintop_sweep_worker, only: sweep_rows_t, size_of_block
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
-    use spintop_text, only: join, to_text, string_t
+    use spintop_text, only: join, string_t, strings_of, to_text
     use spintop_thread_team, only: team_t, blocks_ahead
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
@@ -320,7 +320,7 @@ contains
         if (maxval(time) < expensive * minval(time)) return
         associate (is_cheap => time < sqrt(minval(time) * maxval(time)))
             ratio = all%work / all%cases / time_with(pack(chosen, is_cheap))
-            names = [(string_t(trim(chosen(i)%name)), i=1, size(chosen))]
+            names = strings_of(chosen%name)
             if (ratio > expensive) call summary%add('columns', 'with ' // join(pack(names, .not. is_cheap), ', ') // &
                                                     ' a case takes ' // rounded(ratio, 2) // ' times as long as without')
         end associate

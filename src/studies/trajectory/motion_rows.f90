@@ -25,7 +25,7 @@ module spintop_motion_rows
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: needs_work, study_column_t, categorical
     use spintop_table_column, only: status_column
-    use spintop_text, only: escaped, string_t
+    use spintop_text, only: append, escaped
     implicit none
     private
     public :: writer_t, compute_motion, find_sensitivities
@@ -147,7 +147,7 @@ contains
 
         call append_block(self, error)
         if (allocated(error)) return
-        self%table%trailer = [string_t(status_column // ': ' // status)]
+        call append(self%table%trailer, status_column // ': ' // status)
         if (allocated(self%table%netcdf)) self%table%netcdf%axes(1)%length = int(self%table%rows())
         call self%table%finish(error)
     end subroutine finish

@@ -1,5 +1,5 @@
-!> Texts and errors for C. A text ends with a null character, and lives as long as the object that has it; an error is a
-!> structure that the library makes and deletes, and that C reads. `include/spintop.h` describes it.
+!> Texts, arguments and errors of C. A text for C ends with a null character, and lives as long as the object that has it; an
+!> error is a structure that the library makes and deletes, and that C reads. `include/spintop.h` describes it.
 module spintop_c_error
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
         c_size_t
@@ -10,16 +10,8 @@ module spintop_c_error
     use spintop_text, only: string_t
     implicit none
     private
-    public :: c_text_t, is_any_null, is_empty, read_c_text, read_c_texts
-    public :: hand_error, hand_status, is_wrong, describe_status, longest_message
-
-    !> A text for C.
-    type :: c_text_t
-        character(c_char), allocatable :: letters(:)
-    contains
-        procedure :: set
-        procedure :: at
-    end type c_text_t
+    public :: is_empty, read_c_text, read_c_texts, read_input, take_pointers
+    public :: refuse, failed, hand_status, describe_status, longest_message
 
     !> `spintop_error` of the header.
     type, bind(C) :: c_error_t
@@ -30,7 +22,7 @@ module spintop_c_error
     !> An error, and the texts to which it points.
     type :: owner_t
         type(c_error_t) :: error
-        type(c_text_t) :: status, message, source
+        character(:), allocatable :: status, message, source
     end type owner_t
 
     interface
@@ -46,15 +38,24 @@ module spintop_c_error
 
 contains
 
-    !> Hands an error to C.
-    subroutine hand_error(error, place)
-        type(error_t), intent(in) :: error !! the error that C gets
-        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
-        call hand_over(error%code, '', error%message, [error%line, error%column], place, error%source)
-    end subroutine hand_error
+    !> Makes an error of a wrong argument. No text is made by a function, here and in what follows, so several threads may call
+    !> it at once: see `status_names`.
+    subroutine refuse(is_wrong, message, error)
+        logical, intent(in) :: is_wrong !! whether it is wrong
+        character(*), intent(in) :: message !! what is wrong
+        type(error_t), allocatable, intent(inout) :: error !! set, unless there is one
+        if (is_wrong .and. .not. allocated(error)) error = error_t(exit_input, message)
+    end subroutine refuse
 
-    !> Hands a status to C, and returns its code: 0, and no error, for a good end. No text is made by a function, so
-    !> several threads may call it at once: see `status_names`.
+    !> Whether there is an error, which C gets then.
+    logical function failed(error, place)
+        type(error_t), allocatable, intent(in) :: error !! the error
+        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
+        failed = allocated(error)
+        if (failed) call hand_over(error, '', place)
+    end function failed
+
+    !> Hands a status to C, and returns its code: 0, and no error, for a good end.
     integer(c_int) function hand_status(status, t, place) result(code)
         integer, intent(in) :: status !! how a motion ended
         real(dp), intent(in) :: t !! the time then, s
@@ -64,17 +65,8 @@ contains
         code = merge(exit_input, code_of(status), is_refusal(status))
         if (code == exit_ok) return
         call describe_status(status, t, message)
-        call hand_over(int(code), trim(status_names(status)), message, [0, 0], place)
+        call hand_over(error_t(int(code), message), status_names(status), place)
     end function hand_status
-
-    !> Whether an argument is wrong: that is an error, which it hands over. No text is made by a function here either.
-    logical function is_wrong(found, message, place)
-        logical, intent(in) :: found !! whether it is
-        character(*), intent(in) :: message !! what is wrong
-        type(c_ptr), intent(in) :: place !! where C wants its pointer to the error; may be null
-        is_wrong = found
-        if (found) call hand_over(exit_input, '', message, [0, 0], place)
-    end function is_wrong
 
     !> Describes how a motion ended.
     subroutine describe_status(status, t, message)
@@ -87,42 +79,25 @@ contains
         message = trim(status_names(status)) // ': ' // trim(status_meanings(status)) // reached
     end subroutine describe_status
 
-    !> Makes an error that C owns. An unallocated `source` is an absent one.
-    subroutine hand_over(code, status, message, at, place, source)
-        integer, intent(in) :: code
-        character(*), intent(in) :: status, message
-        integer, intent(in) :: at(2) !! line and column
+    !> Makes an error that C owns.
+    subroutine hand_over(error, status, place)
+        type(error_t), intent(in) :: error
+        character(*), intent(in) :: status
         type(c_ptr), intent(in) :: place
-        character(*), intent(in), optional :: source
         type(owner_t), pointer :: owner
         type(c_ptr), pointer :: slot
 
         if (.not. c_associated(place)) return
         allocate (owner)
-        call owner%status%set(status)
-        call owner%message%set(message)
-        call owner%source%set('')
-        if (present(source)) call owner%source%set(source)
-        owner%error = c_error_t(int(code, c_int), int(at(1), c_int), int(at(2), c_int), 0_c_int, owner%status%at(), &
-                                owner%message%at(), owner%source%at(), c_loc(owner))
+        owner%status = trim(status) // c_null_char
+        owner%message = trim(error%message) // c_null_char
+        owner%source = c_null_char
+        if (allocated(error%source)) owner%source = error%source // c_null_char
+        owner%error = c_error_t(int(error%code, c_int), int(error%line, c_int), int(error%column, c_int), 0_c_int, &
+                                c_loc(owner%status), c_loc(owner%message), c_loc(owner%source), c_loc(owner))
         call c_f_pointer(place, slot)
         slot = c_loc(owner%error)
     end subroutine hand_over
-
-    !> Sets the text; blanks at its end are left out.
-    pure subroutine set(self, text)
-        class(c_text_t), intent(inout) :: self
-        character(*), intent(in) :: text !! the text to copy
-        integer :: i
-        self%letters = [character(c_char) :: (text(i:i), i=1, len_trim(text)), c_null_char]
-    end subroutine set
-
-    !> Where the text is; null if it was not set.
-    type(c_ptr) function at(self)
-        class(c_text_t), target, intent(in) :: self
-        at = c_null_ptr
-        if (allocated(self%letters)) at = c_loc(self%letters)
-    end function at
 
     !> Copies a text of C; '' for a null pointer.
     subroutine read_c_text(from, text)
@@ -131,7 +106,7 @@ contains
         character(c_char), pointer :: letters(:)
         integer(c_size_t) :: i
 
-        text = ''
+        allocate (character(0) :: text)
         if (.not. c_associated(from)) return
         call c_f_pointer(from, letters, [c_length(from)])
         deallocate (text)
@@ -141,6 +116,18 @@ contains
         end do
     end subroutine read_c_text
 
+    !> Copies an input and its name in messages, which is `input` where C has none.
+    subroutine read_input(input, name, text, name_of_text, error)
+        type(c_ptr), intent(in) :: input, name !! where they are; only the name may be null
+        character(:), allocatable, intent(out) :: text, name_of_text !! copies of them
+        type(error_t), allocatable, intent(inout) :: error !! an argument is wrong
+        call refuse(.not. c_associated(input), 'the input is a null pointer', error)
+        call refuse(is_empty(name), 'the name of the input is empty', error)
+        call read_c_text(input, text)
+        call read_c_text(name, name_of_text)
+        if (.not. c_associated(name)) name_of_text = 'input'
+    end subroutine read_input
+
     !> Whether there is a text, and it is empty.
     logical function is_empty(text)
         type(c_ptr), intent(in) :: text !! where it is; may be null
@@ -148,36 +135,37 @@ contains
         if (is_empty) is_empty = c_length(text) == 0
     end function is_empty
 
-    !> Whether an array of pointers is null, or one of them is.
-    logical function is_any_null(places, n)
-        type(c_ptr), intent(in) :: places !! where the pointers are
-        integer, intent(in) :: n !! their number
-        type(c_ptr), pointer :: each(:)
+    !> Takes an array of pointers, none of which may be null.
+    subroutine take_pointers(places, n, what, pointers, error)
+        type(c_ptr), intent(in) :: places !! where they are; may be null if there are none
+        integer(c_int), intent(in) :: n !! their number
+        character(*), intent(in) :: what !! what a null pointer would be
+        type(c_ptr), pointer, intent(out) :: pointers(:) !! the pointers, if there are any
+        type(error_t), allocatable, intent(inout) :: error !! one of them is null
         integer :: i
 
-        is_any_null = .false.
-        if (n <= 0) return
-        is_any_null = .not. c_associated(places)
-        if (is_any_null) return
-        call c_f_pointer(places, each, [n])
-        do i = 1, n
-            is_any_null = is_any_null .or. .not. c_associated(each(i))
-        end do
-    end function is_any_null
+        nullify (pointers)
+        call refuse(n > 0 .and. .not. c_associated(places), what // ' is a null pointer', error)
+        if (n <= 0 .or. .not. c_associated(places)) return
+        call c_f_pointer(places, pointers, [n])
+        call refuse(.not. all([(c_associated(pointers(i)), i=1, n)]), what // ' is a null pointer', error)
+    end subroutine take_pointers
 
     !> Copies an array of texts of C.
-    subroutine read_c_texts(from, n, texts)
-        type(c_ptr), intent(in) :: from !! where the pointers to them are
-        integer, intent(in) :: n !! their number
-        type(string_t), allocatable, intent(out) :: texts(:) !! the texts
-        type(c_ptr), pointer :: each(:)
+    subroutine read_c_texts(places, n, what, texts, error)
+        type(c_ptr), intent(in) :: places !! where the pointers to them are
+        integer(c_int), intent(in) :: n !! their number
+        character(*), intent(in) :: what !! what one of them is
+        type(string_t), allocatable, intent(out) :: texts(:) !! the texts; none of them is set after an error
+        type(error_t), allocatable, intent(inout) :: error !! one of them is null
+        type(c_ptr), pointer :: pointers(:)
         integer :: i
 
-        allocate (texts(n))
-        if (n == 0) return
-        call c_f_pointer(from, each, [n])
-        do i = 1, n
-            call read_c_text(each(i), texts(i)%text)
+        allocate (texts(max(0, n)))
+        call take_pointers(places, n, what, pointers, error)
+        if (allocated(error)) return
+        do i = 1, size(texts)
+            call read_c_text(pointers(i), texts(i)%text)
         end do
     end subroutine read_c_texts
 

@@ -1,14 +1,14 @@
 !> Results for C: tables of columns, as structures that the library makes and deletes, and that C reads.
 !> `include/spintop.h` describes them.
 module spintop_c_result
-    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_long_long, c_null_ptr, c_ptr
-    use spintop_c_error, only: c_text_t
-    use spintop_data_table, only: data_column_t, data_table_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_long_long, c_null_char, c_null_ptr, c_ptr
+    use spintop_data_table, only: data_table_t
     use spintop_execution, only: memory_run_t
     use spintop_table_column, only: column_t
+    use spintop_text, only: string_t
     implicit none
     private
-    public :: c_column_t, described_column_t, hand_result
+    public :: columns_t, hand_result
 
     !> `spintop_column` of the header.
     type, bind(C) :: c_column_t
@@ -29,32 +29,45 @@ module spintop_c_result
         type(c_ptr) :: tables = c_null_ptr, summary = c_null_ptr, warnings = c_null_ptr, owner = c_null_ptr
     end type c_result_t
 
-    !> The texts of a column.
-    type :: described_column_t
-        type(c_text_t) :: name, unit, what
-        type(c_text_t), allocatable :: words(:)
-        type(c_ptr), allocatable :: word_places(:)
+    !> Where the words of a column are.
+    type :: places_t
+        type(c_ptr), allocatable :: at(:)
+    end type places_t
+
+    !> Columns as C reads them, and to what they point: the name, the unit and the meaning of each, and its words.
+    type :: columns_t
+        type(c_column_t), allocatable :: face(:)
+        type(string_t), allocatable, private :: texts(:, :)
+        type(places_t), allocatable, private :: words(:)
     contains
         procedure :: describe
-    end type described_column_t
-
-    !> A table, and what it points to.
-    type :: table_owner_t
-        type(c_text_t) :: name, frame
-        type(data_table_t) :: data
-        type(described_column_t), allocatable :: described(:)
-        type(c_column_t), allocatable :: columns(:)
-    end type table_owner_t
+    end type columns_t
 
     !> A result, and what it points to.
     type :: owner_t
         type(c_result_t) :: result
-        type(c_text_t) :: summary, warnings
-        type(table_owner_t), allocatable :: table(:)
+        type(memory_run_t) :: run
+        type(columns_t), allocatable :: columns(:)
         type(c_table_t), allocatable :: tables(:)
     end type owner_t
 
 contains
+
+    !> Describes columns, without values.
+    subroutine describe(self, columns)
+        class(columns_t), target, intent(inout) :: self
+        class(column_t), intent(in) :: columns(:) !! name, unit and meaning of each
+        integer :: i
+        allocate (self%face(size(columns)), self%texts(3, size(columns)))
+        do i = 1, size(columns)
+            self%texts(1, i)%text = trim(columns(i)%name) // c_null_char
+            self%texts(2, i)%text = trim(columns(i)%unit) // c_null_char
+            self%texts(3, i)%text = trim(columns(i)%what) // c_null_char
+            self%face(i)%name = c_loc(self%texts(1, i)%text)
+            self%face(i)%unit = c_loc(self%texts(2, i)%text)
+            self%face(i)%what = c_loc(self%texts(3, i)%text)
+        end do
+    end subroutine describe
 
     !> Hands the result of a run to C, which owns it from then on.
     type(c_ptr) function hand_result(run) result(handle)
@@ -63,72 +76,46 @@ contains
         integer :: i
 
         allocate (owner)
-        call owner%summary%set(run%summary)
-        call owner%warnings%set(run%warnings)
-        allocate (owner%table(size(run%table)), owner%tables(size(run%table)))
-        do i = 1, size(run%table)
-            call adopt_table(run%table(i), owner%table(i))
-            owner%tables(i) = face_of(owner%table(i))
+        owner%run%summary = trim(run%summary) // c_null_char
+        owner%run%warnings = trim(run%warnings) // c_null_char
+        call move_alloc(run%table, owner%run%table)
+        allocate (owner%columns(size(owner%run%table)), owner%tables(size(owner%run%table)))
+        do i = 1, size(owner%tables)
+            call describe_table(owner%run%table(i), owner%columns(i), owner%tables(i))
         end do
-        owner%result = c_result_t(int(run%code, c_int), size(owner%tables), c_loc(owner%tables), owner%summary%at(), &
-                                  owner%warnings%at(), c_loc(owner))
+        owner%result = c_result_t(int(run%code, c_int), size(owner%tables), c_loc(owner%tables), c_loc(owner%run%summary), &
+                                  c_loc(owner%run%warnings), c_loc(owner))
         handle = c_loc(owner%result)
     end function hand_result
 
-    !> A table as C reads it.
-    type(c_table_t) function face_of(table) result(face)
-        type(table_owner_t), target, intent(in) :: table
-        face = c_table_t(table%name%at(), c_loc(table%columns), size(table%columns, kind=c_long_long), table%data%rows, &
-                         table%frame%at())
-    end function face_of
-
-    !> Moves a table to its owner, and describes its columns for C.
-    subroutine adopt_table(table, owner)
+    !> Describes a table. Its texts get null characters at their ends.
+    subroutine describe_table(table, columns, face)
         type(data_table_t), target, intent(inout) :: table
-        type(table_owner_t), target, intent(inout) :: owner
-        integer :: i
+        type(columns_t), target, intent(inout) :: columns
+        type(c_table_t), intent(out) :: face
+        integer :: i, k
 
-        call owner%name%set(table%name)
+        call columns%describe(table%column)
+        allocate (columns%words(size(table%column)))
+        do i = 1, size(table%column)
+            associate (data => table%column(i), column => columns%face(i))
+                if (size(data%values) > 0) column%values = c_loc(data%values)
+                if (.not. allocated(data%words)) cycle
+                allocate (columns%words(i)%at(max(1, size(data%words))))
+                do k = 1, size(data%words)
+                    data%words(k)%text = trim(data%words(k)%text) // c_null_char
+                    columns%words(i)%at(k) = c_loc(data%words(k)%text)
+                end do
+                column%words = c_loc(columns%words(i)%at)
+                column%word_count = size(data%words)
+            end associate
+        end do
+        table%name = trim(table%name) // c_null_char
         if (.not. allocated(table%frame)) table%frame = ''
-        call owner%frame%set(table%frame)
-        owner%data%rows = table%rows
-        call move_alloc(table%column, owner%data%column)
-        allocate (owner%columns(size(owner%data%column)), owner%described(size(owner%data%column)))
-        do i = 1, size(owner%columns)
-            call describe_column(owner%data%column(i), owner%described(i), owner%columns(i))
-        end do
-    end subroutine adopt_table
-
-    subroutine describe_column(data, described, column)
-        type(data_column_t), target, intent(in) :: data
-        type(described_column_t), target, intent(inout) :: described
-        type(c_column_t), intent(out) :: column
-        integer :: i
-
-        call described%describe(data%column_t, column)
-        if (size(data%values) > 0) column%values = c_loc(data%values)
-        if (.not. allocated(data%words)) return
-        allocate (described%words(max(1, size(data%words))), described%word_places(max(1, size(data%words))))
-        do i = 1, size(data%words)
-            call described%words(i)%set(data%words(i)%text)
-            described%word_places(i) = described%words(i)%at()
-        end do
-        column%words = c_loc(described%word_places)
-        column%word_count = size(data%words)
-    end subroutine describe_column
-
-    !> Describes a column without values.
-    subroutine describe(self, about, column)
-        class(described_column_t), target, intent(inout) :: self
-        type(column_t), intent(in) :: about !! name, unit and meaning
-        type(c_column_t), intent(out) :: column !! the column for C
-        call self%name%set(about%name)
-        call self%unit%set(about%unit)
-        call self%what%set(about%what)
-        column%name = self%name%at()
-        column%unit = self%unit%at()
-        column%what = self%what%at()
-    end subroutine describe
+        table%frame = trim(table%frame) // c_null_char
+        face = c_table_t(c_loc(table%name), c_loc(columns%face), size(table%column, kind=c_long_long), table%rows, &
+                         c_loc(table%frame))
+    end subroutine describe_table
 
     !> Deletes a result.
     subroutine delete_result(handle) bind(C, name='spintop_result_delete')

@@ -5,12 +5,10 @@ module spintop_c_top
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
         c_ptr, c_size_t
     use spintop_arithmetic, only: default_arithmetic_t
-    use spintop_c_error, only: c_text_t, describe_status, hand_error, hand_status, is_empty, is_wrong, &
-        longest_message, read_c_text
-    use spintop_c_result, only: c_column_t, described_column_t, hand_result
+    use spintop_c_error, only: describe_status, failed, hand_status, longest_message, read_input, refuse
+    use spintop_c_result, only: columns_t, hand_result
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_data_table, only: data_table_t
     use spintop_differences, only: node_count, nodes_t
     use spintop_errors, only: error_t, input_error
     use spintop_exit_codes, only: exit_input, exit_ok
@@ -29,8 +27,7 @@ module spintop_c_top
     use spintop_status, only: code_of, is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: study_column_t
-    use spintop_table_column, only: column_t
-    use spintop_text, only: escaped
+    use spintop_text, only: escaped, strings_of
     use spintop_trajectory_columns, only: row_maker_t
     implicit none
     private
@@ -65,35 +62,25 @@ module spintop_c_top
         procedure :: find => find_varied
     end type asked_motions_t
 
-    !> The derivatives, two columns for each: `count` of them, of some columns with respect to some keys.
-    type :: asked_derivatives_t
-        integer :: count = 0
-        type(sensitivities_t), private :: wanted
-        type(nodes_t), allocatable, private :: nodes(:)
-        type(varied_key_t), allocatable, private :: keys(:)
-    contains
-        procedure :: prepare
-        procedure :: find
-    end type asked_derivatives_t
-
-    !> A top: its motion, the columns of that, and the derivatives of some. Classes are quicker to compile: see `varied_key_t`.
+    !> A top: its motion, and the columns of that; and the derivatives of some with respect to some keys, two columns for each.
+    !> Classes are quicker to compile: see `varied_key_t`.
     type :: top_t
         class(asked_motion_t), allocatable :: motion
-        type(asked_derivatives_t) :: derivatives
-        type(described_column_t), allocatable :: described(:)
-        type(c_column_t), allocatable :: columns(:)
-        !> Warnings of the input.
-        type(c_text_t) :: warnings
-        !> The input, if it has events; and the columns of their table.
-        class(prepared_t), allocatable :: prepared
         type(study_column_t), allocatable :: chosen(:)
+        type(sensitivities_t) :: derivatives
+        type(nodes_t), allocatable :: nodes(:)
+        type(varied_key_t), allocatable :: keys(:)
+        !> All columns.
+        type(columns_t) :: columns
+        !> Warnings of the input; and the input, if it has events.
+        character(:), allocatable :: warnings
+        class(prepared_t), allocatable :: prepared
     end type top_t
 
     !> A time asked of a fixed-step method within this fraction of a step is at the step.
     real(dp), parameter :: grid_slack = 1.0e-6_dp
     !> Most times of a call.
     integer(c_size_t), parameter :: most_times = huge(1_c_int)
-    character(*), parameter :: small_memory = 'the memory is too small for so many times'
     !> The text ''.
     character(c_char), target :: no_text = c_null_char
 
@@ -106,60 +93,53 @@ contains
         type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         type(error_t), allocatable :: problem
+        character(:), allocatable :: text, name_of_text
 
         call arithmetic%begin()
-        handle = c_null_ptr
-        if (is_wrong(.not. c_associated(input), 'the input is a null pointer', error)) return
-        if (is_wrong(is_empty(name), 'the name of the input is empty', error)) return
         allocate (top)
-        allocate (top%motion)
+        handle = c_loc(top)
         !$omp critical (library)
-        call prepare_top(input, name, top, problem)
-        if (allocated(problem)) call hand_error(problem, error)
-        !$omp end critical (library)
-        if (allocated(problem)) then
+        call read_input(input, name, text, name_of_text, problem)
+        if (.not. allocated(problem)) call prepare_top(text, name_of_text, top, problem)
+        if (failed(problem, error)) then
             deallocate (top)
-        else
-            handle = c_loc(top)
+            handle = c_null_ptr
         end if
+        !$omp end critical (library)
     end function make_top
 
-    subroutine prepare_top(input, name, top, error)
-        type(c_ptr), intent(in) :: input, name
+    subroutine prepare_top(text, name, top, error)
+        character(*), intent(in) :: text, name
         type(top_t), target, intent(inout) :: top
         type(error_t), allocatable, intent(out) :: error
         type(prepared_t), allocatable, target :: prepared
-        type(column_t), allocatable :: shown(:)
         type(options_t) :: options
-        character(:), allocatable :: text, name_of_text
         integer :: i
 
-        call read_c_text(input, text)
-        call read_c_text(name, name_of_text)
-        if (name_of_text == '') name_of_text = 'input'
         options%output = ''
-        allocate (options%overrides(0), prepared)
-        call prepare_job(name_of_text, options, prepared%job, prepared%study, error, text)
+        allocate (options%overrides(0), prepared, top%motion)
+        call prepare_job(name, options, prepared%job, prepared%study, error, text)
         if (allocated(error)) return
         associate (job => prepared%job)
             if (job%input%scene%kind /= study_kinds(kind_trajectory)) then
-                error = input_error(name_of_text // ': the input of a top is that of a trajectory')
+                error = input_error(name // ': the input of a top is that of a trajectory')
                 return
             end if
-            call top%warnings%set(job%warnings)
+            top%warnings = trim(job%warnings) // c_null_char
             top%chosen = job%columns
+            top%derivatives = job%sensitivities
+            if (.not. allocated(job%sensitivities%keys)) allocate (job%sensitivities%keys(0))
+            allocate (top%nodes(size(job%sensitivities%keys)), top%keys(size(job%sensitivities%keys)))
+            do i = 1, size(top%keys)
+                call prepare_key(top%keys(i), top%nodes(i), job, job%sensitivities%keys(i), job%sensitivities%columns(), error)
+                if (allocated(error)) return
+            end do
             ! The motion itself is also asked for the columns of which there are derivatives.
-            call top%derivatives%prepare(job, error)
-            if (allocated(error)) return
-            call top%motion%prepare(job%case, job%plan, [top%chosen, &
-                                    job%sensitivities%columns()])
-            allocate (shown, source=[top%chosen%column_t, job%sensitivities%table_columns()])
+            call top%motion%prepare(job%case, job%plan, [top%chosen, job%sensitivities%columns()])
+            call top%columns%describe([top%chosen%column_t, job%sensitivities%table_columns()])
+            if (size(job%events) == 0) return
         end associate
-        allocate (top%described(size(shown)), top%columns(size(shown)))
-        do i = 1, size(shown)
-            call top%described(i)%describe(shown(i), top%columns(i))
-        end do
-        if (size(prepared%job%events) > 0) call move_alloc(prepared, top%prepared)
+        call move_alloc(prepared, top%prepared)
     end subroutine prepare_top
 
     !> Number of columns of a top.
@@ -169,7 +149,7 @@ contains
         columns = 0
         if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
-        columns = size(top%columns)
+        columns = size(top%columns%face)
     end function count_columns
 
     !> The columns of a top.
@@ -179,7 +159,7 @@ contains
         columns = c_null_ptr
         if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
-        columns = c_loc(top%columns)
+        columns = c_loc(top%columns%face)
     end function list_columns
 
     !> Warnings of the input of a top.
@@ -189,7 +169,7 @@ contains
         warnings = c_loc(no_text)
         if (.not. c_associated(handle)) return
         call c_f_pointer(handle, top)
-        warnings = top%warnings%at()
+        warnings = c_loc(top%warnings)
     end function top_warnings
 
     !> Finds the motion of a top at some times, column by column.
@@ -199,37 +179,43 @@ contains
         type(c_ptr), value :: t, cells !! the times, s; the values of the first column, of the second, and so on
         type(c_ptr), value :: error !! where C wants its pointer to an error; may be null
         type(default_arithmetic_t) :: arithmetic
+        type(error_t), allocatable :: problem
         type(top_t), pointer :: top
+        type(asked_motions_t) :: motions
         real(c_double), pointer, contiguous :: times(:), found(:, :)
-        real(dp), allocatable :: values(:, :)
+        real(dp), allocatable :: values(:, :), derivatives(:, :)
         real(dp) :: t_reached
-        logical :: lacks_memory
-        integer :: status
+        integer :: status, lacks_memory
 
         call arithmetic%begin()
+        call refuse(.not. c_associated(handle), 'the top is a null pointer', problem)
+        ! A size_t beyond the range of Fortran's integers is negative here.
+        call refuse(n < 0 .or. n > most_times, 'there are more than 2147483647 times', problem)
+        call refuse(n /= 0 .and. .not. c_associated(t), 'the array of times is a null pointer', problem)
+        call refuse(n /= 0 .and. .not. c_associated(cells), 'the array of cells is a null pointer', problem)
         code = exit_input
-        if (is_wrong(.not. c_associated(handle), 'the top is a null pointer', error)) return
+        if (failed(problem, error)) return
         code = exit_ok
         if (n == 0) return
-        code = exit_input
-        ! A size_t beyond the range of Fortran's integers is negative here.
-        if (is_wrong(n < 0 .or. n > most_times, 'there are more than 2147483647 times', error)) return
-        if (is_wrong(.not. c_associated(t), 'the array of times is a null pointer', error)) return
-        if (is_wrong(.not. c_associated(cells), 'the array of cells is a null pointer', error)) return
         call c_f_pointer(handle, top)
         call c_f_pointer(t, times, [n])
-        call c_f_pointer(cells, found, [n, size(top%columns, kind=c_size_t)])
-        allocate (values(top%motion%columns, n), stat=status)
-        if (is_wrong(status /= 0, small_memory, error)) return
-        call top%motion%find(times, values, status, t_reached)
-        associate (own => size(top%chosen))
-            found(:, :own) = transpose(values(:own, :))
-            if (top%derivatives%count > 0) then
-                call top%derivatives%find(times, values(own + 1:, :), found(:, own + 1:), lacks_memory)
-                if (is_wrong(lacks_memory, small_memory, error)) return
+        call c_f_pointer(cells, found, [n, size(top%columns%face, kind=c_size_t)])
+        associate (own => size(top%chosen), others => 2 * top%derivatives%count)
+            allocate (values(top%motion%columns, n), derivatives(others, n), stat=lacks_memory)
+            if (lacks_memory == 0) then
+                call top%motion%find(times, values, status, t_reached)
+                found(:, :own) = transpose(values(:own, :))
+                if (others > 0) then
+                    motions%keys => top%keys
+                    motions%t = times
+                    call top%derivatives%find_derivatives(top%nodes, motions, values(own + 1:, :), derivatives, lacks_memory)
+                    found(:, own + 1:) = transpose(derivatives)
+                end if
             end if
         end associate
-        code = hand_status(status, t_reached, error)
+        call refuse(lacks_memory /= 0, 'the memory is too small for so many times', problem)
+        code = exit_input
+        if (.not. failed(problem, error)) code = hand_status(status, t_reached, error)
     end function find_motion
 
     !> Finds the events of a top in the span of its input.
@@ -239,18 +225,18 @@ contains
         type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         type(memory_run_t) :: run
+        type(error_t), allocatable :: problem
 
         call arithmetic%begin()
         found = c_null_ptr
-        if (is_wrong(.not. c_associated(handle), 'the top is a null pointer', error)) return
+        call refuse(.not. c_associated(handle), 'the top is a null pointer', problem)
+        if (failed(problem, error)) return
         call c_f_pointer(handle, top)
+        call refuse(.not. allocated(top%prepared), 'the input of the top has no events: name them in output.events', problem)
+        if (failed(problem, error)) return
         !$omp critical (library)
-        if (allocated(top%prepared)) then
-            call record_events(top, run)
-            found = hand_result(run)
-        else
-            call hand_error(input_error('the input of the top has no events: name them in output.events'), error)
-        end if
+        call record_events(top, run)
+        found = hand_result(run)
         !$omp end critical (library)
     end function find_events
 
@@ -264,6 +250,7 @@ contains
         type(plan_t) :: plan
         real(dp), allocatable :: times(:)
         character(longest_message) :: message
+        integer :: i
 
         associate (job => top%prepared%job)
             plan = job%plan
@@ -283,31 +270,18 @@ contains
         run%warnings = ''
         run%code = code_of(outcome%status)
         allocate (run%table(1))
-        call make_event_table(recorder, top%chosen, run%table(1))
+        associate (table => run%table(1))
+            table%name = 'events'
+            table%rows = recorder%rows
+            allocate (table%column(size(recorder%kept, 1)))
+            table%column%column_t = [event_columns, top%chosen%column_t]
+            do i = 1, size(table%column)
+                table%column(i)%values = recorder%kept(i, :recorder%rows)
+            end do
+            table%column(1)%values = table%column(1)%values - 1 ! words are counted from 0
+            table%column(1)%words = strings_of(recorder%events%name)
+        end associate
     end subroutine record_events
-
-    !> Makes the table of events: their names are words.
-    subroutine make_event_table(recorder, columns, table)
-        type(event_recorder_t), intent(inout) :: recorder
-        type(study_column_t), intent(in) :: columns(:)
-        type(data_table_t), intent(inout) :: table
-        type(column_t), allocatable :: shown(:)
-        integer :: i
-
-        allocate (shown, source=[event_columns, columns%column_t])
-        table%name = 'events'
-        table%rows = recorder%rows
-        recorder%kept(1, :) = recorder%kept(1, :) - 1 ! words are counted from 0
-        allocate (table%column(size(shown)))
-        do i = 1, size(shown)
-            table%column(i)%column_t = shown(i)
-            table%column(i)%values = recorder%kept(i, :recorder%rows)
-        end do
-        allocate (table%column(1)%words(size(recorder%events)))
-        do i = 1, size(recorder%events)
-            table%column(1)%words(i)%text = trim(recorder%events(i)%name)
-        end do
-    end subroutine make_event_table
 
     !> Prepares a motion by its plan.
     subroutine prepare_asked(self, case, plan, columns)
@@ -395,26 +369,6 @@ contains
         end do
     end subroutine find_directly
 
-    !> Prepares the derivatives of a job.
-    subroutine prepare(self, job, error)
-        class(asked_derivatives_t), intent(inout) :: self
-        type(job_t), target, intent(in) :: job !! the job
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer :: i
-
-        self%count = job%sensitivities%count
-        if (self%count == 0) return
-        self%wanted = job%sensitivities
-        associate (keys => job%sensitivities%keys)
-            allocate (self%nodes(size(keys)), self%keys(size(keys)))
-            do i = 1, size(keys)
-                call prepare_key(self%keys(i), self%nodes(i), job, keys(i), &
-                                 job%sensitivities%columns(), error)
-                if (allocated(error)) return
-            end do
-        end associate
-    end subroutine prepare
-
     !> Prepares the motions with other values of a key. The values that no motion has are left out; there must be others.
     subroutine prepare_key(self, nodes, job, key, columns, error)
         type(varied_key_t), intent(inout) :: self
@@ -423,6 +377,9 @@ contains
         type(sensitive_key_t), intent(in) :: key
         type(study_column_t), intent(in) :: columns(:)
         type(error_t), allocatable, intent(out) :: error
+        type(scene_t), allocatable, target :: scene
+        type(case_t) :: case
+        type(plan_t) :: plan
         integer, allocatable :: accuracy
         integer :: i, k
 
@@ -436,8 +393,11 @@ contains
         do k = 0, other_accuracies
             if (k > 0) accuracy = k ! else it is absent
             do i = merge(2, 1, k == 0), node_count
-                if (nodes%is_valid(i)) call prepare_motion(self%motion(i, k), job, key, nodes%x(i), columns, &
-                                                           self%exists(i, k), accuracy)
+                if (.not. nodes%is_valid(i)) cycle
+                call key%plan_at(job%input%scene, nodes%x(i), scene, case, plan, self%exists(i, k), job%plan, accuracy)
+                if (.not. self%exists(i, k)) cycle
+                case%t_end = job%case%t_end ! steps of fixed size stay where they are
+                call self%motion(i, k)%prepare(case, plan, columns)
             end do
             if (k == 0) call nodes%limit_to(self%exists(:, 0) .or. [(i == 1, i=1, node_count)])
         end do
@@ -445,43 +405,6 @@ contains
         error = input_error(escaped(job%input%path) // ': output.columns: with another ' // key%name // ' there is no motion by &
                             &this method, and so no derivative; integrate by a method and formulation for any body')
     end subroutine prepare_key
-
-    !> Prepares the motion with another value of a key, if there is one.
-    subroutine prepare_motion(motion, job, key, value, columns, exists, accuracy)
-        type(asked_motion_t), intent(inout) :: motion
-        type(job_t), target, intent(in) :: job
-        type(sensitive_key_t), intent(in) :: key
-        real(dp), intent(in) :: value
-        type(study_column_t), intent(in) :: columns(:)
-        logical, intent(out) :: exists
-        integer, intent(in), optional :: accuracy !! the number of another accuracy
-        type(scene_t), allocatable, target :: scene
-        type(case_t) :: case
-        type(plan_t) :: plan
-
-        call key%plan_at(job%input%scene, value, scene, case, plan, exists, job%plan, accuracy)
-        if (.not. exists) return
-        case%t_end = job%case%t_end ! steps of fixed size stay where they are
-        call motion%prepare(case, plan, columns)
-    end subroutine prepare_motion
-
-    !> Finds the derivatives at some times, each followed by the estimate of its error.
-    subroutine find(self, t, base, cells, lacks_memory)
-        class(asked_derivatives_t), target, intent(in) :: self
-        real(dp), intent(in) :: t(:) !! the times, s
-        real(dp), intent(in) :: base(:, :) !! the columns (rows) of which there are derivatives at each time
-        real(dp), intent(out) :: cells(:, :) !! for each time, two for each derivative; NaN where there is none
-        logical, intent(out) :: lacks_memory !! whether the memory is too small for so many times
-        type(asked_motions_t) :: motions
-        real(dp), allocatable :: found(:, :)
-        integer :: status
-        motions%keys => self%keys
-        motions%t = t
-        allocate (found(size(cells, 2), size(t)), stat=status)
-        if (status == 0) call self%wanted%find_derivatives(self%nodes, motions, base, found, status)
-        lacks_memory = status /= 0
-        if (.not. lacks_memory) cells = transpose(found)
-    end subroutine find
 
     !> The columns of a motion with another value of a key.
     subroutine find_varied(self, key, nodes, i, values, accuracy)

@@ -3,9 +3,9 @@ module spintop_c_tops
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_long_long, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arithmetic, only: default_arithmetic_t
-    use spintop_c_error, only: hand_error, is_any_null, read_c_texts
+    use spintop_c_error, only: failed, read_c_texts, refuse, take_pointers
     use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_input
+    use spintop_exit_codes, only: exit_input, exit_ok
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads
@@ -67,60 +67,48 @@ contains
         type(default_arithmetic_t) :: arithmetic
         type(request_t) :: request
         integer(c_long_long), pointer :: steps(:)
-        type(c_ptr), pointer :: places(:)
+        type(c_ptr), pointer :: data(:), quantities(:)
         type(error_t), allocatable :: problem
         integer :: i
 
         call arithmetic%begin()
         request%n = n
+        call take_pointers(given, merge(given_count, 0, n > 0), 'an array of values', data, problem)
+        call take_pointers(wanted, merge(wanted_count, 0, n > 0), 'an array of values', quantities, problem)
+        call refuse(min(given_count, wanted_count, threads) < 0, 'the number of threads, or of arrays, is negative', problem)
+        call refuse(given_count > 0 .and. .not. c_associated(strides), 'the array of strides is a null pointer', problem)
         call find_arrays(given_count, given_names, data_names, request%given, problem)
         call find_arrays(wanted_count, wanted_names, quantity_names, request%wanted, problem)
-        if (given_count > 0 .and. .not. c_associated(strides)) problem = error_t(exit_input, 'the array of strides is null')
-        if (min(given_count, wanted_count, threads) < 0) then
-            problem = error_t(exit_input, 'the number of threads, or of arrays, is negative')
-        end if
-        if (n > 0 .and. (is_any_null(given, int(given_count)) .or. is_any_null(wanted, int(wanted_count)))) then
-            problem = error_t(exit_input, 'an array of values is null')
-        end if
         if (given_count > 0 .and. .not. allocated(problem)) then
             call c_f_pointer(strides, steps, [given_count])
             request%given%stride = steps
         end if
-        if (.not. allocated(problem)) call check(request, problem)
-        code = 0
-        if (allocated(problem)) then
-            call hand_error(problem, error)
-            code = exit_input
-        end if
-        if (code /= 0 .or. n == 0) return
-        if (given_count > 0) call c_f_pointer(given, places, [given_count])
+        call check(request, problem)
+        code = exit_input
+        if (failed(problem, error)) return
+        code = exit_ok
+        if (n == 0) return
         do i = 1, size(request%given)
-            call c_f_pointer(places(i), request%given(i)%values, [(n - 1) * abs(request%given(i)%stride) + 1])
+            call c_f_pointer(data(i), request%given(i)%values, [(n - 1) * request%given(i)%stride + 1])
         end do
-        if (wanted_count > 0) call c_f_pointer(wanted, places, [wanted_count])
         do i = 1, size(request%wanted)
-            call c_f_pointer(places(i), request%wanted(i)%values, [n])
+            call c_f_pointer(quantities(i), request%wanted(i)%values, [n])
         end do
         if (c_associated(statuses)) call c_f_pointer(statuses, request%status, [n])
         request%wants_end = any(request%wanted%place >= first_of_end)
         call compute_blocks(request, int(threads))
     end function compute_tops
 
-    !> Checks numbers and strides, and that what has no default is given. Threads call this at once: no text is made by a
-    !> function, see `status_names`.
+    !> Checks numbers and strides, and that what has no default is given.
     subroutine check(request, problem)
         type(request_t), intent(in) :: request
         type(error_t), allocatable, intent(inout) :: problem
         integer :: i
-        if (request%n < 0 .or. any(request%given%stride < 0)) then
-            problem = error_t(exit_input, 'the number of tops, or a stride, is negative')
-        else if (request%n > most_elements / max(1_int64, maxval(request%given%stride))) then
-            problem = error_t(exit_input, 'the arrays are larger than the memory of any machine')
-        end if
+        call refuse(request%n < 0 .or. any(request%given%stride < 0), 'the number of tops, or a stride, is negative', problem)
+        call refuse(request%n > most_elements / max(1_int64, maxval(request%given%stride)), &
+                    'the arrays are larger than the memory of any machine', problem)
         do i = 1, needed
-            if (any(request%given%place == i)) cycle
-            problem = error_t(exit_input, trim(data_names(i)) // ' is not given')
-            return
+            call refuse(all(request%given%place /= i), trim(data_names(i)) // ' is not given', problem)
         end do
     end subroutine check
 
@@ -136,23 +124,18 @@ contains
         integer :: i, k
 
         allocate (arrays(max(0, count)))
-        if (is_any_null(names, int(count))) problem = error_t(exit_input, 'the name of an array is null')
+        call read_c_texts(names, count, 'the name of an array', texts, problem)
         if (allocated(problem)) return
-        call read_c_texts(names, size(arrays), texts)
         do i = 1, count
             arrays(i)%place = findloc(known == texts(i)%text, .true., dim=1)
             name = texts(i)%text
-            if (any(arrays(:i - 1)%place == arrays(i)%place)) then
-                problem = error_t(exit_input, "'" // trim(name) // "' is given twice")
-                return
-            end if
-            if (arrays(i)%place > 0) cycle
+            call refuse(any(arrays(:i - 1)%place == arrays(i)%place), "'" // trim(name) // "' is given twice", problem)
+            if (arrays(i)%place > 0 .or. allocated(problem)) cycle
             if (len(texts(i)%text) > name_length) name(name_length - 2:) = '...'
-            problem = error_t(exit_input, "'" // trim(name) // "' is none of " // trim(known(1)))
+            call refuse(.true., "'" // trim(name) // "' is none of " // trim(known(1)), problem)
             do k = 2, size(known)
                 problem%message = problem%message // ', ' // trim(known(k))
             end do
-            return
         end do
     end subroutine find_arrays
 

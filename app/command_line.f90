@@ -1,7 +1,6 @@
 !> The command line of `spintop`: reads the arguments into a request.
 module spintop_command_line
-    use spintop_errors, only: error_t, input_error
-    use spintop_exit_codes, only: exit_codes
+    use spintop_errors, only: error_t, input_error, exit_codes
     use spintop_listing, only: topic_names
     use spintop_options, only: most_threads, options_t, shell_word
     use spintop_shard, only: most_shards, read_shard
@@ -61,7 +60,8 @@ module spintop_command_line
         'usage: spintop [options] INPUT.nml [INPUT.nml ...]', &
         '       spintop merge FILE PART [PART ...]', &
         '       spintop verify TABLE.csv [TABLE.csv ...] [--strict]', &
-        '       spintop list [TOPIC] [--json]']
+        '       spintop list [TOPIC] [--json]', &
+        '']
 
 contains
 
@@ -75,18 +75,15 @@ contains
         do i = 1, size(usage)
             call append(lines, trim(usage(i)))
         end do
-        call append(lines, '')
         call append_wrapped(lines, '', 'topics: ' // topic_names(', '), 0, line_width)
-        call append(lines, '')
-        call append(lines, 'options')
+        call append(lines, new_line('a') // 'options')
         do i = 1, size(known_options)
             option = known_options(i)
             name = trim(option%name) // ' ' // option%value
             if (option%short /= '') name = trim(option%short // ' ' // option%value) // ', ' // name
             call append(lines, '  ' // name // trim(option%what))
         end do
-        call append(lines, '')
-        call append(lines, 'exit codes')
+        call append(lines, new_line('a') // 'exit codes')
         do i = 1, size(exit_codes)
             name = to_text(exit_codes(i)%code)
             call append(lines, '  ' // name // trim(exit_codes(i)%what))
@@ -127,11 +124,8 @@ contains
                 if (allocated(error) .or. any(request%action == [action_help, action_version])) return
             end if
         end do
-        if (request%options%resume .and. request%options%restart) then
-            error = wrong('--resume and --restart exclude each other')
-        else if (size(request%inputs) == 0) then
-            error = wrong('no input is given')
-        end if
+        if (size(request%inputs) == 0) error = wrong('no input is given')
+        if (request%options%resume .and. request%options%restart) error = wrong('--resume and --restart exclude each other')
     end subroutine read_command_line
 
     !> Reads the option at argument `i`, with its value. On return `i` is the last argument of the option.
@@ -140,24 +134,27 @@ contains
         type(request_t), intent(inout) :: request
         type(error_t), allocatable, intent(inout) :: error
         character(:), allocatable :: argument, value, hint
-        integer :: first, place, status, k
+        integer :: first, last, place, status, k
         logical :: valid
 
         argument = argument_at(i)
-        value = option_name(argument)
-        place = findloc(known_options%name == value .or. known_options%short == value, .true., dim=1)
+        last = len(argument)
+        if (index(argument, '--') == 1 .and. index(argument, '=') > 0) last = index(argument, '=') - 1
+        place = findloc(known_options%name == argument(:last) .or. known_options%short == argument(:last), .true., dim=1)
         if (place == 0) then
-            hint = did_you_mean(value, known_options%name)
+            hint = did_you_mean(argument(:last), known_options%name)
             if (hint /= '') hint = '; ' // hint
             error = wrong("unknown option '" // argument // "'" // hint)
             return
         end if
-        value = ''
+        value = argument(min(last + 2, len(argument) + 1):)
         first = i
-        if (known_options(place)%value /= '') then
-            call read_value(i, value, error)
-        else if (option_name(argument) /= argument) then
-            error = wrong(argument // ': this option takes no value')
+        if (known_options(place)%value == '') then
+            if (last < len(argument)) error = wrong(argument // ': this option takes no value')
+        else if (last == len(argument)) then ! the next argument is the value
+            i = i + 1
+            if (i <= command_argument_count()) value = argument_at(i)
+            if (i > command_argument_count()) error = wrong('option ' // argument // ' needs a value')
         end if
         if (allocated(error)) return
         select case (known_options(place)%name)
@@ -204,23 +201,6 @@ contains
         end do
     end subroutine read_option
 
-    !> The value of an option: the text after its equals sign, or the next argument.
-    subroutine read_value(i, value, error)
-        integer, intent(inout) :: i
-        character(:), allocatable, intent(inout) :: value
-        type(error_t), allocatable, intent(inout) :: error
-        character(:), allocatable :: argument
-        argument = argument_at(i)
-        if (option_name(argument) /= argument) then
-            value = argument(index(argument, '=') + 1:)
-        else if (i < command_argument_count()) then
-            i = i + 1
-            value = argument_at(i)
-        else
-            error = wrong('option ' // argument // ' needs a value')
-        end if
-    end subroutine read_value
-
     !> Reads what follows a command, which is argument `i`: words, and the one option that it may take. `list` has a topic, or
     !> none for all of them, `merge` the table to merge into and its parts, `verify` tables.
     subroutine read_command(command, i, request, error)
@@ -242,36 +222,25 @@ contains
                 request%options%strict = command == 'verify'
             end if
         end do
-        associate (words => size(request%inputs))
-            select case (command)
-            case ('list')
-                request%action = action_list
-                request%topic = ''
-                if (words > 1) error = wrong('list takes one topic')
-                if (words == 1) request%topic = request%inputs(1)%text
-            case ('merge')
-                request%action = action_merge
-                if (words < 2) then
-                    error = wrong('merge takes a table to write and the parts to join')
-                else
-                    request%merged = request%inputs(1)%text
-                    request%inputs = request%inputs(2:)
-                end if
-            case ('verify')
-                request%action = action_verify
-                request%options%verifies = .true.
-                if (words == 0) error = wrong('verify takes a table, which has its input in its header')
-            end select
-        end associate
+        k = size(request%inputs)
+        select case (command)
+        case ('list')
+            request%action = action_list
+            request%topic = ''
+            if (k > 1) error = wrong('list takes one topic')
+            if (k == 1) request%topic = request%inputs(1)%text
+        case ('merge')
+            request%action = action_merge
+            if (k < 2) error = wrong('merge takes a table to write and the parts to join')
+            if (k < 2) return
+            request%merged = request%inputs(1)%text
+            request%inputs = request%inputs(2:)
+        case ('verify')
+            request%action = action_verify
+            request%options%verifies = .true.
+            if (k == 0) error = wrong('verify takes a table, which has its input in its header')
+        end select
     end subroutine read_command
-
-    !> Name of an option, without an equals sign and a value after it.
-    pure function option_name(argument) result(name)
-        character(*), intent(in) :: argument
-        character(:), allocatable :: name
-        name = argument
-        if (index(argument, '--') == 1 .and. index(argument, '=') > 0) name = argument(:index(argument, '=') - 1)
-    end function option_name
 
     !> A command-line argument of any length.
     function argument_at(i) result(argument)

@@ -5,14 +5,13 @@ program spintop_main
     use spintop_terminal, only: in_colour
     use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
         action_list, action_help, action_merge, action_verify, action_version
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_ok, exit_output
+    use spintop_errors, only: error_t, exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
-    use spintop_files, only: replace_file
+    use spintop_files, only: replace_file, complain_of, end_output, print_text
     use spintop_job, only: job_t
     use spintop_preparation, only: tables_written, prepare_jobs, prepared_t, protect_interrupted
     use spintop_listing, only: list_topic
-    use spintop_process, only: begin_process, check_level, check_stacks, complain_of, end_output, end_process, print_text
+    use spintop_process, only: begin_process, check_level, check_stacks, end_process
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
     use spintop_statistics_merge, only: merge_parts
@@ -66,23 +65,19 @@ program spintop_main
     written = ''
     do i = 1, size(prepared)
         call complain(prepared(i)%job%warnings)
+        code = exit_ok
         if (request%action == action_check) then
             call explain_job(prepared(i)%study, prepared(i)%job, request%options, lines)
-            code = exit_ok
         else if (request%action == action_verify) then
             call verify_table(prepared(i)%job, request%options%strict, lines, code, error)
-            if (allocated(error)) then
-                call complain(error%message)
-                code = error%code
-            end if
         else
             call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
             call complain(prepared(i)%job%late_warnings)
             if (.not. allocated(error)) call note_tables(prepared(i)%job, error)
-            if (allocated(error)) then
-                call complain(error%message)
-                code = error%code
-            end if
+        end if
+        if (allocated(error)) then
+            call complain(error%message)
+            code = error%code
         end if
         call print_lines(lines, code)
         worst = max(worst, code)

@@ -2,9 +2,8 @@
 !> body, a motion or a number that is not valid. Loops inside the library call the unchecked functions of the
 !> same names.
 module spintop_checked_functions
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: unchecked_state => euler_poisson_state
     use spintop_motion, only: motion_t
     use spintop_quantities, only: unchecked_kinetic => kinetic_energy, &

@@ -3,8 +3,7 @@
 module spintop_c_error
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
         c_size_t
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_input, exit_ok
+    use spintop_errors, only: error_t, exit_input, exit_ok
     use spintop_kinds, only: dp
     use spintop_status, only: code_of, is_refusal, status_meanings, status_names
     use spintop_text, only: string_t

@@ -3,9 +3,8 @@
 module spintop_c_run
     use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_funptr, c_int, c_loc, c_null_char, &
         c_null_ptr, c_ptr, c_size_t
-    use spintop_arithmetic, only: default_arithmetic_t
+    use spintop_caller, only: default_arithmetic_t, begin_call, end_call, set_caller
     use spintop_axes_of_table, only: given_axis_t
-    use spintop_caller, only: begin_call, end_call, set_caller
     use spintop_c_error, only: failed, is_empty, read_c_text, read_c_texts, read_input, refuse, take_pointers
     use spintop_c_result, only: hand_result
     use spintop_errors, only: error_t

@@ -2,10 +2,9 @@
 module spintop_c_tops
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_long_long, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_arithmetic, only: default_arithmetic_t
+    use spintop_caller, only: default_arithmetic_t
     use spintop_c_error, only: failed, read_c_texts, refuse, take_pointers
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_input, exit_ok
+    use spintop_errors, only: error_t, exit_input, exit_ok
     use spintop_exact_block, only: block_size, exact_block_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads

@@ -1,9 +1,8 @@
 !> What a least-squares fit says of its parameters: covariance, identifiability, and profile intervals (Bates and Watts,
 !> Nonlinear Regression Analysis, 1988, chapter 6).
 module spintop_intervals
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_jacobian, only: find_jacobian, refine_jacobian
-    use spintop_kinds, only: dp, no_number
     use spintop_lapack, only: dgesvd
     use spintop_least_squares, only: minimize, minimum_t
     use spintop_losses, only: loss_t

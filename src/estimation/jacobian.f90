@@ -1,8 +1,7 @@
 !> Derivatives of residuals with respect to parameters, by differences, with an estimate of their errors.
 module spintop_jacobian
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_differences, only: node_count, nodes_around, nodes_t
-    use spintop_kinds, only: dp
     use spintop_residuals, only: residuals_t
     implicit none
     private

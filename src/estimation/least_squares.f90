@@ -2,9 +2,8 @@
 !> routines `qrfac` and `lmpar`. Some of the parameters may be held. Parameters have ranges: steps are cut at their ends, and
 !> a parameter that the sum of squares presses against an end stays there while the others move.
 module spintop_least_squares
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_jacobian, only: find_jacobian
-    use spintop_kinds, only: dp
     use spintop_minpack, only: lmpar, qrfac
     use spintop_residuals, only: residuals_t
     implicit none

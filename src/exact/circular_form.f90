@@ -8,7 +8,7 @@
 module spintop_circular_form
     use spintop_kinds, only: dp, xp, pi_xp
     use spintop_theta_functions, only: linear_chain, nome, theta3_constant, quotient, theta_clock_t, theta_values_t
-    use spintop_scalar_functions, only: find_sine_and_cosine
+    use spintop_circular_functions, only: find_sine_and_cosine
     use spintop_turning_points, only: turning_points_t
     implicit none
     private

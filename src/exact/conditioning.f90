@@ -9,8 +9,7 @@
 !> The data are then those of the body as it was given, with the momentum of the rotor and the rotation of the frame.
 !> The exact solution is that with the rotor: the angle by which it differs from that of the faster top is common to all.
 module spintop_conditioning
-    use spintop_kinds, only: dp, pi, epsilon_dp, no_number
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, pi, epsilon_dp, no_number, is_zero
     use spintop_status, only: is_ok, status_ok
     use spintop_attitude, only: quaternion_product, rotation_angle
     use spintop_body, only: body_t

@@ -10,10 +10,9 @@
 !>     call block%compute(wants_end=.true., wants_period=.false.)
 !>     if (is_ok(block%status(1))) then; ... = block%theta_max(1)
 module spintop_exact_block
-    use spintop_kinds, only: dp, pi
-    use spintop_array_functions, only: find_circular, find_inclinations
+    use spintop_kinds, only: dp, pi, is_finite
+    use spintop_circular_functions, only: find_circular, find_inclinations
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_quantities, only: kinetic_energy, potential_energy

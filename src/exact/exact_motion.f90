@@ -5,10 +5,9 @@
 !>     motion = exact%at(2.0_dp)
 module spintop_exact_motion
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp, no_number, is_finite, is_zero
     use spintop_attitude, only: angles_from_quaternion, vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite, is_zero
     use spintop_given_axes, only: given_axes_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t

@@ -10,7 +10,7 @@
 !> y^2 + g1 y + g0.
 module spintop_exact_strip
     use spintop_kinds, only: dp, pi
-    use spintop_array_functions, only: find_circular, find_arguments, largest_angle
+    use spintop_circular_functions, only: find_circular, find_arguments, largest_angle
     use spintop_theta_functions, only: nome_coefficients
     implicit none
     private

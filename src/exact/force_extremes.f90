@@ -7,8 +7,7 @@
 !>
 !> so that both the vertical force and the square of the total force are quadratic in u.
 module spintop_force_extremes
-    use spintop_kinds, only: dp, xp
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, xp, is_finite
     use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t

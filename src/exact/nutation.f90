@@ -2,8 +2,7 @@
 !> change of phi and psi per nutation, largest rates, and the class of the motion.
 module spintop_nutation
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
-    use spintop_kinds, only: dp, xp, pi, pi_xp, epsilon_dp
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, xp, pi, pi_xp, epsilon_dp, is_finite
     use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t

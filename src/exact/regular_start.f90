@@ -10,8 +10,7 @@
 !>
 !>     upper' = i omega3/2 upper - lower conj(swing)/2,   lower' = upper swing/2 - i omega3/2 lower
 module spintop_regular_start
-    use spintop_kinds, only: dp, xp, pi
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, xp, pi, is_finite
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t

@@ -14,15 +14,13 @@
 !> For p from -infinity to infinity the axes are the directed half of Staude's cone Gamma . (I Gamma x r) = 0 about which
 !> the body can rotate: from rest upright, over the principal axes p = I_k, where the rate is infinite, to rest hanging.
 module spintop_steady_motion
-    use spintop_kinds, only: dp, no_number, pi
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_kinds, only: dp, pi, no_number, is_finite, is_zero, cross
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_effects, only: braking_effects
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_unsuitable
     use spintop_validity, only: plain_body_status
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: steady_rates, steady_rates_at_spin, critical_omega3, sleeps_slowly, fast_top_t, fast_top

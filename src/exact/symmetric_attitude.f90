@@ -4,7 +4,7 @@
 module spintop_symmetric_attitude
     use spintop_kinds, only: dp, xp, pi_xp, no_number
     use spintop_nutation, only: nutation_t
-    use spintop_scalar_functions, only: argument, unit
+    use spintop_circular_functions, only: argument, unit
     use spintop_theta_functions, only: theta_values_t
     use spintop_theta_motion, only: theta_motion_t, regime_resting
     implicit none

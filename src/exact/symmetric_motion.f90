@@ -10,12 +10,11 @@
 !> The remaining rounding error is that of rate times time. The constants and the phases are therefore in
 !> extended precision; only the reduced phases are in double precision.
 module spintop_symmetric_motion
-    use spintop_kinds, only: dp, xp, pi_xp
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, xp, pi_xp, is_finite
     use spintop_status, only: is_ok, status_non_finite
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_scalar_functions, only: argument
+    use spintop_circular_functions, only: argument
     use spintop_turning_points, only: find_checked_points
     use spintop_theta_functions, only: theta_values_t
     use spintop_theta_motion, only: regime_resting

@@ -1,7 +1,7 @@
 !> Selects the form in which the exact solution of a case is evaluated.
 module spintop_theta_motion
     use spintop_kinds, only: dp, xp
-    use spintop_scalar_functions, only: nearest_whole
+    use spintop_circular_functions, only: nearest_whole
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_functions, only: theta_clock_t, theta_values_t
     use spintop_circular_form, only: circular_form_t, prepare_circular_form, &

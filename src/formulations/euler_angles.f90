@@ -7,9 +7,8 @@
 module spintop_euler_angles
     use spintop_attitude, only: omega_rate_from_accelerations, quaternion_from_angles
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, pi, epsilon_dp, is_zero
     use spintop_formulation, only: formulation_info_t, formulation_t, max_invariants, max_states
-    use spintop_kinds, only: dp, epsilon_dp, pi
     use spintop_motion, only: motion_from_angles, motion_t
     use spintop_quantities, only: motion_scales, motion_scales_t
     use spintop_status, only: is_ok, status_ok, status_outside, status_pole

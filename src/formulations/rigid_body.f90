@@ -12,13 +12,12 @@ module spintop_rigid_body
     use spintop_attitude, only: half_turn, quaternion_product, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of, look_up, numbers_of
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, qp, no_number, is_zero
     use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_invariants, max_series_order, &
         max_states, structure_group, structure_quadruple, structure_series, structure_split
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, share_rest, short_share
-    use spintop_kinds, only: dp, no_number, qp
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t, verticals

@@ -9,8 +9,7 @@
 !>
 !> The search ends for any function: after `patience` values it bisects.
 module spintop_bracket
-    use spintop_kinds, only: dp
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_kinds, only: dp, is_finite, is_zero
     use spintop_status, only: status_ok, status_bad_input, status_non_finite
     implicit none
     private

@@ -13,8 +13,7 @@
 !>     others(i, k) = g_k(nodes%x(i))                             ! for these
 !>     call nodes%add_change(row, values, others, derivative, error)
 module spintop_differences
-    use spintop_compare, only: is_finite
-    use spintop_kinds, only: dp, nan => no_number
+    use spintop_kinds, only: dp, nan => no_number, is_finite
     implicit none
     private
     public :: nodes_t, node_count, nodes_around

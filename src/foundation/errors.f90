@@ -1,9 +1,34 @@
-!> Errors as values: a message and the exit code that it leads to.
+!> Errors as values: a message and the exit code that it leads to; and what these codes mean.
 module spintop_errors
-    use spintop_exit_codes, only: exit_input, exit_internal, exit_output
     implicit none
     private
     public :: error_t, input_error, output_error, internal_error
+    public :: exit_ok, exit_input, exit_failed, exit_output, exit_internal, exit_codes
+
+    !> Success.
+    integer, parameter :: exit_ok = 0
+    !> Wrong usage or input: nothing was computed or overwritten.
+    integer, parameter :: exit_input = 2
+    !> Some cases failed; the rest is written and the failed are marked.
+    integer, parameter :: exit_failed = 3
+    !> A result could not be written.
+    integer, parameter :: exit_output = 4
+    !> The memory is exhausted, or the program broke one of its own rules.
+    integer, parameter :: exit_internal = 5
+
+    !> What an exit code means.
+    type :: exit_code_t
+        integer :: code
+        character(72) :: what
+    end type exit_code_t
+
+    !> All exit codes. A signal N ends the program with 128 + N.
+    type(exit_code_t), parameter :: exit_codes(*) = [ &
+        exit_code_t(exit_ok, 'success'), &
+        exit_code_t(exit_input, 'wrong usage or input: nothing was computed or overwritten'), &
+        exit_code_t(exit_failed, 'some cases failed; all rows are written, and failed cases are marked'), &
+        exit_code_t(exit_output, 'a result could not be written'), &
+        exit_code_t(exit_internal, 'memory exhausted, or an internal error')]
 
     !> An error; not allocated if there is none.
     type :: error_t

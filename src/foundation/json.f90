@@ -10,8 +10,7 @@
 !>     call json%close()
 !>     call json%finish(lines)
 module spintop_json
-    use spintop_compare, only: is_finite
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_finite
     use spintop_text, only: append, string_t, strings_of, to_text
     implicit none
     private
@@ -36,9 +35,9 @@ module spintop_json
         procedure :: finish
         !> `add(key, value)`: a member of the innermost object. A text, an integer, a real (null where it
         !> is not finite), a logical, or a list of texts.
-        generic :: add => add_text, add_integer, add_real, add_logical, add_texts, add_strings
+        generic :: add => add_value, add_texts, add_strings
         procedure :: add_null
-        procedure, private :: add_text, add_integer, add_real, add_logical, add_texts, add_strings
+        procedure, private :: add_value, add_texts, add_strings
     end type json_t
 
 contains
@@ -55,24 +54,15 @@ contains
     subroutine open_object(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call open_container(self, '{}', key)
+        call add_item(self, '{', key, closing='}')
     end subroutine open_object
 
     !> Opens a list: a member of an object, or, without a key, an element of a list.
     subroutine open_list(self, key)
         class(json_t), intent(inout) :: self
         character(*), intent(in), optional :: key !! name of the member
-        call open_container(self, '[]', key)
+        call add_item(self, '[', key, closing=']')
     end subroutine open_list
-
-    subroutine open_container(self, brackets, key)
-        class(json_t), intent(inout) :: self
-        character(2), intent(in) :: brackets
-        character(*), intent(in), optional :: key
-        call add_item(self, brackets(1:1), key)
-        self%closing = self%closing // brackets(2:2)
-        self%has_item = [self%has_item, .false.]
-    end subroutine open_container
 
     !> Closes the innermost container.
     subroutine close_container(self)
@@ -106,34 +96,22 @@ contains
         call add_item(self, 'null', key)
     end subroutine add_null
 
-    subroutine add_text(self, key, value)
+    subroutine add_value(self, key, value)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: key
-        character(*), intent(in) :: value
-        call add_item(self, quoted(trim(value)), key)
-    end subroutine add_text
-
-    subroutine add_integer(self, key, value)
-        class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key
-        integer, intent(in) :: value
-        call add_item(self, to_text(value), key)
-    end subroutine add_integer
-
-    subroutine add_real(self, key, value)
-        class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key
-        real(dp), intent(in) :: value
-        if (is_finite(value)) call add_item(self, to_text(value), key)
-        if (.not. is_finite(value)) call self%add_null(key)
-    end subroutine add_real
-
-    subroutine add_logical(self, key, value)
-        class(json_t), intent(inout) :: self
-        character(*), intent(in) :: key
-        logical, intent(in) :: value
-        call add_item(self, trim(merge('true ', 'false', value)), key)
-    end subroutine add_logical
+        class(*), intent(in) :: value
+        select type (value)
+        type is (character(*))
+            call add_item(self, quoted(trim(value)), key)
+        type is (integer)
+            call add_item(self, to_text(value), key)
+        type is (logical)
+            call add_item(self, trim(merge('true ', 'false', value)), key)
+        type is (real(dp))
+            if (is_finite(value)) call add_item(self, to_text(value), key)
+            if (.not. is_finite(value)) call self%add_null(key)
+        end select
+    end subroutine add_value
 
     subroutine add_texts(self, key, values)
         class(json_t), intent(inout) :: self
@@ -155,10 +133,10 @@ contains
     end subroutine add_strings
 
     !> Adds the text of a value, or of the beginning of a container, to the innermost container.
-    subroutine add_item(self, text, key)
+    subroutine add_item(self, text, key, closing)
         class(json_t), intent(inout) :: self
         character(*), intent(in) :: text
-        character(*), intent(in), optional :: key
+        character(*), intent(in), optional :: key, closing
         associate (depth => size(self%has_item))
             if (self%has_item(depth)) self%line = self%line // ','
             if (depth <= depth_of_lines) then
@@ -171,6 +149,9 @@ contains
         end associate
         if (present(key)) self%line = self%line // quoted(key) // ': '
         self%line = self%line // text
+        if (.not. present(closing)) return
+        self%closing = self%closing // closing
+        self%has_item = [self%has_item, .false.]
     end subroutine add_item
 
     !> A text in quotes, with what JSON wants to have escaped.

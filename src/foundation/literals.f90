@@ -1,8 +1,7 @@
 !> Values as they are written in a namelist, with a description of the error if they are not valid.
 module spintop_literals
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_compare, only: is_equal
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_equal
     use spintop_text, only: abbreviate, lower_case, to_text
     implicit none
     private
@@ -30,7 +29,7 @@ contains
         exponent = scan(lower // 'e', 'edq')
         if (.not. is_real_literal(text)) then
             problem = 'not a number: ' // abbreviate(text)
-            if (is_infinite_or_nan(lower)) then
+            if (index(without_sign(lower), 'nan') == 1 .or. index(without_sign(lower), 'inf') == 1) then
                 hint = 'it must be finite'
             else if (index(lower, '_') > 0) then
                 hint = 'a kind suffix is not allowed'
@@ -60,28 +59,23 @@ contains
         character(:), allocatable, intent(out) :: problem, hint
             !! what is wrong, and what is expected; '' without an error
         integer(int64) :: long
-        call read_whole(text, int(huge(1), int64), long, problem, hint)
+        call read_long(text, long, problem, hint, int(huge(1), int64))
         value = int(long)
     end subroutine read_integer
 
     !> Reads an integer of 64 bits that is also an exact real.
-    subroutine read_long(text, value, problem, hint)
+    subroutine read_long(text, value, problem, hint, least_too_large)
         character(*), intent(in) :: text !! the literal
         integer(int64), intent(out) :: value !! the value, if there is no problem
         character(:), allocatable, intent(out) :: problem, hint
             !! what is wrong, and what is expected; '' without an error
-        call read_whole(text, 2_int64**digits_of_real, value, problem, hint)
-    end subroutine read_long
-
-    !> Reads an integer whose magnitude is below a limit of at most 2**53.
-    subroutine read_whole(text, limit, value, problem, hint)
-        character(*), intent(in) :: text
-        integer(int64), intent(in) :: limit
-        integer(int64), intent(out) :: value
-        character(:), allocatable, intent(out) :: problem, hint
+        integer(int64), intent(in), optional :: least_too_large !! a smaller magnitude that is too large, below 2**53
         character(:), allocatable :: real_problem
+        integer(int64) :: limit
         real(dp) :: number
 
+        limit = 2_int64**digits_of_real
+        if (present(least_too_large)) limit = least_too_large
         value = 0
         problem = ''
         call read_real(text, number, real_problem, hint)
@@ -96,7 +90,7 @@ contains
         else
             value = nint(number, int64)
         end if
-    end subroutine read_whole
+    end subroutine read_long
 
     !> Reads a subscript: a positive number of at most nine digits; 0 if it is none.
     pure subroutine read_subscript(text, value)
@@ -128,14 +122,19 @@ contains
         end select
     end subroutine read_logical
 
-    !> Whether a text has the form of a real, whatever its magnitude.
+    !> Whether a text has the form of a real, whatever its magnitude: `1`, `-1.`, `+.5`, `1e-3`.
     pure logical function is_real_literal(text)
         character(*), intent(in) :: text !! the literal
-        character(:), allocatable :: lower
+        character(:), allocatable :: lower, mantissa
         integer :: exponent
         lower = lower_case(text)
         exponent = scan(lower // 'e', 'edq')
-        is_real_literal = is_mantissa(lower(:exponent - 1)) .and. is_exponent(lower(exponent:))
+        mantissa = without_sign(lower(:exponent - 1))
+        is_real_literal = scan(mantissa, digits) > 0 .and. verify(mantissa, digits // '.') == 0 .and. &
+            index(mantissa, '.') == index(mantissa, '.', back=.true.)
+        if (exponent > len(lower)) return
+        is_real_literal = is_real_literal .and. len(without_sign(lower(exponent + 1:))) > 0 .and. &
+            verify(without_sign(lower(exponent + 1:)), digits) == 0
     end function is_real_literal
 
     !> Whether the cell of a table is a number; `nan` and `inf` are, as tables contain them.
@@ -144,32 +143,11 @@ contains
         is_number_cell = is_real_literal(text) .or. any(lower_case(text) == [character(4) :: 'nan', 'inf', '+inf', '-inf'])
     end function is_number_cell
 
-    !> `1`, `-1.`, `+.5`
-    pure logical function is_mantissa(text)
+    !> A text without the sign at its beginning.
+    pure function without_sign(text) result(rest)
         character(*), intent(in) :: text
-        integer :: first, point
-        first = verify(text(:min(1, len(text))) // '0', '+-')
-        point = index(text // '.', '.')
-        is_mantissa = scan(text, digits) > 0 .and. first <= point
-        if (is_mantissa) is_mantissa = verify(text(first:point - 1), digits) == 0 .and. &
-            verify(text(point + 1:), digits) == 0
-    end function is_mantissa
-
-    !> Nothing, or `e-3`
-    pure logical function is_exponent(text)
-        character(*), intent(in) :: text
-        integer :: first
-        is_exponent = len(text) == 0
-        if (is_exponent) return
-        first = 1 + verify(text(2:min(2, len(text))) // '0', '+-')
-        is_exponent = first <= len(text) .and. verify(text(first:), digits) == 0
-    end function is_exponent
-
-    pure logical function is_infinite_or_nan(lower)
-        character(*), intent(in) :: lower
-        integer :: first
-        first = verify(lower(:min(1, len(lower))) // '0', '+-')
-        is_infinite_or_nan = index(lower(first:), 'nan') == 1 .or. index(lower(first:), 'inf') == 1
-    end function is_infinite_or_nan
+        character(:), allocatable :: rest
+        rest = text(verify(text(:min(1, len(text))) // '0', '+-'):)
+    end function without_sign
 
 end module spintop_literals

@@ -1,7 +1,7 @@
 !> Status of a computation: an integer inside loops, a name in tables.
 module spintop_status
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_exit_codes, only: exit_failed, exit_ok
+    use spintop_errors, only: exit_failed, exit_ok
     implicit none
     private
     public :: status_name, status_number, status_meaning, status_names, status_meanings
@@ -12,34 +12,17 @@ module spintop_status
     public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
     public :: status_at_rest, last_status, is_good_end, is_ok, is_refusal, code_of, count_failed
 
-    !> Outcomes of a computation. `status_meaning` gives a sentence for each.
-    integer, parameter :: status_ok = 0
-    integer, parameter :: status_pole = 1
-    integer, parameter :: status_non_finite = 2
-    integer, parameter :: status_step_limit = 3
-    integer, parameter :: status_not_converged = 4
-    integer, parameter :: status_step_too_small = 5
-    integer, parameter :: status_turning_point = 6
-    integer, parameter :: status_outside = 7
-    integer, parameter :: status_unsuitable = 8
-    integer, parameter :: status_integrator = 9
-    integer, parameter :: status_bad_input = 10
-    !> Reasons for which a call is refused before the computation.
-    integer, parameter :: status_bad_body = 11
-    integer, parameter :: status_bad_start = 12
-    integer, parameter :: status_bad_controls = 13
-    integer, parameter :: status_bad_span = 14
-    integer, parameter :: status_bad_samples = 15
-    integer, parameter :: status_bad_events = 16
-    integer, parameter :: status_bad_projection = 17
-    integer, parameter :: status_no_steps = 18
-    integer, parameter :: status_no_structure = 19
-    integer, parameter :: status_stuck_at_turn = 20
-    integer, parameter :: status_unknown_name = 21
-    integer, parameter :: status_too_many_events = 22
-    !> The end of a body that dry friction holds: a good end.
-    integer, parameter :: status_at_rest = 23
-    integer, parameter :: last_status = 23
+    !> Outcomes of a computation, of which `status_meaning` gives a sentence for each; from `status_bad_body` on reasons for
+    !> which a call is refused before the computation. A body that dry friction holds has a good end: `status_at_rest`.
+    enum, bind(C)
+        enumerator :: status_ok = 0, status_pole, status_non_finite, status_step_limit, status_not_converged
+        enumerator :: status_step_too_small, status_turning_point, status_outside, status_unsuitable, status_integrator
+        enumerator :: status_bad_input, status_bad_body, status_bad_start, status_bad_controls, status_bad_span
+        enumerator :: status_bad_samples, status_bad_events, status_bad_projection, status_no_steps, status_no_structure
+        enumerator :: status_stuck_at_turn, status_unknown_name, status_too_many_events, status_at_rest
+    end enum
+    !> The last of them.
+    integer, parameter :: last_status = status_at_rest
 
     !> Names in tables, and a sentence for each. Threads use these constants: gfortran keeps the length of the
     !> result of a function of deferred length in memory that all threads share.
@@ -75,12 +58,6 @@ module spintop_status
         'there are more events than can be counted or kept', &
         'dry friction holds the body at rest']
 
-    !> The exit code of a run: of the status of its motion, or of the numbers of its cases with each status.
-    interface code_of
-        module procedure code_of_end
-        module procedure code_of_counts
-    end interface code_of
-
 contains
 
     !> Whether a computation with this status goes on: it did not fail, and has not ended early. How a motion ended is another
@@ -104,20 +81,10 @@ contains
     end function is_refusal
 
     !> The exit code of a run of one motion.
-    pure integer function code_of_end(status) result(code)
+    elemental integer function code_of(status) result(code)
         integer, intent(in) :: status !! how the motion ended
         code = merge(exit_ok, exit_failed, is_good_end(status))
-    end function code_of_end
-
-    !> The exit code of a run of many cases: each must have a good end.
-    pure integer function code_of_counts(counts) result(code)
-        integer(int64), intent(in) :: counts(0:last_status) !! number of cases with each status
-        integer :: i
-        code = exit_ok
-        do i = 0, last_status
-            if (counts(i) > 0) code = max(code, code_of_end(i))
-        end do
-    end function code_of_counts
+    end function code_of
 
     !> Number of cases that did not have a good end.
     pure integer(int64) function count_failed(counts) result(count)

@@ -146,21 +146,16 @@ contains
         type(string_t), intent(in) :: words(:) !! the words
         character(*), intent(in) :: separator !! text between two parts
         character(:), allocatable :: text
-        integer :: i, first, last
+        integer :: i, last
 
-        last = max(0, size(words) - 1) * len(separator)
-        do i = 1, size(words)
-            last = last + len(words(i)%text)
-        end do
+        last = max(0, size(words) - 1) * len(separator) + sum([(len(words(i)%text), i=1, size(words))])
         allocate (character(last) :: text)
         last = 0
         do i = 1, size(words)
-            first = last + 1
+            if (i > 1) text(last + 1:last + len(separator)) = separator
+            if (i > 1) last = last + len(separator)
+            text(last + 1:last + len(words(i)%text)) = words(i)%text
             last = last + len(words(i)%text)
-            text(first:last) = words(i)%text
-            if (i == size(words)) exit
-            text(last + 1:last + len(separator)) = separator
-            last = last + len(separator)
         end do
     end function join_strings
 
@@ -189,11 +184,7 @@ contains
         logical, intent(in), optional :: keeps_blanks !! whether blanks around the parts stay; false by default
         integer :: i, part, first
 
-        if (len_trim(text) == 0) then
-            allocate (parts(0))
-            return
-        end if
-        allocate (parts(1 + count([(text(i:i) == separator, i = 1, len(text))])))
+        allocate (parts(merge(0, 1 + count([(text(i:i) == separator, i = 1, len(text))]), text == '')))
         first = 1
         do part = 1, size(parts)
             i = first + index(text(first:) // separator, separator) - 1
@@ -315,20 +306,10 @@ contains
         character(*), intent(in) :: text, new !! the text, and the characters that replace `old`
         character, intent(in) :: old !! the character to be replaced
         character(:), allocatable :: replaced
-        integer :: i, n, found
-
-        found = count([(text(i:i) == old, i=1, len(text))])
-        allocate (character(len(text) + found * (len(new) - 1)) :: replaced)
-        n = 0
-        do i = 1, len(text)
-            if (text(i:i) == old) then
-                replaced(n + 1:n + len(new)) = new
-                n = n + len(new)
-            else
-                n = n + 1
-                replaced(n:n) = text(i:i)
-            end if
-        end do
+        type(string_t), allocatable :: parts(:)
+        call split('x' // text, old, parts, keeps_blanks=.true.) ! of a blank text there are no parts
+        replaced = join(parts, new)
+        replaced = replaced(2:)
     end function replace_all
 
     !> The text, shortened if necessary for a message.
@@ -460,19 +441,13 @@ contains
         if (first >= 128) length = merge(2, 0, first >= 194) + merge(1, 0, first >= 224) + merge(1, 0, first >= 240)
         if (length > len(text) .or. first > 244) length = 0
         ! Of the second byte: without C1 controls, overlong encodings, surrogates, and what is beyond Unicode.
-        least = 128
-        if (first == 194 .or. first == 224) least = 160
-        if (first == 240) least = 144
-        most = 191
-        if (first == 237) most = 159
-        if (first == 244) most = 143
+        least = merge(160, 128, first == 194 .or. first == 224) + merge(16, 0, first == 240)
+        most = 191 - merge(32, 0, first == 237) - merge(48, 0, first == 244)
         do i = 2, length
-            if (iachar(text(i:i)) < least .or. iachar(text(i:i)) > most) then
+            if (iachar(text(i:i)) < merge(least, 128, i == 2) .or. iachar(text(i:i)) > merge(most, 191, i == 2)) then
                 length = 0
                 return
             end if
-            least = 128
-            most = 191
         end do
         if (first /= 226 .or. length == 0) return
         select case (256 * iachar(text(2:2)) + iachar(text(3:3)))

@@ -1,7 +1,6 @@
 !> One numeric element of an input, whose value the axes of a sweep change; and the rule of its range.
 module spintop_number_slot
-    use spintop_compare, only: is_equal, is_finite
-    use spintop_kinds, only: dp, no_number, pi
+    use spintop_kinds, only: dp, pi, no_number, is_equal, is_finite
     implicit none
     private
     public :: number_slot_t, range_t, parse_range

@@ -1,9 +1,8 @@
 !> One parameter of an input: its description, and the variable outside this module that contains its value.
 module spintop_parameter
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_compare, only: is_equal
+    use spintop_kinds, only: dp, is_equal
     use spintop_diagnostics, only: place_t
-    use spintop_kinds, only: dp
     use spintop_number_slot, only: range_t
     use spintop_text, only: join, replace_all, string_t, to_text
     implicit none

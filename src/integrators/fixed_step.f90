@@ -1,8 +1,7 @@
 !> Methods with a fixed step size.
 module spintop_fixed_step
-    use spintop_compare, only: is_equal
+    use spintop_kinds, only: dp, is_equal
     use spintop_formulation, only: formulation_t, max_states, structure_split
-    use spintop_kinds, only: dp
     use spintop_lapack, only: dgetrf, dgetrs
     use spintop_motions, only: instants
     use spintop_status, only: is_ok, status_non_finite, status_outside, status_step_too_small

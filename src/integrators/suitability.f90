@@ -3,10 +3,9 @@
 !> `can_run` is the one place that decides it, for `integrate`, for the plans of the program and for tests.
 !> The single conditions are separate procedures, for detailed messages.
 module spintop_suitability
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_zero
     use spintop_arkode, only: arkode_table_t, find_arkode_table
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
     use spintop_formulation, only: formulation_t, formulation_info_t, structure_none
     use spintop_motion, only: motion_t
     use spintop_projection, only: project_nothing, project_unit, project_invariants

@@ -12,11 +12,11 @@ module spintop_thread_team
     use, intrinsic :: iso_c_binding, only: c_bool
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: current, refuse_if_stopped
-    use spintop_clock, only: pause_for, processor_seconds, seconds
+    use spintop_process, only: pause_for, processor_seconds, seconds, end_by_signal, end_is_wanted, peak_memory, &
+        set_journal_thread
     use spintop_errors, only: error_t
     use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
-    use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_journal_thread
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t

@@ -12,10 +12,9 @@ module spintop_certificate
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_effects, only: effect_drive, effect_frame, effect_harmonic, effect_lift, effect_rotor, &
         effect_shake, effect_torque, effects_t, harmonic_t
-    use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     implicit none
     private

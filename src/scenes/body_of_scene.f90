@@ -1,7 +1,6 @@
 !> Makes the body of a scene, and checks its mass properties.
 module spintop_body_of_scene
-    use spintop_kinds, only: dp
-    use spintop_compare, only: is_equal, is_zero
+    use spintop_kinds, only: dp, is_equal, is_zero
     use spintop_body, only: body_t
     use spintop_shapes, only: dimensions_t, solid_t, shape_infos, build_shape, &
         shape_by_inertia

@@ -1,10 +1,9 @@
 !> A case: what a scene means, in numbers ready to compute with: the body, its start (attitude and angular
 !> velocity), and the time span. Threads make cases, so texts are made without functions of deferred length: see `status_names`.
 module spintop_case
-    use spintop_kinds, only: degree, dp, epsilon_dp, pi
+    use spintop_kinds, only: dp, pi, degree, epsilon_dp, is_zero, is_finite
     use spintop_attitude, only: angles_from_quaternion, attitude_circular_t, circular_of_attitude, omega_from_circular, &
         quaternion_from_angles, rates_from_omega
-    use spintop_compare, only: is_zero, is_finite
     use spintop_body, only: body_t
     use spintop_body_turn, only: body_turn_t, find_body_turn
     use spintop_body_of_scene, only: make_body

@@ -3,12 +3,11 @@ module spintop_effects_of_scene
     use spintop_body, only: body_t
     use spintop_body_of_scene, only: check_axes
     use spintop_body_turn, only: turn_to_principal_axes
-    use spintop_compare, only: is_zero, is_equal, is_finite
+    use spintop_kinds, only: dp, degree, is_zero, is_equal, is_finite
     use spintop_effects, only: effects_t, harmonic_t
     use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of
     use spintop_errors, only: error_t
     use spintop_files, only: path_from
-    use spintop_kinds, only: degree, dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_loads, only: friction_jams
     use spintop_parameters, only: given, is_set

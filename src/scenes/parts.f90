@@ -1,7 +1,6 @@
 !> The parts of a composed body: the groups &part of an input, and their sum.
 module spintop_parts
-    use spintop_compare, only: is_zero
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_zero
     use spintop_parameters, only: is_set, one_per_group, parameter_table_t, unset
     use spintop_principal_axes, only: steiner
     use spintop_problems, only: problems_t

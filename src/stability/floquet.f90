@@ -1,8 +1,7 @@
 !> Stability of periodic motions by Floquet multipliers.
 module spintop_floquet
-    use spintop_kinds, only: dp, no_number
+    use spintop_kinds, only: dp, no_number, is_finite, is_zero, cross
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite, is_zero
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, invariant_gradients, &
         turning_about, state_units
     use spintop_motion, only: motion_t
@@ -10,7 +9,6 @@ module spintop_floquet
     use spintop_status, only: is_ok, status_bad_input, status_unsuitable
     use spintop_tangent_flow, only: drive_period, propagate_tangents
     use spintop_validity, only: body_status, motion_status
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: find_multipliers, find_monodromy

@@ -6,10 +6,9 @@
 module spintop_lyapunov
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite, cross
     use spintop_euler_poisson, only: euler_poisson_state, state_units
     use spintop_integration, only: outcome_t
-    use spintop_kinds, only: dp
     use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t, lane_order, lanes, taylor_lanes_t, integrate_many
     use spintop_lapack, only: dgesvd
     use spintop_measures, only: growth_t, measures_t
@@ -18,7 +17,6 @@ module spintop_lyapunov
     use spintop_stepper, only: controls_t
     use spintop_tangent_lanes, only: components, tangent_lanes_t
     use spintop_validity, only: plain_body_status, motion_status
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: growth_lanes_t, growth_t, find_growth, find_lyapunov, find_largest_singular_value

@@ -4,16 +4,14 @@
 !> In axes that follow the body, except for its rotation about a symmetry axis, vertical and momentum are
 !> constant. The eigenvalues are those of the Euler-Poisson equations, linearised in these axes.
 module spintop_relative_equilibrium
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_finite, skew
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
     use spintop_euler_poisson, only: euler_poisson_state, euler_poisson_rate, euler_poisson_matrix, &
         invariant_gradients, turning_about, state_units
     use spintop_motion, only: motion_t
     use spintop_spectrum, only: find_spectrum
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_unsuitable
     use spintop_validity, only: plain_body_status, motion_status
-    use spintop_vectors, only: skew
     implicit none
     private
     public :: find_equilibrium_eigenvalues

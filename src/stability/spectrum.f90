@@ -4,8 +4,7 @@
 !> than eigenvalues. LAPACK returns these with errors of the order of the square root of the rounding error,
 !> or larger. They are deflated first, so that the other eigenvalues keep their accuracy.
 module spintop_spectrum
-    use spintop_kinds, only: dp
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_lapack, only: dgeev, dgesvd
     use spintop_status, only: status_ok, status_non_finite, status_not_converged
     implicit none

@@ -1,8 +1,7 @@
 !> The summary of a study on standard output.
 module spintop_summary
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp, degree
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, degree, is_finite
     use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion

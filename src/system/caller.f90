@@ -4,16 +4,21 @@
 !>     call begin_call()
 !>     ...                        ! tell_share; if (stop_is_wanted()) return
 !>     call end_call(error)       ! an error if the call was stopped
+!>
+!> A caller may have changed the arithmetic: rounding upwards, traps, or numbers flushed to zero make wrong results or end the
+!> process. Functions that other programs call compute with the default, and leave the caller's as it was:
+!>
+!>     type(default_arithmetic_t) :: arithmetic
+!>     call arithmetic%begin()    ! up to the end of the procedure
 module spintop_caller
-    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_procpointer, c_funptr, c_int, c_null_funptr, &
-        c_null_ptr, c_ptr
-    use spintop_clock, only: seconds
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_failed
+    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_procpointer, c_funptr, c_int, c_int8_t, &
+        c_null_funptr, c_null_ptr, c_ptr
+    use spintop_errors, only: error_t, exit_failed
     use spintop_kinds, only: dp
+    use spintop_process, only: seconds
     implicit none
     private
-    public :: set_caller, begin_call, end_call, tell_share, stop_is_wanted, refuse_if_stopped, current
+    public :: set_caller, begin_call, end_call, tell_share, stop_is_wanted, refuse_if_stopped, current, default_arithmetic_t
 
     !> A call in progress.
     type :: call_t
@@ -24,6 +29,30 @@ module spintop_caller
         !> Not 0: the caller wants it to stop.
         integer :: stops = 0
     end type call_t
+
+    !> Bytes of an environment of C, at the most.
+    integer, parameter :: room = 64
+
+    !> A thread that computes with the default arithmetic. The caller's comes back when the object ends.
+    type :: default_arithmetic_t
+        integer(c_int8_t), private :: held(room) = 0
+        logical, private :: is_held = .false.
+    contains
+        procedure :: begin
+        final :: restore
+    end type default_arithmetic_t
+
+    interface
+        subroutine c_hold(held) bind(C, name='spintop_hold_arithmetic')
+            import :: c_int8_t
+            integer(c_int8_t), intent(out) :: held(*)
+        end subroutine c_hold
+
+        subroutine c_restore(held) bind(C, name='spintop_restore_arithmetic')
+            import :: c_int8_t
+            integer(c_int8_t), intent(in) :: held(*)
+        end subroutine c_restore
+    end interface
 
     abstract interface
         !> Whether a call is to stop: not 0.
@@ -118,5 +147,18 @@ contains
     pure type(error_t) function stopped()
         stopped = error_t(exit_failed, 'stopped, as the caller wants')
     end function stopped
+
+    !> Keeps the arithmetic of the caller, and begins with the default one.
+    subroutine begin(self)
+        class(default_arithmetic_t), intent(inout) :: self
+        call c_hold(self%held)
+        self%is_held = .true.
+    end subroutine begin
+
+    subroutine restore(self)
+        type(default_arithmetic_t), intent(inout) :: self
+        if (self%is_held) call c_restore(self%held)
+        self%is_held = .false.
+    end subroutine restore
 
 end module spintop_caller

@@ -1,16 +1,17 @@
-!> Files and folders: reading, and writing with confirmation that the data are on the disk.
+!> Files, folders and standard streams: reading, and writing with confirmation that the data are on the disk.
 module spintop_files
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t, input_error, output_error
-    use spintop_exit_codes, only: exit_input
+    use spintop_errors, only: error_t, exit_input, input_error, output_error
     implicit none
     private
     public :: input_file_t, output_file_t, read_file, replace_file, file_exists, is_folder, is_same_file, file_size, path_from
     public :: check_target, sync_file, make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
-    public :: c_write, c_close, check_call, up_to_null
+    public :: print_text, complain_of, end_output, utc_now, host_name
 
     integer, parameter :: no_file = -1
+    !> Numbers of the standard streams.
+    integer(c_int), parameter :: standard_output = 1, standard_error = 2
 
     !> A file open for reading, from its beginning.
     type :: input_file_t
@@ -42,7 +43,7 @@ module spintop_files
     end type output_file_t
 
     ! Functions of posix.c, which describes them. Those that can fail return 0, or a number from which `check_call` makes an
-    ! error. Paths end with a null character. What other modules call is written out: from them gfortran 12 passes values by
+    ! error. Paths end with a null character. They are called here only: from other modules gfortran 12 passes values by
     ! reference to what is declared by an abstract interface.
     abstract interface
         integer(c_int) function c_on_path(path) bind(C)
@@ -60,6 +61,24 @@ module spintop_files
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
         end function c_opening
+
+        integer(c_int) function c_on_file(file) bind(C)
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_on_file
+
+        integer(c_int) function c_with_bytes(file, bytes, count) bind(C)
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), value :: count
+        end function c_with_bytes
+
+        integer(c_int) function c_telling(text, room) bind(C)
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end function c_telling
     end interface
 
     procedure(c_on_path), bind(C, name='spintop_check_target') :: c_check_target
@@ -70,43 +89,19 @@ module spintop_files
     procedure(c_on_path), bind(C, name='spintop_is_folder') :: c_is_folder
     procedure(c_on_paths), bind(C, name='spintop_rename') :: c_rename
     procedure(c_on_paths), bind(C, name='spintop_is_same_file') :: c_is_same_file
+    procedure(c_opening), bind(C, name='spintop_open') :: c_open
+    procedure(c_opening), bind(C, name='spintop_open_regular') :: c_open_regular
     procedure(c_opening), bind(C, name='spintop_open_own') :: c_open_own
     procedure(c_opening), bind(C, name='spintop_open_locked') :: c_open_locked
+    procedure(c_on_file), bind(C, name='spintop_sync') :: c_sync
+    procedure(c_on_file), bind(C, name='spintop_close') :: c_close
+    procedure(c_with_bytes), bind(C, name='spintop_write') :: c_write
+    procedure(c_with_bytes), bind(C, name='spintop_check_written') :: c_check_written
+    procedure(c_telling), bind(C, name='spintop_private_folder') :: c_private_folder
+    procedure(c_telling), bind(C, name='spintop_utc') :: c_utc
+    procedure(c_telling), bind(C, name='spintop_host') :: c_host
 
     interface
-        !> Closes a file.
-        integer(c_int) function c_close(file) bind(C, name='spintop_close')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_close
-
-        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_sync
-
-        !> Writes a number of bytes to an open file.
-        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
-        end function c_write
-
-        integer(c_int) function c_check_written(file, path, size) bind(C, name='spintop_check_written')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: path(*)
-            integer(c_long_long), value :: size
-        end function c_check_written
-
-        integer(c_int) function c_open(path, only_regular, file) bind(C, name='spintop_open')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), value :: only_regular
-            integer(c_int), intent(out) :: file
-        end function c_open
-
         integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
             import :: c_char, c_int, c_long_long
             integer(c_int), value :: file
@@ -126,26 +121,39 @@ module spintop_files
             character(c_char), intent(in) :: path(*)
         end function c_file_size
 
-        integer(c_int) function c_make_private_folder(path, room) bind(C, name='spintop_make_private_folder')
+        subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
             import :: c_char, c_int
-            character(c_char), intent(inout) :: path(*)
-            integer(c_int), value :: room
-        end function c_make_private_folder
+            integer(c_int), value :: number, room
+            character(c_char), intent(inout) :: text(*)
+        end subroutine c_reason
 
         subroutine c_remove_lock_file(path) bind(C, name='spintop_remove_lock_file')
             import :: c_char
             character(c_char), intent(in) :: path(*)
         end subroutine c_remove_lock_file
-
-        subroutine c_reason(number, text, room) bind(C, name='spintop_reason')
-            import :: c_char, c_int
-            integer(c_int), value :: number
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end subroutine c_reason
     end interface
 
 contains
+
+    !> Writes a text to standard output.
+    subroutine print_text(text, error)
+        character(*), intent(in) :: text !! the text to write, with its line ends
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
+    end subroutine print_text
+
+    !> Writes a text to standard error; a failure is ignored.
+    subroutine complain_of(text)
+        character(*), intent(in) :: text !! the message, with its line ends
+        integer(c_int) :: ignored
+        ignored = c_write(standard_error, text, len(text, int64))
+    end subroutine complain_of
+
+    !> Flushes standard output, and reports delayed errors of writing.
+    subroutine end_output(error)
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        call check_call(c_close(standard_output), 'write to', 'standard output', error)
+    end subroutine end_output
 
     !> Opens a file for appending, creates it if it is missing, and locks it: it is an error if another run has it open.
     subroutine open_output(self, path, error)
@@ -287,7 +295,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(4096) :: room
         integer(c_int) :: status
-        status = c_make_private_folder(room, len(room))
+        status = c_private_folder(room, len(room))
         path = up_to_null(room)
         call check_call(status, 'make a folder in', path(:index(path, '/', back=.true.) - 1), error)
     end subroutine make_private_folder
@@ -350,19 +358,22 @@ contains
         logical, intent(in), optional :: may_wait !! whether it may be a FIFO or a device; false by default
         logical, intent(in), optional :: is_text
             !! whether it is read as text: without a byte order mark, and with LF for CR LF if the first line ends so
-        integer(c_int) :: only_regular
+        integer(c_int) :: status
+        logical :: waits
         self%is_text = .false.
         if (present(is_text)) self%is_text = is_text
         self%is_new = .true.
         self%has_returns = .false.
-        only_regular = 1
-        if (present(may_wait)) only_regular = merge(0, 1, may_wait)
+        waits = .false.
+        if (present(may_wait)) waits = may_wait
         self%path = path
         if (is_folder(path)) then
             error = input_error('cannot read ' // path // ': it is a folder')
-        else
-            call check_call(c_open(path // c_null_char, only_regular, self%descriptor), 'read', path, error, reading=.true.)
+            return
         end if
+        if (waits) status = c_open(path // c_null_char, self%descriptor)
+        if (.not. waits) status = c_open_regular(path // c_null_char, self%descriptor)
+        call check_call(status, 'read', path, error, exit_input)
     end subroutine open_input
 
     !> Reads from the current position into a text. `length` is less than its length only at the end of the
@@ -376,7 +387,7 @@ contains
         length = 0
         do
             call check_call(c_read(self%descriptor, text(length + 1:), len(text, c_long_long) - length, got), 'read', &
-                            self%path, error, reading=.true.)
+                            self%path, error, exit_input)
             kept = got
             if (self%is_text) call make_plain(self, text(length + 1:), kept)
             length = length + int(kept)
@@ -470,19 +481,32 @@ contains
         is_folder = c_is_folder(path // c_null_char) /= 0
     end function is_folder
 
-    !> Makes an error of a nonzero returned number: an input error if `reading`, else an output error.
-    subroutine check_call(number, action, path, error, reading)
+    !> Date and time in UTC: `2024-05-31T12:34:56Z`.
+    function utc_now() result(text)
+        character(:), allocatable :: text
+        character(64) :: room
+        if (c_utc(room, len(room)) == 0) text = up_to_null(room)
+    end function utc_now
+
+    !> Name of the machine on which the process runs.
+    function host_name() result(text)
+        character(:), allocatable :: text
+        character(256) :: room
+        if (c_host(room, len(room)) == 0) text = up_to_null(room)
+    end function host_name
+
+    !> Makes an error of a nonzero returned number: an output error, unless another code is given.
+    subroutine check_call(number, action, path, error, code)
         integer(c_int), intent(in) :: number         !! what a function of posix.c returned
         character(*), intent(in) :: action, path     !! for the message: cannot ACTION PATH
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        logical, intent(in), optional :: reading !! whether the call was one of reading
+        integer, intent(in), optional :: code !! exit code of the error
         ! This is also called by threads: see `status_names` in spintop_status.
         character(256) :: reason
         if (number == 0) return
         call c_reason(number, reason, len(reason))
         error = output_error('cannot ' // action // ' ' // path // ': ' // up_to_null(reason))
-        if (.not. present(reading)) return
-        if (reading) error%code = exit_input
+        if (present(code)) error%code = code
     end subroutine check_call
 
     !> The text before the first null character, or all of it.

@@ -22,12 +22,12 @@
 // What spintop_reason says beside errno values.
 enum { in_use = -1, is_link = -2, has_links = -3, is_special = -4, keeps_moving = -5, was_changed = -6, no_locks = -7 };
 
-void spintop_host(char *text, int room);
+int spintop_host(char *text, int room);
 int spintop_write(int file, const char *bytes, long long count);
 void spintop_remove_lock_file(const char *path);
 
 // Opens a file for reading. A FIFO or a device, which may never answer, is refused where only a regular file is wanted.
-int spintop_open(const char *path, int only_regular, int *file) {
+static int open_input(const char *path, int only_regular, int *file) {
     struct stat info;
     do {
         *file = open(path, O_RDONLY | O_CLOEXEC | (only_regular ? O_NONBLOCK | O_NOCTTY : 0));
@@ -38,6 +38,10 @@ int spintop_open(const char *path, int only_regular, int *file) {
     *file = -1;
     return is_special;
 }
+
+int spintop_open(const char *path, int *file) { return open_input(path, 0, file); }
+
+int spintop_open_regular(const char *path, int *file) { return open_input(path, 1, file); }
 
 // Why a file is not written: through a link the bytes would go elsewhere, and what is no file may never take them.
 static int unfit(const struct stat *info) {
@@ -186,7 +190,7 @@ int spintop_sync(int file) {
 // Returns when the names in a folder are on the disk. One that may not be read cannot be synchronised.
 int spintop_sync_folder(const char *path) {
     int file;
-    int status = spintop_open(path, 0, &file);
+    int status = spintop_open(path, &file);
     if (status != 0) return status == EACCES ? 0 : status;
     status = spintop_sync(file);
     close(file);
@@ -226,7 +230,7 @@ int spintop_remove_folder(const char *path) {
 }
 
 // Makes a folder that no other process has, in TMPDIR or in /tmp.
-int spintop_make_private_folder(char *path, int room) {
+int spintop_private_folder(char *path, int room) {
     const char *folder = getenv("TMPDIR");
     snprintf(path, (size_t)room, "%s/spintop.XXXXXX", folder != NULL && *folder != '\0' ? folder : "/tmp");
     return mkdtemp(path) == NULL ? errno : 0;
@@ -249,36 +253,33 @@ int spintop_is_same_file(const char *a, const char *b) {
     return stat(a, &one) == 0 && stat(b, &other) == 0 && is_same(&one, &other);
 }
 
-int spintop_is_terminal(int file) { return isatty(file); }
-
 void spintop_pause(double seconds) {
     struct timespec span = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
     nanosleep(&span, NULL);
 }
 
-double spintop_seconds(void) {
+static double time_of(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double spintop_processor_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
+double spintop_seconds(void) { return time_of(CLOCK_MONOTONIC); }
+
+double spintop_processor_seconds(void) { return time_of(CLOCK_THREAD_CPUTIME_ID); }
 
 // YYYY-MM-DDThh:mm:ssZ
-void spintop_utc(char *text, int room) {
+int spintop_utc(char *text, int room) {
     const time_t now = time(NULL);
     struct tm parts;
     gmtime_r(&now, &parts);
-    strftime(text, (size_t)room, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return strftime(text, (size_t)room, "%Y-%m-%dT%H:%M:%SZ", &parts) == 0;
 }
 
-void spintop_host(char *text, int room) {
+int spintop_host(char *text, int room) {
     if (gethostname(text, (size_t)room) < 0) text[0] = '\0';
     text[room - 1] = '\0';
+    return 0;
 }
 
 // Largest resident memory so far, in bytes. getrusage would count what the program that began this one had before exec.
@@ -314,8 +315,9 @@ void spintop_reason(int number, char *text, int room) {
     text[room - 1] = '\0';
 }
 
-// Columns of the terminal that a file is; 0 for any other file, or where they are not known.
+// Columns of the terminal that a file is; 0 where they are not known, -1 for any other file.
 int spintop_terminal_width(int file) {
     struct winsize size;
-    return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+    if (!isatty(file)) return -1;
+    return ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }

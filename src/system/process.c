@@ -20,7 +20,7 @@ void spintop_remove_lock_file(const char *path);
 
 enum { standard_input, standard_output, standard_error };
 
-// Exit codes of an unexpected end, as in exit_codes.f90.
+// Exit codes of an unexpected end, as in errors.f90.
 enum { exit_output = 4, exit_internal = 5 };
 
 static atomic_int is_planned;
@@ -141,35 +141,28 @@ void spintop_leave_libraries(void) { leaves_libraries = 1; }
 
 // To be called once, before anything else is opened.
 void spintop_begin_process(void) {
-    struct sigaction ending, ignored, old;
-    size_t i;
+    struct sigaction old;
+    const struct sigaction ending = {.sa_handler = answer, .sa_flags = SA_RESTART};
+    const struct sigaction ignored = {.sa_handler = SIG_IGN}, late = {.sa_handler = end_of_wait, .sa_flags = SA_RESTART};
+#ifndef __SANITIZE_ADDRESS__
+    const struct sigaction crash = {.sa_handler = answer_crash, .sa_flags = SA_RESTART};
+    sigaction(SIGSEGV, &crash, NULL);
+#endif
 
     for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);
     atexit(end_unplanned);
 
     // A file that may not grow is an error of write.
-    memset(&ignored, 0, sizeof ignored);
-    ignored.sa_handler = SIG_IGN;
     sigaction(SIGXFSZ, &ignored, NULL);
-
-    memset(&ending, 0, sizeof ending);
-    ending.sa_handler = answer;
-    ending.sa_flags = SA_RESTART;
-#ifndef __SANITIZE_ADDRESS__
-    ending.sa_handler = answer_crash;
-    sigaction(SIGSEGV, &ending, NULL);
-    ending.sa_handler = answer;
-#endif
+    sigaction(SIGALRM, &late, NULL);
     if (spintop_hangup_is_ignored) sigaction(SIGHUP, &ignored, NULL);
-    for (i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
+    for (size_t i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with
         // Open MPI, has one for SIGHUP that does not end the process.
         if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN) {
             sigaction(ending_signals[i], &ending, NULL);
         }
     }
-    ending.sa_handler = end_of_wait;
-    sigaction(SIGALRM, &ending, NULL);
 }
 
 // Whether from now on a journal thread ends the process after a signal, by `spintop_end_by_signal`.
@@ -211,17 +204,12 @@ long long spintop_stack_limit(void) {
 // Reads a size as OpenMP does: a whole number, and B, K (the default), M or G. -1 if it is none.
 static long long read_size(const char *text) {
     static const char units[] = "bkmg";
-    const char *unit = units + 1;
-    char *rest;
-    errno = 0;
-    const long long size = strtoll(text, &rest, 10);
-    if (rest == text || errno != 0 || size < 0) return -1;
-    while (isspace((unsigned char)*rest)) ++rest;
-    if (*rest != '\0') unit = strchr(units, tolower((unsigned char)*rest++));
-    if (unit == NULL) return -1;
-    while (isspace((unsigned char)*rest)) ++rest;
-    const int bits = 10 * (int)(unit - units);
-    return *rest != '\0' || size > LLONG_MAX >> bits ? -1 : size << bits;
+    long long size;
+    char unit = 'k', rest;
+    const int found = sscanf(text, "%lld %c %c", &size, &unit, &rest);
+    const char *const place = strchr(units, tolower((unsigned char)unit));
+    if (found < 1 || found > 2 || place == NULL || size < 0 || size > LLONG_MAX >> 10 * (place - units)) return -1;
+    return size << 10 * (place - units);
 }
 
 // Bytes that the environment gives the stacks of the other threads; -1 if it leaves them as they are.

@@ -1,19 +1,15 @@
-!> The process: its processor, standard streams, messages on signals, limits, and its end.
+!> The process: its processor, its clock, messages on signals, limits, and its end.
 module spintop_process
-    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_long_long, c_null_char
+    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_long_long, c_null_char
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: c_close, c_write, check_call, up_to_null
     use spintop_text, only: to_text
     implicit none
     private
-    public :: begin_process, end_process, check_stacks, print_text, complain_of, end_output
+    public :: begin_process, end_process, check_stacks, seconds, processor_seconds, pause_for
     public :: watch_signals, keep_rows, stop_watching_signals, set_journal_thread, end_is_wanted, end_by_signal
     public :: expect_crash, leave_libraries
-    public :: host_name, peak_memory, physical_memory, check_level, processor_level_name
-
-    !> Numbers of the standard streams.
-    integer(c_int), parameter :: standard_output = 1, standard_error = 2
+    public :: peak_memory, physical_memory, check_level, processor_level_name
 
     !> Minimum stack of a thread, bytes: twice the 224 kB measured for the most demanding sweep.
     integer(int64), parameter :: least_stack = 448 * 1024
@@ -34,6 +30,10 @@ module spintop_process
         integer(c_long_long) function c_amount() bind(C)
             import :: c_long_long
         end function c_amount
+
+        real(c_double) function c_time() bind(C)
+            import :: c_double
+        end function c_time
     end interface
 
     !> Opens closed standard streams, so that no other file takes their numbers; makes an exceeded file-size limit an error of
@@ -44,6 +44,9 @@ module spintop_process
     procedure(c_command), bind(C, name='spintop_end_by_signal') :: end_by_signal
     !> At its end the process does nothing more in its libraries: one of them is in a state that it does not expect.
     procedure(c_command), bind(C, name='spintop_leave_libraries') :: leave_libraries
+    !> Time of a monotonic clock, s; and processor time of the calling thread, without the time that other programs take.
+    procedure(c_time), bind(C, name='spintop_seconds') :: seconds
+    procedure(c_time), bind(C, name='spintop_processor_seconds') :: processor_seconds
     !> Ends the messages on signals.
     procedure(c_command), bind(C, name='spintop_watch_no_more') :: stop_watching_signals
     !> Peak memory of the process so far, and memory of the machine, bytes.
@@ -94,11 +97,11 @@ module spintop_process
             character(c_char), intent(in) :: text(*)
         end subroutine c_expect_crash
 
-        subroutine c_host(text, room) bind(C, name='spintop_host')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end subroutine c_host
+        !> Suspends the calling thread, so that others can use the processor.
+        subroutine pause_for(seconds) bind(C, name='spintop_pause')
+            import :: c_double
+            real(c_double), value :: seconds !! length of the pause, s
+        end subroutine pause_for
     end interface
 
 contains
@@ -106,49 +109,19 @@ contains
     !> Checks that the stacks of all threads are large enough.
     subroutine check_stacks(error)
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer(int64) :: limit
-
-        limit = c_stack_limit()
-        if (limit >= 0 .and. limit < least_stack) then
-            error = input_error('spintop: the stack limit is ' // kilobytes(limit) // ', but up to ' // &
-                                kilobytes(least_stack) // ' are needed; raise the limit with `ulimit -s 8192`')
-            return
-        end if
-        limit = c_thread_stack()
-        if (limit >= 0 .and. limit < least_stack) then
-            error = input_error('spintop: OMP_STACKSIZE gives each thread a stack of ' // kilobytes(limit) // &
-                                ', but up to ' // kilobytes(least_stack) // ' are needed; unset OMP_STACKSIZE')
-        end if
+        call check_stack(c_thread_stack(), 'OMP_STACKSIZE gives each thread a stack of ', 'unset OMP_STACKSIZE')
+        call check_stack(c_stack_limit(), 'the stack limit is ', 'raise the limit with `ulimit -s 8192`')
 
     contains
 
-        function kilobytes(bytes) result(text)
+        subroutine check_stack(bytes, what, remedy)
             integer(int64), intent(in) :: bytes
-            character(:), allocatable :: text
-            text = to_text(bytes / 1024) // ' kB'
-        end function kilobytes
+            character(*), intent(in) :: what, remedy
+            if (bytes >= 0 .and. bytes < least_stack) error = input_error('spintop: ' // what // to_text(bytes / 1024) // &
+                ' kB, but up to ' // to_text(least_stack / 1024) // ' kB are needed; ' // remedy)
+        end subroutine check_stack
 
     end subroutine check_stacks
-
-    !> Writes a text to standard output.
-    subroutine print_text(text, error)
-        character(*), intent(in) :: text !! the text to write, with its line ends
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call check_call(c_write(standard_output, text, len(text, int64)), 'write to', 'standard output', error)
-    end subroutine print_text
-
-    !> Writes a text to standard error; a failure is ignored.
-    subroutine complain_of(text)
-        character(*), intent(in) :: text !! the message, with its line ends
-        type(error_t), allocatable :: ignored
-        call check_call(c_write(standard_error, text, len(text, int64)), 'write to', 'standard error', ignored)
-    end subroutine complain_of
-
-    !> Flushes standard output, and reports delayed errors of writing.
-    subroutine end_output(error)
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call check_call(c_close(standard_output), 'write to', 'standard output', error)
-    end subroutine end_output
 
     !> Sets the message that a signal prints when it ends the process: `head ROWS tail`, or only `tail` if
     !> `rows` is negative. A process has one message, for one table at a time.
@@ -164,14 +137,6 @@ contains
         character(*), intent(in) :: text !! the message
         call c_expect_crash(text // c_null_char)
     end subroutine expect_crash
-
-    !> Name of the machine on which the process runs.
-    function host_name() result(text)
-        character(:), allocatable :: text
-        character(256) :: room
-        call c_host(room, len(room))
-        text = up_to_null(room)
-    end function host_name
 
     !> The name of the level in use, such as `x86-64-v3`; `as built` where all kernels have the flags of the build.
     function processor_level_name() result(name)

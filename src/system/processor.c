@@ -1,8 +1,12 @@
-// The level of the processor, by which kernels choose one of their builds when the program starts. The levels of
-// x86-64 are those of its psABI: v2 (SSE4.2), v3 (AVX2, FMA) and v4 (AVX-512).
+// The level of the processor, by which kernels choose one of their builds when the program starts, and the arithmetic of the
+// calling thread: rounding, traps, and what processors flush to zero. The levels of x86-64 are those of its psABI: v2
+// (SSE4.2), v3 (AVX2, FMA) and v4 (AVX-512).
 
+#include <fenv.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert(sizeof(fenv_t) <= 64, "caller.f90 has no room for the environment");
 
 int spintop_highest_level(void);
 int spintop_processor_level(void);
@@ -29,3 +33,12 @@ int spintop_processor_level(void) {
     }
     return highest;
 }
+
+// Keeps the environment of the caller, and takes the default one: rounding to nearest, no traps, nothing flushed.
+void spintop_hold_arithmetic(fenv_t *held) {
+    fegetenv(held);
+    fesetenv(FE_DFL_ENV);
+}
+
+// Takes the environment of the caller again; what was signalled meanwhile is forgotten.
+void spintop_restore_arithmetic(const fenv_t *held) { fesetenv(held); }

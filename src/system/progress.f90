@@ -3,9 +3,9 @@
 module spintop_progress
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: stop_is_wanted, tell_share
-    use spintop_clock, only: seconds
+    use spintop_process, only: seconds
     use spintop_kinds, only: dp
-    use spintop_process, only: complain_of
+    use spintop_files, only: complain_of
     use spintop_terminal, only: error_is_terminal, message_width
     use spintop_text, only: characters, escaped, to_text
     implicit none
@@ -60,14 +60,9 @@ contains
         self%total = total
         self%before = 0
         if (present(before)) self%before = before
-        self%mode = silent
-        if (.not. quiet) then
-            if (error_is_terminal()) then
-                self%mode = terminal
-            else if (forced) then
-                self%mode = log
-            end if
-        end if
+        self%mode = merge(log, silent, forced)
+        if (error_is_terminal()) self%mode = terminal
+        if (quiet) self%mode = silent
         self%started = seconds()
         self%shown = self%started
         self%marked = self%started
@@ -161,38 +156,25 @@ contains
         integer(int64), intent(in) :: before !! done when the time began
         real(dp), intent(in), optional :: recent !! items per second of late
         character(:), allocatable :: text
-        real(dp) :: rate
+        real(dp) :: rate, slow, fast
 
         rate = (done - before) / max(elapsed, tiny(elapsed))
         text = to_text(int(100 * real(done, dp) / max(total, 1_int64))) // ' %, ' // &
             to_text(done) // ' of ' // to_text(total) // ' ' // noun
         if (done == before .or. elapsed <= 0) return
-        text = text // ', ' // rate_text(rate) // ' ' // noun // '/s, ' // &
-            left_text(total - done, rate, recent)
-    end function progress_text
-
-    !> The time left for items at their mean rate, and at the recent rate where that is another.
-    function left_text(items, rate, recent) result(text)
-        integer(int64), intent(in) :: items
-        real(dp), intent(in) :: rate
-        real(dp), intent(in), optional :: recent
-        character(:), allocatable :: text
-        real(dp) :: slow, fast
-
         slow = rate
+        if (present(recent)) slow = min(rate, recent)
         fast = rate
-        if (present(recent)) then
-            slow = min(rate, recent)
-            fast = max(rate, recent)
-        end if
-        if (items == 0 .or. fast <= uneven * slow) then
-            text = duration_text(items / rate) // ' left'
+        if (present(recent)) fast = max(rate, recent)
+        text = text // ', ' // rate_text(rate) // ' ' // noun // '/s, '
+        if (done == total .or. fast <= uneven * slow) then
+            text = text // duration_text((total - done) / rate) // ' left'
         else if (slow <= 0) then
-            text = 'more than ' // duration_text(items / rate) // ' left'
+            text = text // 'more than ' // duration_text((total - done) / rate) // ' left'
         else
-            text = duration_text(items / fast) // ' to ' // duration_text(items / slow) // ' left'
+            text = text // duration_text((total - done) / fast) // ' to ' // duration_text((total - done) / slow) // ' left'
         end if
-    end function left_text
+    end function progress_text
 
     !> A rate with three digits.
     function rate_text(rate) result(text)
@@ -200,13 +182,10 @@ contains
         character(:), allocatable :: text
         character(16) :: room
 
-        if (rate >= 100) then
-            text = to_text(nint(rate, int64))
-        else
-            write (room, '(ss, f0.2)') rate
-            text = trim(room)
-            if (text(1:1) == '.') text = '0' // text
-        end if
+        write (room, '(ss, f0.2)') rate
+        text = trim(room)
+        if (text(1:1) == '.') text = '0' // text
+        if (rate >= 100) text = to_text(nint(rate, int64))
     end function rate_text
 
     !> `0:04`, `12:30`, `3:02:01`
@@ -217,12 +196,8 @@ contains
         integer(int64) :: whole
 
         whole = nint(min(duration, 1e9_dp), int64)
-        if (whole >= 3600) then
-            write (room, '(ss, i0, 2(":", i2.2))') whole / 3600, mod(whole / 60, 60_int64), &
-                mod(whole, 60_int64)
-        else
-            write (room, '(ss, i0, ":", i2.2)') whole / 60, mod(whole, 60_int64)
-        end if
+        write (room, '(ss, i0, 2(":", i2.2))') whole / 3600, mod(whole / 60, 60_int64), mod(whole, 60_int64)
+        if (whole < 3600) write (room, '(ss, i0, ":", i2.2)') whole / 60, mod(whole, 60_int64)
         text = trim(room)
     end function duration_text
 

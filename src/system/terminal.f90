@@ -15,11 +15,6 @@ module spintop_terminal
     character(*), parameter :: plain = escape // '0m'
 
     interface
-        integer(c_int) function c_is_terminal(file) bind(C, name='spintop_is_terminal')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_is_terminal
-
         integer(c_int) function c_terminal_width(file) bind(C, name='spintop_terminal_width')
             import :: c_int
             integer(c_int), value :: file
@@ -46,7 +41,7 @@ contains
 
     !> Whether standard error is a terminal.
     logical function error_is_terminal()
-        error_is_terminal = c_is_terminal(2_c_int) /= 0
+        error_is_terminal = c_terminal_width(2_c_int) >= 0
     end function error_is_terminal
 
     !> A message for standard error: with colours where that is a terminal that takes them, else as it is. One that is dumb
@@ -65,33 +60,23 @@ contains
     !> A message with colours.
     pure function coloured(message) result(text)
         character(*), intent(in) :: message !! one or more lines
-        character(:), allocatable :: text
+        character(:), allocatable :: text, line
         type(string_t), allocatable :: lines(:)
-        integer :: i
+        integer :: i, first, last
         call split(message, new_line('a'), lines, keeps_blanks=.true.)
         do i = 1, size(lines)
-            lines(i)%text = coloured_line(lines(i)%text)
+            line = lines(i)%text
+            first = index(line, '^')
+            if (index(line(:max(0, first - 1)), '|') > 0 .and. verify(line(:max(0, first - 1)), ' |') == 0) then
+                last = first + verify(line(first:) // ' ', '^') - 2
+                lines(i)%text = line(:first - 1) // green // line(first:last) // plain // line(last + 1:)
+            else
+                call paint(': error: ', red, lines(i)%text)
+                call paint(': warning: ', magenta, lines(i)%text)
+            end if
         end do
         text = join(lines, new_line('a'))
     end function coloured
-
-    pure function coloured_line(line) result(text)
-        character(*), intent(in) :: line
-        character(:), allocatable :: text
-        integer :: first, last
-
-        text = line
-        first = index(line, '^')
-        if (first > 1) then
-            if (verify(line(:first - 1), ' |') == 0 .and. index(line(:first - 1), '|') > 0) then
-                last = first + verify(line(first:) // ' ', '^') - 2
-                text = line(:first - 1) // green // line(first:last) // plain // line(last + 1:)
-                return
-            end if
-        end if
-        call paint(': error: ', red, text)
-        call paint(': warning: ', magenta, text)
-    end function coloured_line
 
     !> Gives the first occurrence of a word in a line a colour; the word has a separator and a blank at its
     !> ends, which are left as they are.

@@ -25,8 +25,7 @@ module spintop_netcdf_table
         nf90_inq_var_deflate, nf90_netcdf4
 #endif
     use spintop_checksum, only: checksum_width
-    use spintop_errors, only: error_t, input_error, output_error
-    use spintop_exit_codes, only: exit_output
+    use spintop_errors, only: error_t, input_error, output_error, exit_output
     use spintop_files, only: file_size, input_file_t, output_file_t
     use spintop_kinds, only: dp, no_number
     use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, size_of_chunk

@@ -2,7 +2,7 @@
 module spintop_provenance
     use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_null_char, c_ptr
     use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
-    use spintop_clock, only: utc_now
+    use spintop_files, only: utc_now
     use spintop_process, only: processor_level_name
     use spintop_table_column, only: column_t
     use spintop_table_head, only: format_key, table_format, table_head

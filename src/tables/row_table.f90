@@ -24,14 +24,13 @@
 !>     call table%finish(error)                      ! or, after an error, table%abandon(error)
 module spintop_row_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: seconds
+    use spintop_process, only: seconds, keep_rows
     use spintop_data_table, only: data_table_t
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, file_size, remove_file
     use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, state_of, write_journal
     use spintop_kinds, only: dp
     use spintop_netcdf_table, only: check_netcdf_table, head_of_table, netcdf_layout_t, write_netcdf_table
-    use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_table_column, only: status_column, table_column_t

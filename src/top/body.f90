@@ -1,11 +1,9 @@
 !> A rigid body with one fixed point under gravity. What kind of body it is, is asked for every case of a sweep: zeros are
 !> compared in place.
 module spintop_body
-    use spintop_kinds, only: dp
-    use spintop_compare, only: is_equal
+    use spintop_kinds, only: dp, is_equal, cross
     use spintop_effects, only: effects_t
     use spintop_given_axes, only: given_axes_t
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: body_t

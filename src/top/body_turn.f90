@@ -9,11 +9,10 @@
 !> axis, and a frame that turns with s about the vertical. With the rates phi' + s and psi' + h/I3 the body moves as
 !> a top without effects.
 module spintop_body_turn
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, pi, is_zero
     use spintop_attitude, only: quaternion_product, conjugate_quaternion, &
         angles_from_quaternion, rates_from_omega, to_space
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
     use spintop_effects, only: effect_axial_rotor, effect_upright_frame
     use spintop_given_axes, only: given_axes_t, unshifted
     use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion

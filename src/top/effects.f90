@@ -1,8 +1,7 @@
 !> Effects on a body beside gravity and viscous damping: dry friction of the pivot, drag of the air, a moving pivot,
 !> the rotation of the Earth, a rotor, given torques. Their values only; `spintop_loads` has their moments.
 module spintop_effects
-    use spintop_compare, only: is_equal, is_finite, is_zero
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, pi, is_equal, is_finite, is_zero
     use spintop_torque_table, only: torque_table_t
     implicit none
     private

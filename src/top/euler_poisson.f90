@@ -4,11 +4,10 @@
 !> Gamma x omega, Pi' = Pi x omega + m g Gamma x r - d omega, omega = Pi/I. It omits only the azimuth, on
 !> which nothing depends.
 module spintop_euler_poisson
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross, skew
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
-    use spintop_vectors, only: cross, skew
     implicit none
     private
     public :: euler_poisson_state, euler_poisson_rate, euler_poisson_matrix, momentum_coupling

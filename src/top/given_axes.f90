@@ -5,10 +5,9 @@
 module spintop_given_axes
     use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, quaternion_product, square_to_pole, to_space, &
         vertical_from_quaternion
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: follow_motion
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: given_axes_t, about_z, unshifted

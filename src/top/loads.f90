@@ -6,11 +6,9 @@
 !> the momentum of a rotor, G the upward vertical, r the centre of mass.
 module spintop_loads
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, qp, epsilon_dp, is_zero, cross
     use spintop_effects, only: effects_t
-    use spintop_kinds, only: dp, epsilon_dp, qp
     use spintop_torque_table, only: max_degree
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: loads_t, acceleration, find_loads, torque_series, find_kinematics, total_momentum, rotor_momentum_at

@@ -2,9 +2,8 @@
 !> so that all are computed by the same instructions. The equations are those of `spintop_loads`.
 module spintop_powers
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, is_zero
     use spintop_effects, only: effects_t, kernel_effects
-    use spintop_kinds, only: dp
     use spintop_loads, only: find_loads, loads_t, work_damping, work_drag, work_rotor, work_torque, work_vibration, works
     use spintop_motions, only: instants
     implicit none

@@ -1,14 +1,13 @@
 !> Energies, momenta, residuals, the support force and the axis of a motion of any rigid body; and the scales of a motion, in
 !> which its errors are measured, so that they do not depend on the units of mass, length and time.
 module spintop_quantities
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross
     use spintop_body, only: body_t
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_motion, only: motion_t
     use spintop_euler_poisson, only: euler_poisson_rate, euler_poisson_state
     use spintop_loads, only: acceleration, find_loads, frame_energy, loads_t, momentum_rate, total_momentum
     use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: kinetic_energy, potential_energy, energy_scale, vertical_momentum, axial_momentum

@@ -7,8 +7,7 @@
 !> Friction is a torque over the angular velocity about an axis in the place of the time, along that axis, which is the third
 !> component. It is odd, and constant beyond the last row.
 module spintop_torque_table
-    use spintop_compare, only: is_equal, is_finite
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_equal, is_finite
     implicit none
     private
     public :: torque_table_t, make_torque_table, make_friction_table, driving_row

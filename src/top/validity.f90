@@ -3,10 +3,9 @@
 !> A violated triangle inequality is not refused here: Example 2 of the paper violates it about the centre of
 !> mass, and its equations have a solution.
 module spintop_validity
-    use spintop_kinds, only: dp, epsilon_dp
+    use spintop_kinds, only: dp, epsilon_dp, is_finite
     use spintop_attitude, only: omega_from_rates, quaternion_from_angles
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_body, status_bad_start, status_non_finite, status_ok, status_unsuitable
     implicit none

@@ -6,7 +6,7 @@ module mechanics
     use spintop_attitude
     use spintop_body
     use spintop_body_turn
-    use spintop_compare
+    use spintop_kinds
     use spintop_conditioning
     use spintop_effects
     use spintop_errors
@@ -18,7 +18,6 @@ module mechanics
     use spintop_formulation
     use spintop_formulations
     use spintop_integration
-    use spintop_kinds
     use spintop_methods
     use spintop_motion
     use spintop_nutation
@@ -30,7 +29,6 @@ module mechanics
     use spintop_stepper
     use spintop_suitability
     use spintop_tangent_flow
-    use spintop_vectors
     use known_tops
     use random_stream
     use recorder

@@ -4,10 +4,9 @@ module texts_and_tables
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_bins
     use spintop_checksum
-    use spintop_clock
+    use spintop_process
     use spintop_diagnostics
     use spintop_errors
-    use spintop_exit_codes
     use spintop_files
     use spintop_journal
     use spintop_kinds

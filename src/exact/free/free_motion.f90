@@ -13,17 +13,15 @@
 !> Sources: Jacobi, Sur la rotation d'un corps, Crelle 39, 1849; Whittaker, Analytical Dynamics, chapter VI, 1937;
 !> van Zon and Schofield, J. Comput. Phys. 225, 2007.
 module spintop_free_motion
-    use spintop_kinds, only: dp, xp, pi
+    use spintop_kinds, only: dp, xp, pi, is_equal, is_finite, is_zero, cross
     use spintop_attitude, only: angles_from_quaternion, quaternion_product, rates_from_omega
     use spintop_body, only: body_t
-    use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_free_series, only: circular_series_t, least_complement, prepare_circular_series, &
         hyperbolic_series_t, prepare_hyperbolic_series, free_values_t
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_unsuitable
     use spintop_validity, only: body_status, start_status
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: free_motion_t, prepare_free_motion, inclination_range

@@ -9,7 +9,7 @@
 module spintop_free_series
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use spintop_kinds, only: dp, xp, pi_xp
-    use spintop_scalar_functions, only: unit
+    use spintop_circular_functions, only: unit
     use spintop_momentum_path, only: momentum_path_t
     use spintop_theta_functions, only: inverse_sc, linear_chain, nome, theta3_constant
     implicit none

@@ -2,10 +2,9 @@
 module spintop_body_numbers
     use, intrinsic :: iso_c_binding, only: c_int
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, is_zero
     use spintop_effects, only: effects_t
     use spintop_kernel_types, only: body_numbers_t, motion_kinds_t
-    use spintop_kinds, only: dp
     use spintop_loads, only: find_kinematics, loads_t
     implicit none
     private

@@ -3,14 +3,12 @@
 module spintop_effects_action
     use spintop_attitude, only: quaternion_product, rotation_minus_one
     use spintop_body, only: body_t
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, pi, is_zero, cross
     use spintop_effects, only: effect_frame, effect_rotor, effects_t, timeless_effects
     use spintop_kernel_types, only: max_states => numbers
-    use spintop_kinds, only: dp, pi
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motions, only: instants
     use spintop_powers, only: find_powers
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: effects_action_t, turning_t, reach_t, row_interval_t, directions, direction_omega, direction_velocity, direction_force

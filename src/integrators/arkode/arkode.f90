@@ -6,10 +6,9 @@ module spintop_arkode
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_long, &
         c_null_char, c_null_ptr, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_compare, only: is_equal, is_finite
+    use spintop_kinds, only: dp, is_equal, is_finite
     use spintop_fixed_step, only: dense_output_t, advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
     use spintop_formulation, only: formulation_info_t, max_states
-    use spintop_kinds, only: dp
     use spintop_status, only: is_ok, status_integrator, status_non_finite, status_not_converged, status_ok, &
         status_outside, status_step_too_small
     use spintop_stepper, only: run_state_t

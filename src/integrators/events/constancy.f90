@@ -11,11 +11,10 @@
 module spintop_constancy
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, pi, is_finite
     use spintop_effects, only: timeless_effects
     use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
     use spintop_event, only: event_quantities_t, event_t, occasion_none
-    use spintop_kinds, only: dp, pi
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_quantities, only: angular_acceleration
     implicit none

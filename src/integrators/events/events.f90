@@ -12,16 +12,14 @@ module spintop_events
     use spintop_bernstein, only: coarse, fine, halve, interpolation, interpolation_t, root_of, value_at
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
-    use spintop_compare, only: is_equal, is_finite
+    use spintop_kinds, only: dp, pi, is_equal, is_finite, cross
     use spintop_constancy, only: find_constant, find_noise, greatest_fall_rate, margin, rounding_distance, time_of_start
     use spintop_event, only: event_quantities_t, event_t, occasion_none, path_t
-    use spintop_kinds, only: dp, pi
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
     use spintop_pole_passages, only: through_pole
     use spintop_status, only: is_ok, status_ok, status_bad_events
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: event_t, event_search_t, path_t

@@ -3,16 +3,14 @@
 module spintop_measures
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_compare, only: is_zero
+    use spintop_kinds, only: dp, pi, no_number, is_zero, cross
     use spintop_constancy, only: margin, rounding_distance
-    use spintop_kinds, only: dp, no_number, pi
     use spintop_motion, only: motion_t
     use spintop_nutation, only: class_circulation, class_cusp, class_libration, class_loop, class_steady, class_wave, nutation_t
     use spintop_pole_passages, only: half_turns
     use spintop_poles, only: precession_is_lost
     use spintop_quantities, only: axis_height_rate
     use spintop_status, only: status_bad_input
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: quantity_t, quantities, measures_t, growth_t, turns_t, turning_points_t, point_of, upper, lower, no_class

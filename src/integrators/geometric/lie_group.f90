@@ -6,13 +6,12 @@
 !> xi) at s = 0: velocities xi take the place of the slopes of a Runge-Kutta method.
 module spintop_lie_group
     use spintop_attitude, only: quaternion_product, rotation_minus_one
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross
     use spintop_runge_kutta, only: butcher_t, max_stages, stage_sum
     use spintop_fixed_step, only: fixed_step_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_status, only: is_ok
     use spintop_stepper, only: run_state_t
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: munthe_kaas_t, commutator_free_t, velocity, bracket, move

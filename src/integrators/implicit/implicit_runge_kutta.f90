@@ -4,10 +4,9 @@
 !> one matrix over all stages, whose Jacobian is taken in their middle and kept while it serves. Where that fails, every stage
 !> has its own Jacobian, and the solution is followed from step size zero.
 module spintop_implicit_runge_kutta
-    use spintop_compare, only: is_equal
+    use spintop_kinds, only: dp, xp, epsilon_dp, is_equal
     use spintop_fixed_step, only: fixed_step_t, begin_on_grid
     use spintop_formulation, only: formulation_info_t, max_states
-    use spintop_kinds, only: dp, epsilon_dp, xp
     use spintop_status, only: is_ok, status_non_finite, status_not_converged, status_ok, status_outside
     implicit none
     private

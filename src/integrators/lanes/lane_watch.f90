@@ -7,11 +7,10 @@
 module spintop_lane_watch
     use spintop_bernstein, only: find_changes, find_roots, most_roots, refine_root, rounding
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, pi, is_finite
     use spintop_constancy, only: margin, time_of_start
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: per_binomial
-    use spintop_kinds, only: dp, pi
     use spintop_lane_series, only: parts
     use spintop_lane_steps, only: states_at
     use spintop_measures, only: lower, measures_t, upper, watch_phi, watch_precession_rate, watch_psi

@@ -18,14 +18,13 @@ module spintop_taylor_lanes
     use spintop_body, only: body_t
     use spintop_body_numbers, only: kinds_of
     use spintop_caller, only: stop_is_wanted
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, qp, pi, is_finite
     use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
     use spintop_effects, only: kernel_effects
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_formulation, only: max_series_order
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
-    use spintop_kinds, only: dp, pi, qp
     use spintop_lane_azimuth, only: border, follow, lane_step_t, largest_turn, sharp, turns_far, watch_poles
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
     use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite

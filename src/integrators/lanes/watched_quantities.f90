@@ -6,7 +6,7 @@ module spintop_watched_quantities
     use spintop_constancy, only: driven_rate, greatest_fall_rate
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross
     use spintop_bernstein, only: multiply, multiply_slopes, rounding, square
     use spintop_lane_series, only: numerator, parts, rows
     use spintop_measures, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_nothing, watch_nutation_rate, &
@@ -14,7 +14,6 @@ module spintop_watched_quantities
         watch_total_force, watch_turning, watch_vertical, watch_vertical_force, watch_vertical_momentum
     use spintop_pole_passages, only: through_pole
     use spintop_taylor_lanes, only: lanes, taylor_lanes_t
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: watched_t

@@ -1,10 +1,9 @@
 !> Explicit Runge-Kutta methods by their Butcher tables: with a fixed step size, and the adaptive Dormand-Prince pair 5(4) with
 !> MATLAB's step control, ode45.
 module spintop_runge_kutta
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_fixed_step, only: fixed_step_t, longest_step
     use spintop_formulation, only: max_states
-    use spintop_kinds, only: dp
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: run_state_t, smallest_step, stepper_t
     implicit none

@@ -8,15 +8,13 @@
 !> size follows from the last coefficients of the state and of every tangent vector; no step is rejected, and steps may go
 !> either way in time.
 module spintop_tangent_flow
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, pi, is_finite, cross
     use spintop_body, only: body_t
-    use spintop_compare, only: is_finite
     use spintop_effects, only: effect_lift, effect_rotor
     use spintop_euler_poisson, only: state_units
     use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit, &
         status_step_too_small, status_unsuitable
     use spintop_validity, only: body_status
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: propagate_tangents, drive_period

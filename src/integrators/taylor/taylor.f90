@@ -11,9 +11,8 @@
 module spintop_taylor
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_kinds, only: dp, qp, is_finite, is_zero
     use spintop_formulation, only: formulation_info_t, max_series_order, max_states, structure_series
-    use spintop_kinds, only: dp, qp
     use spintop_motions, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, smallest_step, stepper_t

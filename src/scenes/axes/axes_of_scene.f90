@@ -1,8 +1,7 @@
 !> Makes the axes of a sweep from the description in a scene, and reports the problems of that description.
 module spintop_axes_of_scene
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_compare, only: is_equal, is_finite
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_equal, is_finite
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
     use spintop_problems, only: problems_t

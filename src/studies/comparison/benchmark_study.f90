@@ -6,13 +6,12 @@ module spintop_benchmark_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_benchmark_cases, only: benchmarks, figure_t, figures
     use spintop_case, only: case_t, make_case
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_comparison, only: add_methods, find_cases, method_choice_t, setting_t, attempt_t, comparison_t, &
         make_scene_of_settings, problem_t
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, internal_error
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_trajectory_columns, only: motion_view_t, trajectory_columns, value_of

@@ -7,10 +7,9 @@
 module spintop_comparison
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
-    use spintop_clock, only: pause_for, seconds
+    use spintop_process, only: pause_for, seconds
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_failed, exit_ok
+    use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple, formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_job, only: job_t, compare_with_writer, study_head

@@ -1,11 +1,10 @@
 !> One motion computed by one method, compared with a reference; and the time that it takes.
 module spintop_trial
-    use spintop_clock, only: seconds
-    use spintop_kinds, only: dp, no_number, pi
+    use spintop_process, only: seconds
+    use spintop_kinds, only: dp, pi, no_number, is_finite
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_pole_passages, only: through_pole

@@ -4,11 +4,10 @@
 module spintop_fit_data
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use spintop_attitude, only: rotation_minus_one, to_space
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t

@@ -3,10 +3,9 @@ module spintop_fit_model
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
-    use spintop_compare, only: is_equal, is_finite
+    use spintop_kinds, only: dp, pi, no_number, is_equal, is_finite
     use spintop_fit_data, only: measurements_t, columns_of_motion, find_instants, read_sensors, key_of
     use spintop_integration, only: outcome_t
-    use spintop_kinds, only: dp, no_number, pi
     use spintop_least_squares, only: residuals_t
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t

@@ -1,17 +1,15 @@
 !> The fit as a kind of study: numbers of the input from measurements of the motion, by least squares.
 module spintop_fit_study
-    use spintop_clock, only: seconds
-    use spintop_compare, only: is_finite
+    use spintop_process, only: seconds
+    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_failed, exit_ok
+    use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements, find_unknown
     use spintop_fit_search, only: judge, judgement_t, far_above, finish_search, period_of, search_minimum, search_t, &
         check_measurements
     use spintop_fit_model, only: fit_model_t
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t, study_head
-    use spintop_kinds, only: dp, no_number
     use spintop_least_squares, only: minimum_t
     use spintop_losses, only: loss_names, loss_squares, loss_t
     use spintop_options, only: options_t

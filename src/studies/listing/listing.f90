@@ -5,9 +5,8 @@ module spintop_listing
     use spintop_arkode, only: arkode_table_names
     use spintop_benchmark_cases, only: benchmarks
     use spintop_body, only: body_t
-    use spintop_errors, only: error_t, input_error
+    use spintop_errors, only: error_t, input_error, exit_codes
     use spintop_event_text, only: named_events, event_grammar
-    use spintop_exit_codes, only: exit_codes
     use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_hard_cases, only: hard_cases

@@ -9,13 +9,11 @@ module spintop_verification
     use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
         proof_of_omega1, proof_of_orientation, proof_of_theta, proof_reasons, proved, proof_of_phi, proof_of_psi, &
         proof_of_q3
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_conditioning, only: inherent_error
-    use spintop_errors, only: error_t, input_error
-    use spintop_exit_codes, only: exit_failed, exit_ok
+    use spintop_errors, only: error_t, input_error, exit_failed, exit_ok
     use spintop_files, only: read_file
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp, no_number
     use spintop_loaded_table, only: read_table, table_t
     use spintop_principal_axes, only: find_principal_axes
     use spintop_plan, only: sample_time

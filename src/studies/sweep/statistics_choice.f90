@@ -3,9 +3,8 @@
 module spintop_statistics_choice
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_bins, only: bins_around, bins_t, even_bins
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp
     use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_process, only: physical_memory

@@ -4,11 +4,10 @@ module spintop_sweep_quantities
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, pi, degree, is_finite, cross
     use spintop_floquet, only: find_multipliers
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
-    use spintop_kinds, only: dp, pi, degree
     use spintop_measures, only: measures_t, no_class, watch_centre_height, watch_nutation_rate, watch_precession_rate, &
         watch_total_force, watch_turning, watch_vertical_force
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
@@ -32,7 +31,6 @@ module spintop_sweep_quantities
         at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, note_no_growth, note_no_lyapunov, &
         note_no_multiplier, note_no_singular, only_without_effects, of_growth, of_lyapunov, of_multiplier, of_singular
     use spintop_tangent_flow, only: drive_period
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: extremes, watched_for, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, set_details, &

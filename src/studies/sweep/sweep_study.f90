@@ -3,16 +3,14 @@
 !> begun, finished and summarized. What it will need, the size of its table, memory and time, shows a sample of its cases.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_clock, only: seconds, utc_now, processor_seconds
+    use spintop_process, only: seconds, processor_seconds, stop_watching_signals, peak_memory
+    use spintop_files, only: utc_now, replace_file, host_name
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
-    use spintop_exit_codes, only: exit_ok
-    use spintop_files, only: replace_file
+    use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_job, only: job_t, compare_with_writer
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
-    use spintop_process, only: host_name, stop_watching_signals, peak_memory
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
     use spintop_row_block, only: row_block_t
@@ -20,7 +18,7 @@ module spintop_sweep_study
     use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_output, only: bytes_of_result
-    use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
+    use spintop_status, only: count_failed, is_good_end, last_status, status_meaning, status_name, status_ok
     use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: duration, rounded, summary_t
@@ -102,7 +100,7 @@ contains
         call begin_table(job, options, table, cases, error)
         if (allocated(error)) return
         if (table%is_complete) then
-            code = code_of(table%counts)
+            code = merge(exit_ok, exit_failed, count_failed(table%counts) == 0)
             call summary%headline(job%input%path // ': sweep -> ' // job%files%table)
             call summary%add('note', table%remark)
             call summary%add_failures('cases', table%counts)
@@ -152,7 +150,7 @@ contains
         if (.not. allocated(error)) call table%finish(error)
         if (allocated(error)) call table%abandon(error)
         team%costs%writing = team%costs%writing + (seconds() - moment)
-        if (.not. allocated(error)) code = code_of(table%counts)
+        if (.not. allocated(error)) code = merge(exit_ok, exit_failed, count_failed(table%counts) == 0)
     end subroutine compute_cases
 
     !> Begins the table of a job or goes on with one, and finds the first and last case to compute, the same in all

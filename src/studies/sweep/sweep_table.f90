@@ -2,9 +2,8 @@
 !> takes its rows.
 module spintop_sweep_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_finite
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite
     use spintop_row_table, only: row_table_t
     use spintop_job, only: job_t, study_head
     use spintop_netcdf_grid, only: netcdf_axis_t

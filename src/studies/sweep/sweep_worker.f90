@@ -5,13 +5,12 @@ module spintop_sweep_worker
     use spintop_body, only: body_t
     use spintop_case, only: attitude_parameters, case_t, kept_parts_t, make_case
     use spintop_certificate, only: proof_count, proof_of_phi, proof_of_psi, proof_of_theta, proof_reasons, proof_words
-    use spintop_clock, only: processor_seconds, seconds
-    use spintop_compare, only: is_equal, is_finite, is_zero
+    use spintop_process, only: processor_seconds, seconds
+    use spintop_kinds, only: dp, no_number, is_equal, is_finite, is_zero
     use spintop_differences, only: node_count, nodes_t
     use spintop_effects, only: series_effects
     use spintop_exact_block, only: block_size
     use spintop_job, only: job_t
-    use spintop_kinds, only: dp, no_number
     use spintop_methods, only: exact_info
     use spintop_parameters, only: is_set
     use spintop_plan, only: plan_t

@@ -5,9 +5,8 @@ module spintop_motion_rows
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_words
     use spintop_differences, only: nodes_t
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_internal
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
-    use spintop_exit_codes, only: exit_internal
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, outcome_t, observer_t
     use spintop_job, only: job_t, study_head

@@ -2,12 +2,11 @@
 module spintop_trajectory_study
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_q0
-    use spintop_clock, only: seconds
+    use spintop_process, only: seconds, stop_watching_signals
     use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
+    use spintop_errors, only: error_t, exit_internal, exit_ok
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_exit_codes, only: exit_internal, exit_ok
     use spintop_row_table, only: refusal, remove_leftovers
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t, study_head
@@ -17,7 +16,6 @@ module spintop_trajectory_study
     use spintop_options, only: options_t
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
-    use spintop_process, only: stop_watching_signals
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name

@@ -3,8 +3,7 @@
 !> Angles are `angle = (phi, theta, psi)`: precession, inclination, spin. The quaternion has its scalar part
 !> first and transforms body axes to space axes. Conventions: Provatidis (2012), Eqs 1-10.
 module spintop_attitude
-    use spintop_compare, only: is_zero
-    use spintop_kinds, only: dp, pi, pi_xp, xp
+    use spintop_kinds, only: dp, xp, pi, pi_xp, is_zero
     implicit none
     private
     public :: quaternion_from_angles, angles_from_quaternion

@@ -10,9 +10,8 @@
 !> free body and in other axes. The closed form of a top counts its passages (`symmetric_attitude`).
 module spintop_pole_passages
     use spintop_attitude, only: angles_from_quaternion, follow_angles, nearest_turn, to_space
-    use spintop_kinds, only: dp, pi
+    use spintop_kinds, only: dp, pi, cross
     use spintop_motion, only: motion_t, passages_t
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: way_t, follow_motion, half_turns, in_pole, is_at_pole, pass_pole, settle_angles, settle_passage, through_pole

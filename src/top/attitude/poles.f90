@@ -4,10 +4,9 @@ module spintop_poles
     use spintop_body, only: body_t
     use spintop_effects, only: effect_drag, effect_friction, effect_lift
     use spintop_euler_poisson, only: euler_poisson_rate
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, cross
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole
-    use spintop_vectors, only: cross
     implicit none
     private
     public :: polar_precession_rate, precession_is_lost

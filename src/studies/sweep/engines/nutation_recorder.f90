@@ -4,11 +4,10 @@
 module spintop_nutation_recorder
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite, is_zero
+    use spintop_kinds, only: dp, pi, is_finite, is_zero
     use spintop_event_recorder, only: event_recorder_t
     use spintop_events, only: event_t
     use spintop_kernel_types, only: lane_body_t
-    use spintop_kinds, only: dp, pi
     use spintop_lane_series, only: lanes, parts
     use spintop_measures, only: class_tolerance, lower, measures_t, point_of, quantities_of => quantities, upper, &
         watch_centre_height, watch_nutation_rate, watch_precession_rate, watch_total_force, watch_turning, &

@@ -2,11 +2,10 @@
 module spintop_sweep_exact
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_conditioning, only: inherent_error
     use spintop_exact_block, only: exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_regular_start, only: rates_describe

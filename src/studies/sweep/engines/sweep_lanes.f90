@@ -1,9 +1,8 @@
 !> Cases of a sweep that are integrated together, in vector lanes: bodies without a closed form, of which the table
 !> contains the end of the span, or what the monitors in lanes measure.
 module spintop_sweep_lanes
-    use spintop_kinds, only: dp
+    use spintop_kinds, only: dp, is_equal, is_finite, is_zero
     use spintop_attitude, only: vertical_from_quaternion
-    use spintop_compare, only: is_equal, is_finite, is_zero
     use spintop_effects, only: kernel_effects
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t

@@ -4,13 +4,12 @@ module spintop_sweep_one_by_one
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: rotation_angle
     use spintop_case, only: case_t
-    use spintop_compare, only: is_finite
+    use spintop_kinds, only: dp, is_finite
     use spintop_conditioning, only: inherent_error
     use spintop_event_recorder, only: exact_path_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_formulation, only: formulation_t, max_states
     use spintop_integration, only: integrate, observer_t, outcome_t
-    use spintop_kinds, only: dp
     use spintop_lyapunov, only: find_growth
     use spintop_measures, only: growth_t, quantities, watch_nutation_rate, watch_precession_rate, watch_turning
     use spintop_motion, only: motion_t

@@ -3,10 +3,9 @@
 module spintop_sweep_stop
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
-    use spintop_compare, only: is_equal, is_zero
+    use spintop_kinds, only: dp, pi, is_equal, is_zero
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_event_text, only: column_event_t
-    use spintop_kinds, only: pi, dp
     use spintop_lane_watch, only: lane_watch_t
     use spintop_measures, only: quantities, watch_nothing, watch_theta, watch_turning
     use spintop_status, only: is_ok, status_ok, status_step_limit, status_too_many_events

@@ -1,6 +1,6 @@
 !> The tables of statistics, CSV or NetCDF: that of the bins, a row of all cases and one of each bin; and beside it that of the
-!> histograms, and that of the Sobol' indices if there are any. In NetCDF they have one dimension, the row; numbers of cases, which may be larger than an
-!> integer there, are reals.
+!> histograms, and that of the Sobol' indices if there are any. In NetCDF they have one dimension, the row; numbers of cases,
+!> which may be larger than an integer there, are reals.
 module spintop_statistics_output
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t

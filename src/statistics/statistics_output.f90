@@ -193,7 +193,7 @@ contains
         type(result_file_t) :: file
         integer :: i, k
 
-        columns = index_columns(plan)
+        allocate (columns, source=index_columns(plan))
         call file%create(path, head_of(columns, head), columns, size(plan%numbers) * size(plan%factors, kind=int64), &
                          plan%is_netcdf)
         do i = 1, size(plan%numbers)

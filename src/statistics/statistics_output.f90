@@ -1,6 +1,6 @@
 !> The tables of statistics, CSV or NetCDF: that of the bins, a row of all cases and one of each bin; and beside it that of the
-!> histograms, and that of the Sobol' indices if there are any. In NetCDF they have one dimension, the row; numbers of cases, which may be larger than an
-!> integer there, are reals.
+!> histograms, and that of the Sobol' indices if there are any. In NetCDF they have one dimension, the row; numbers of cases,
+!> which may be larger than an integer there, are reals.
 module spintop_statistics_output
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
@@ -193,7 +193,7 @@ contains
         type(result_file_t) :: file
         integer :: i, k
 
-        columns = index_columns(plan)
+        allocate (columns, source=index_columns(plan))
         call file%create(path, head_of(columns, head), columns, size(plan%numbers) * size(plan%factors, kind=int64), &
                          plan%is_netcdf)
         do i = 1, size(plan%numbers)

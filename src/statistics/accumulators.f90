@@ -85,7 +85,7 @@ contains
         self%by_bin = by_bin
         allocate (self%sizes(columns))
         do i = 1, columns
-            call self%sizes(i)%start(merge(bits_by_bin, bits_over_all, by_bin))
+            call self%sizes(i)%start(merge(bits_by_bin, bits_over_all, by_bin), merge(self%bin_count + 1, 1_int64, by_bin))
         end do
     end subroutine start
 
@@ -192,7 +192,7 @@ contains
 
     !> Quantiles of a column in a bin, or, for bin 0, over all cases; NaN where they are not gathered.
     subroutine quantiles(self, column, bin, shares, values)
-        class(accumulators_t), intent(inout) :: self
+        class(accumulators_t), intent(in) :: self
         integer, intent(in) :: column       !! number of the column
         integer(int64), intent(in) :: bin   !! number of the bin, or 0
         real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
@@ -219,7 +219,7 @@ contains
         class(accumulators_t), intent(in) :: self
         integer, intent(in) :: column !! number of the column
         type(value_counts_t), intent(out) :: counts !! all in bin 1
-        call counts%start(merge(bits_by_bin, bits_over_all, self%by_bin))
+        call counts%start(merge(bits_by_bin, bits_over_all, self%by_bin), 1_int64)
         call counts%merge_with(self%sizes(column), bin=1_int64)
     end subroutine counts_over_all
 

@@ -14,12 +14,11 @@ module texts_and_tables
     use spintop_number_slot
     use spintop_parameter_print
     use spintop_parameters
-    use spintop_permutation
     use spintop_problems
     use spintop_random
     use spintop_row_block
-    use spintop_row_queue
     use spintop_row_table
+    use spintop_sample_design
     use spintop_state_stream
     use spintop_status
     use spintop_table_column
@@ -28,6 +27,7 @@ module texts_and_tables
     use spintop_table_head
     use spintop_text
     use spintop_text_buffer
+    use spintop_thread_team, only: none_left, retry_later, row_queue_t
     use spintop_units
     implicit none
     public

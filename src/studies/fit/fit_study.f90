@@ -12,14 +12,13 @@ module spintop_fit_study
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp, no_number
-    use spintop_least_squares, only: minimum_t
-    use spintop_losses, only: loss_names, loss_squares, loss_t
+    use spintop_least_squares, only: minimum_t, robust_deviation
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
     use spintop_plan, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
-    use spintop_robust, only: robust_deviation
+    use spintop_residuals, only: loss_names, loss_squares, loss_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_t

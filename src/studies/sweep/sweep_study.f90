@@ -163,7 +163,7 @@ contains
         class(row_table_t), allocatable, intent(out) :: table
         integer(int64), intent(out) :: cases(2)
         type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: head
+        character(:), allocatable :: head, text
 
         cases = no_cases
         call describe_table(job, options%shard, table, head)
@@ -175,7 +175,9 @@ contains
                 cases = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             end if
         end if
-        call options%ranks%broadcast(cases)
+        text = to_text(cases(1)) // ' ' // to_text(cases(2))
+        call options%ranks%broadcast(text)
+        read (text, *) cases
     end subroutine begin_table
 
     !> Starts the progress of the cases, and says what a signal that ends the run is to tell.

@@ -15,7 +15,7 @@ program spintop_main
     use spintop_process, only: begin_process, check_level, check_stacks, complain_of, end_output, end_process, print_text
     use spintop_provenance, only: program_version, program_revision
     use spintop_ranks, only: ranks_t, start_ranks, end_ranks
-    use spintop_statistics_merge, only: merge_parts
+    use spintop_merge, only: merge_parts
     use spintop_text, only: join, string_t, to_text, visible
     use spintop_verification, only: verify_table
     implicit none

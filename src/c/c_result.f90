@@ -3,7 +3,7 @@
 module spintop_c_result
     use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_long_long, c_null_ptr, c_ptr
     use spintop_c_error, only: c_text_t
-    use spintop_data_table, only: data_column_t, data_table_t
+    use spintop_loaded_table, only: data_column_t, data_table_t
     use spintop_execution, only: memory_run_t
     use spintop_table_column, only: column_t
     implicit none

@@ -10,7 +10,7 @@ module spintop_c_top
     use spintop_c_result, only: c_column_t, described_column_t, hand_result
     use spintop_case, only: case_t
     use spintop_compare, only: is_finite
-    use spintop_data_table, only: data_table_t
+    use spintop_loaded_table, only: data_table_t
     use spintop_differences, only: node_count, nodes_t
     use spintop_errors, only: error_t, input_error
     use spintop_exit_codes, only: exit_input, exit_ok

@@ -14,13 +14,13 @@ module spintop_thread_team
     use spintop_caller, only: current, refuse_if_stopped
     use spintop_clock, only: pause_for, processor_seconds, seconds
     use spintop_errors, only: error_t
-    use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_process, only: end_by_signal, end_is_wanted, peak_memory, set_journal_thread
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
+    use spintop_table_file, only: journal_entry_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none

@@ -55,23 +55,21 @@ contains
         call grow(self)
     end subroutine start
 
-    !> Carries all counts: how many numbers follow, then pages one after the other: bin, exponent, counts.
+    !> Carries all counts, page by page: bin, exponent, counts.
     subroutine store_or_restore(self, stream)
         class(value_counts_t), intent(inout) :: self !! empty if they are read
         type(state_stream_t), intent(inout) :: stream !! a file
-        integer(int64) :: numbers(1), place(2), k
-        integer :: length, page
+        integer(int64) :: place(2)
+        integer :: k, n, page
 
-        length = 2 + 2**self%bits
-        numbers = int(length, int64) * self%pages
+        n = self%pages
         place = 0
-        call stream%carry_numbers(1, numbers)
-        if (mod(numbers(1), int(length, int64)) /= 0) call stream%refuse()
-        do k = 1, numbers(1) / length
-            page = int(k)
+        call stream%carry_count(n, 2**self%bits)
+        do k = 1, n
+            page = k
             if (.not. stream%is_read) place = [self%bin_of(page), int(self%exponent_of(page), int64)]
             call stream%carry_numbers(size(place), place)
-            if (place(1) < 1 .or. place(1) > size(self%first_of, kind=int64) .or. place(2) < 0 .or. place(2) >= exponents) call stream%refuse()
+            if (any(place < [1, 0]) .or. any(place > [size(self%first_of), exponents - 1])) call stream%refuse()
             if (allocated(stream%error)) return
             if (stream%is_read) call find_page(self, place(1), int(place(2)), page)
             call stream%carry_numbers(size(self%counts, 1), self%counts(:, page))

@@ -2,7 +2,7 @@
 module spintop_execution
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_table, only: given_axis_t
-    use spintop_data_table, only: data_table_t, load_table
+    use spintop_loaded_table, only: data_table_t, load_table
     use spintop_errors, only: error_t
     use spintop_exit_codes, only: exit_ok
     use spintop_files, only: make_folder, file_exists, make_private_folder, remove_folder

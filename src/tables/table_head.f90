@@ -3,8 +3,8 @@
 module spintop_table_head
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: input_file_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_text, only: string_t
-    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated, value_of, is_netcdf

@@ -2,14 +2,13 @@
 module texts_and_tables
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_bins
+    use spintop_accumulators, only: bins_around, bins_t, even_bins, place_among
     use spintop_checksum
     use spintop_clock
     use spintop_diagnostics
     use spintop_errors
     use spintop_exit_codes
     use spintop_files
-    use spintop_journal
     use spintop_kinds
     use spintop_number_slot
     use spintop_parameter_print
@@ -26,7 +25,6 @@ module texts_and_tables
     use spintop_table_file
     use spintop_table_head
     use spintop_text
-    use spintop_text_buffer
     use spintop_thread_team, only: none_left, retry_later, row_queue_t
     use spintop_units
     implicit none

@@ -19,6 +19,7 @@ module spintop_fit_study
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_residuals, only: loss_names, loss_squares, loss_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_t
@@ -27,7 +28,6 @@ module spintop_fit_study
     use spintop_table_column, only: column_t
     use spintop_table_file, only: stem_of, table_file_t
     use spintop_text, only: append, counted, escaped, string_t, to_text
-    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: fit_study_t, residual_path, fit_columns

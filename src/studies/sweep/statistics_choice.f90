@@ -2,7 +2,7 @@
 !> these.
 module spintop_statistics_choice
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_bins, only: bins_around, bins_t, even_bins
+    use spintop_accumulators, only: bins_around, bins_t, even_bins
     use spintop_compare, only: is_finite
     use spintop_job, only: job_t
     use spintop_kinds, only: dp

@@ -25,7 +25,8 @@ module spintop_thread_team
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none
     private
-    public :: team_t, block_worker_t, work_of_making, work_of_computing, work_of_formatting, team_in_words, blocks_ahead
+    public :: team_t, block_worker_t, blocks_ahead
+    public :: work_of_making, work_of_computing, work_of_formatting, work_of_writing, memory_in_use
     public :: row_queue_t, retry_later, none_left
 
     !> Number of blocks per thread that a fast thread may be ahead of a slow one, or of a writing one; and the
@@ -39,14 +40,9 @@ module spintop_thread_team
     !> Time between two looks of the journal thread, s.
     real(dp), parameter :: pause_of_journal_thread = 2.0e-3_dp
 
-    !> Time of all threads for making, computing, formatting and writing cases, s; and the peak memory of all
-    !> ranks, bytes.
-    type :: costs_t
-        real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0, memory = 0
-    end type costs_t
-
-    !> What is done with a case, of which a worker counts the costs.
-    integer, parameter :: work_of_making = 1, work_of_computing = 2, work_of_formatting = 3
+    !> What is done with a case, of which a worker counts the costs; the team also counts those of writing, and the memory.
+    integer, parameter :: work_of_making = 1, work_of_computing = 2, work_of_formatting = 3, work_of_writing = 4, &
+        memory_in_use = 5
 
     !> Computes blocks of cases in a thread.
     type, abstract :: block_worker_t
@@ -107,14 +103,15 @@ module spintop_thread_team
         integer, private :: cases_of_block = 1
         !> Threads of this rank that compute, those of all ranks (known to the writer), and those that serve
         !> other ranks.
-        integer :: threads = 1
-        integer, private :: all_threads = 1, servers = 0
+        integer :: threads = 1, all_threads = 1
+        integer, private :: servers = 0
         !> Threads of this rank that still compute or serve.
         integer, private :: active = 0
         !> Blocks to compute, and rows that wait to be written.
         type(row_queue_t) :: queue
         type(progress_t) :: progress
-        type(costs_t) :: costs
+        !> Time of all threads, s; and the peak memory of all ranks, bytes.
+        real(dp) :: costs(memory_in_use) = 0
     contains
         procedure :: assemble
         procedure :: compute
@@ -153,21 +150,23 @@ contains
         class(row_table_t), intent(inout) :: table !! the table
         type(row_block_t) :: no_rows
         integer(int64) :: number
-        integer :: journal_threads
-        logical :: has_journal_thread
+        integer :: journal_threads, threads, me
 
         journal_threads = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
-        !$omp parallel num_threads(self%threads + self%servers + journal_threads) copyin(current)
+        !$omp parallel num_threads(self%threads + self%servers + journal_threads) copyin(current) private(me)
+        me = 0
+        !$ me = omp_get_thread_num()
         !$omp single
         self%active = self%threads + self%servers
-        has_journal_thread = count_threads() > self%threads + self%servers
+        threads = 1
+        !$ threads = omp_get_num_threads()
         ! Other ranks give the writer time.
-        call set_journal_thread(logical(has_journal_thread .or. .not. self%ranks%is_writer(), c_bool))
+        call set_journal_thread(logical(threads > self%active .or. .not. self%ranks%is_writer(), c_bool))
         !$omp end single
-        if (this_thread() < self%servers) then
+        if (me < self%servers) then
             call serve_others(self, table)
-        else if (this_thread() < self%threads + self%servers) then
-            call compute_share(self, workers(this_thread() - self%servers + 1), table)
+        else if (me < self%threads + self%servers) then
+            call compute_share(self, workers(me - self%servers + 1), table)
         else
             call run_journal_thread(self, table)
         end if
@@ -178,7 +177,8 @@ contains
             number = signed_off
             call self%ranks%exchange(number, no_rows)
         end if
-        call reduce_costs(self)
+        self%costs(memory_in_use) = real(peak_memory(), dp)
+        call self%ranks%reduce(self%costs)
     end subroutine compute
 
     !> The loop of each computing thread: take the next block, compute it and pass it to the queue, until none
@@ -211,11 +211,7 @@ contains
         end do
         !$omp critical (queue)
         self%active = self%active - 1
-        associate (costs => self%costs)
-            costs%making = costs%making + worker%costs(work_of_making)
-            costs%computing = costs%computing + worker%costs(work_of_computing)
-            costs%formatting = costs%formatting + worker%costs(work_of_formatting)
-        end associate
+        self%costs(:work_of_formatting) = self%costs(:work_of_formatting) + worker%costs
         !$omp end critical (queue)
     end subroutine compute_share
 
@@ -358,61 +354,32 @@ contains
         call self%progress%update(table%rows())
         call table%make_entry_if_due(entry, has_entry, self%queue%error)
         if (.not. has_entry) call self%queue%begin_write(is_due)
-        self%costs%writing = self%costs%writing + (seconds() - moment)
+        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
         !$omp end critical (queue)
         if (.not. has_entry) return
         moment = seconds()
         call keep(self, table, entry)
         !$omp critical (queue)
         call self%queue%begin_write(is_due)
-        self%costs%writing = self%costs%writing + (seconds() - moment)
+        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
         !$omp end critical (queue)
     end subroutine write_due
 
-    !> Adds the costs of the other ranks to those of the writer.
-    subroutine reduce_costs(self)
-        class(team_t), intent(inout) :: self
-        real(dp) :: parts(5)
-        associate (costs => self%costs)
-            parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
-            call self%ranks%reduce(parts)
-            costs = costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
-        end associate
-    end subroutine reduce_costs
-
-    !> The team for a reader, where it is the writer's.
+    !> The team for a reader, where it is the writer's: `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they
+    !> differ.
     function in_words(self) result(text)
         class(team_t), intent(in) :: self
         character(:), allocatable :: text
-        text = team_in_words(self%ranks%count, self%threads, self%all_threads)
+        associate (ranks => self%ranks%count)
+            if (ranks == 1) then
+                text = to_text(self%threads) // ' threads'
+            else if (ranks * self%threads == self%all_threads) then
+                text = to_text(ranks) // ' ranks x ' // to_text(self%threads) // ' threads'
+            else
+                text = to_text(ranks) // ' ranks, ' // to_text(self%all_threads) // ' threads'
+            end if
+        end associate
     end function in_words
-
-    !> `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they differ.
-    function team_in_words(ranks, threads, all_threads) result(text)
-        integer, intent(in) :: ranks !! the ranks of this run
-        integer, intent(in) :: threads     !! of the writer
-        integer, intent(in) :: all_threads !! of all ranks
-        character(:), allocatable :: text
-        if (ranks == 1) then
-            text = to_text(threads) // ' threads'
-        else if (ranks * threads == all_threads) then
-            text = to_text(ranks) // ' ranks x ' // to_text(threads) // ' threads'
-        else
-            text = to_text(ranks) // ' ranks, ' // to_text(all_threads) // ' threads'
-        end if
-    end function team_in_words
-
-    !> Number of threads of the region.
-    integer function count_threads()
-        count_threads = 1
-        !$ count_threads = omp_get_num_threads()
-    end function count_threads
-
-    !> Number of the calling thread, from 0.
-    integer function this_thread()
-        this_thread = 0
-        !$ this_thread = omp_get_thread_num()
-    end function this_thread
 
     !> Starts an empty queue for a number of blocks, with room for some that arrive early.
     subroutine start(self, room, blocks)

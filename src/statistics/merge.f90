@@ -8,13 +8,13 @@ module spintop_merge
     use spintop_netcdf_table, only: head_of_table, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_shard, only: read_shard_line, shard_t
     use spintop_statistics_output, only: write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: is_statistics, read_statistics
     use spintop_table_end, only: check_table, table_check_t
     use spintop_table_file, only: refuse_to_discard_idle, stem_of, table_file_t
-    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, is_netcdf, read_head
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, is_netcdf, read_head, &
+        read_shard_line, shard_t
     use spintop_text, only: append, string_t, to_text
     implicit none
     private
@@ -294,7 +294,6 @@ contains
 
         of_head = head_length
         allocate (character(block_size) :: block)
-        call check%begin()
         call file%open(part, error, is_text=.true.)
         do while (.not. allocated(error))
             call file%read(block, length, error)

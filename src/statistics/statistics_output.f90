@@ -7,15 +7,14 @@ module spintop_statistics_output
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp, no_number
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: check_netcdf_table, netcdf_layout_t, netcdf_table_t
+    use spintop_netcdf_table, only: check_whole_table, netcdf_layout_t, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_sobol_indices, only: sobol_index_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: last_status
     use spintop_table_column, only: column_of_integers, column_of_reals, table_column_t
-    use spintop_table_end, only: check_table
     use spintop_table_file, only: stem_of, table_file_t
-    use spintop_table_head, only: is_netcdf, table_head
+    use spintop_table_head, only: table_head
     use spintop_text, only: replace_all, string_t, to_text
     use spintop_value_counts, only: value_counts_t
     implicit none
@@ -37,8 +36,8 @@ module spintop_statistics_output
     !> Maximum number of intervals.
     integer, parameter :: most_intervals = 100
 
-    !> A histogram of the values of a column: neighbouring intervals of nearly equal widths, from the minimum to the maximum, whose
-    !> ends are ends of the cells in which the values were counted, so that the numbers of values are exact.
+    !> A histogram of the values of a column: neighbouring intervals of nearly equal widths, from the minimum to the maximum,
+    !> whose ends are ends of the cells in which the values were counted, so that the numbers of values are exact.
     type :: histogram_t
         real(dp), allocatable :: from(:), to(:)
         !> Values in each interval.
@@ -198,23 +197,11 @@ contains
         character(*), intent(in) :: path !! path of the table of the bins
         type(statistics_plan_t), intent(in) :: plan !! what was gathered
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
-        call check(path)
-        if (problem == '') call check(path_beside(path, 'histogram'))
-        if (problem == '' .and. plan%has_indices()) call check(path_beside(path, 'indices'))
-
-    contains
-
-        subroutine check(table)
-            character(*), intent(in) :: table
-            integer(int64) :: no_counts(0:last_status)
-            no_counts = 0
-            if (is_netcdf(table)) then
-                call check_netcdf_table(table, problem, no_counts)
-            else
-                call check_table(table, problem)
-            end if
-        end subroutine check
-
+        integer(int64) :: no_counts(0:last_status)
+        no_counts = 0
+        call check_whole_table(path, problem, no_counts)
+        if (problem == '') call check_whole_table(path_beside(path, 'histogram'), problem, no_counts)
+        if (problem == '' .and. plan%has_indices()) call check_whole_table(path_beside(path, 'indices'), problem, no_counts)
     end subroutine check_statistics_tables
 
     !> The columns of the table of histograms, which has a row for each interval of a column.

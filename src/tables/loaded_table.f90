@@ -23,7 +23,7 @@ module spintop_loaded_table
     use spintop_table_column, only: column_of_notes, column_of_words, column_t, table_column_t
     use spintop_table_end, only: check_table_text
     use spintop_table_head, only: check_format
-    use spintop_text, only: abbreviate, escaped, split, string_t, to_text
+    use spintop_text, only: abbreviate, escaped, string_t, to_text
     implicit none
     private
     public :: read_table, table_t
@@ -445,19 +445,17 @@ contains
         type(data_table_t), intent(out) :: table !! the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_t) :: loaded
-        type(string_t), allocatable :: lines(:)
         integer :: i
 
         call read_table(path, loaded, error)
         if (allocated(error)) return
         call move_alloc(loaded%frame, table%frame)
-        call split(table%frame, new_line('a'), lines)
         table%name = name
         allocate (table%column(size(loaded%names)))
         do i = 1, size(loaded%names)
             associate (column => table%column(i))
                 column%name = loaded%names(i)%text
-                call describe_column(lines, column)
+                call describe_column(table%frame, column)
                 call read_cells(loaded, loaded%names(i)%text, column)
                 table%rows = size(column%values)
             end associate
@@ -465,31 +463,22 @@ contains
     end subroutine load_table
 
     !> Finds unit and meaning of a column in the header: `#     name [unit]: meaning`, after the line `# columns:`.
-    pure subroutine describe_column(lines, column)
-        type(string_t), intent(in) :: lines(:)
+    pure subroutine describe_column(frame, column)
+        character(*), intent(in) :: frame
         type(data_column_t), intent(inout) :: column
-        character(:), allocatable :: text
-        integer :: i, first, last, colon
-        logical :: below
+        character(:), allocatable :: key, line
+        integer :: list, place, colon
 
-        below = .false.
-        do i = 1, size(lines)
-            text = lines(i)%text
-            if (below .and. index(text, '#     ' // trim(column%name)) == 1) then
-                first = len('#     ' // trim(column%name)) + 1
-                colon = index(text(first:), ': ') + first - 1
-                if (text(first:first) == ':') then
-                    column%what = text(first + 2:)
-                    return
-                else if (text(first:min(first + 1, len(text))) == ' [' .and. colon > first) then
-                    last = index(text(:colon), ']', back=.true.)
-                    column%unit = text(first + 2:last - 1)
-                    column%what = text(colon + 2:)
-                    return
-                end if
-            end if
-            if (text == '# columns:') below = .true.
-        end do
+        key = new_line('a') // '#     ' // trim(column%name)
+        list = max(index(frame, '# columns:' // new_line('a')), 1)
+        place = max(index(frame(list:), key // ': '), index(frame(list:), key // ' ['))
+        if (place == 0) return
+        line = frame(list + place - 1 + len(key):)
+        line = line(:index(line // new_line('a'), new_line('a')) - 1)
+        colon = index(line, ': ')
+        if (colon == 0) return
+        if (colon > 1) column%unit = line(3:index(line(:colon), ']', back=.true.) - 1)
+        column%what = line(colon + 2:)
     end subroutine describe_column
 
     !> Reads the cells of a column: numbers if all are numbers, otherwise words.

@@ -29,15 +29,14 @@ module spintop_row_table
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, file_size, remove_file
     use spintop_kinds, only: dp
-    use spintop_netcdf_table, only: check_netcdf_table, head_of_table, netcdf_layout_t, write_netcdf_table
+    use spintop_netcdf_table, only: check_whole_table, head_of_table, netcdf_layout_t, write_netcdf_table
     use spintop_process, only: keep_rows
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_table_column, only: status_column, table_column_t
-    use spintop_table_end, only: check_table
     use spintop_table_file, only: journal_entry_t, journal_of, part_of, read_journal, refuse_to_discard, remove_journal, &
         state_of, table_file_t, write_journal
-    use spintop_table_head, only: comment_lines, compare_heads, is_netcdf
+    use spintop_table_head, only: comment_lines, compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
@@ -93,7 +92,7 @@ module spintop_row_table
         procedure :: finish
         procedure :: abandon
         procedure :: discard
-        procedure, private :: resume, flush_part, check_complete
+        procedure, private :: resume, flush_part
     end type row_table_t
 
 contains
@@ -114,6 +113,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
         logical :: had_part
+        integer :: column
 
         self%remark = ''
         self%head = head
@@ -124,7 +124,9 @@ contains
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. file_exists(path)) then
             problem = difference_from(path, head)
-            if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
+            column = 0
+            if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
+            if (problem == '' .and. self%keeps_rows) call check_whole_table(path, problem, self%counts, column)
             if (problem /= '') then
                 error = refusal(path, problem)
                 return
@@ -333,21 +335,6 @@ contains
         entry%bytes = self%table%bytes
         entry%checksum = self%table%ending%checksum()
     end subroutine flush_part
-
-    !> Checks a complete table, and counts its rows by their status, or its motion.
-    subroutine check_complete(self, path, problem)
-        class(row_table_t), intent(inout) :: self
-        character(*), intent(in) :: path !! path of the table
-        character(:), allocatable, intent(out) :: problem !! why it is not as it was written; '' if it is
-        integer :: column
-        column = 0
-        if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
-        if (is_netcdf(path)) then
-            call check_netcdf_table(path, problem, self%counts)
-        else
-            call check_table(path, problem, column, self%counts)
-        end if
-    end subroutine check_complete
 
     !> How the header of a file differs from another one; '' if it does not. A file may end before its line of names.
     function difference_from(path, head) result(problem)

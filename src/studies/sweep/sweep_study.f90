@@ -17,7 +17,6 @@ module spintop_sweep_study
     use spintop_row_table, only: row_table_t
     use spintop_row_block, only: row_block_t
     use spintop_scene_keys, only: scene_t
-    use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: code_of, is_good_end, last_status, status_meaning, status_name, status_ok
@@ -28,8 +27,10 @@ module spintop_sweep_study
     use spintop_sweep_worker, only: sweep_rows_t, size_of_block
     use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
+    use spintop_table_head, only: shard_t
     use spintop_text, only: join, to_text, string_t
-    use spintop_thread_team, only: team_t, blocks_ahead
+    use spintop_thread_team, only: blocks_ahead, memory_in_use, team_t, work_of_computing, work_of_formatting, &
+        work_of_making, work_of_writing
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -151,7 +152,7 @@ contains
         call move_alloc(team%queue%error, error)
         if (.not. allocated(error)) call table%finish(error)
         if (allocated(error)) call table%abandon(error)
-        team%costs%writing = team%costs%writing + (seconds() - moment)
+        team%costs(work_of_writing) = team%costs(work_of_writing) + (seconds() - moment)
         if (.not. allocated(error)) code = code_of(table%counts)
     end subroutine compute_cases
 
@@ -218,11 +219,12 @@ contains
         call summary%add('time', rounded(elapsed) // ' s on ' // team%in_words() // ', ' &
             // rounded(computed / elapsed) // ' cases/s')
         associate (costs => team%costs)
-            call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
-                // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
-                // ' cases/s per thread), formatting ' // rounded(costs%formatting) &
-                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s', is_detail=.true.)
-            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak', is_detail=.true.)
+            call summary%add('parts', 'making cases ' // rounded(costs(work_of_making)) // ' s, computing ' &
+                // rounded(costs(work_of_computing)) // ' s (' &
+                // rounded(computed / max(costs(work_of_computing), tiny(elapsed))) &
+                // ' cases/s per thread), formatting ' // rounded(costs(work_of_formatting)) &
+                // ' s, all threads together; writing ' // rounded(costs(work_of_writing)) // ' s', is_detail=.true.)
+            call summary%add('memory', rounded(costs(memory_in_use) / 1.0e6_dp) // ' MB peak', is_detail=.true.)
         end associate
         do status = status_ok, last_status
             if (table%counts(status) == 0) cycle

@@ -57,8 +57,9 @@ contains
         if (present(rotor)) then
             status = merge(status_unsuitable, status_non_finite, all(is_finite(rotor)))
             if (.not. all(is_zero(rotor))) then
-                if (is_finite(rotor(3)) .and. all(is_zero(rotor(1:2))) .and. body%is_lagrange()) &
+                if (is_finite(rotor(3)) .and. all(is_zero(rotor(1:2))) .and. body%is_lagrange()) then
                     call prepare_symmetric_motion(body, start, exact%symmetric_motion_t, status, rotor(3))
+                end if
                 return
             end if
         end if

@@ -58,7 +58,10 @@ contains
         if (exact%theta%regime /= regime_resting) call set_phases(exact)
         if (is_defined(exact%nutation) .and. is_finite(real(exact%upper_phase + exact%lower_phase, dp))) return
         status = status_non_finite
-        exact = symmetric_motion_t()
+        block
+            type(symmetric_motion_t) :: unprepared
+            exact = unprepared
+        end block
     end subroutine prepare_symmetric_motion
 
     !> Rates of the phases, and the constants that make the motion pass through the start.

@@ -67,25 +67,22 @@ contains
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
         type(accumulators_t), intent(in) :: accumulators !! the statistics
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(table_column_t), allocatable :: columns(:)
         integer(int64) :: last
 
-        columns = histogram_columns(plan)
-        call write_table(path_beside(path, 'histogram'), head_of(columns, head), columns, plan, error, &
+        call write_table(path_beside(path, 'histogram'), head, histogram_columns(plan), plan, error, &
                          histogram_rows(plan, accumulators))
         if (.not. allocated(error) .and. plan%has_indices()) then
-            columns = index_columns(plan)
-            call write_table(path_beside(path, 'indices'), head_of(columns, head), columns, plan, error, &
-                             index_rows(plan, accumulators))
+            call write_table(path_beside(path, 'indices'), head, index_columns(plan), plan, error, index_rows(plan, accumulators))
         end if
         if (allocated(error)) return
         last = merge(plan%bin_count(), 0_int64, size(plan%over) > 0)
         call write_table(path, head, result_columns(plan), plan, error, accumulators=accumulators, last=last)
     end subroutine write_statistics_tables
 
-    !> Writes a table, under another name until it is complete: of the given rows, or of all cases and the bins to the last.
-    subroutine write_table(path, head, columns, plan, error, rows, accumulators, last)
-        character(*), intent(in) :: path, head !! path of the table, and its header
+    !> Writes a table, under another name until it is complete: of all cases and the bins to the last, or of the given rows,
+    !> which stands beside it.
+    subroutine write_table(path, head_of_bins, columns, plan, error, rows, accumulators, last)
+        character(*), intent(in) :: path, head_of_bins !! path of the table, and the header of that of the bins
         type(table_column_t), intent(in) :: columns(:)
         type(statistics_plan_t), intent(in) :: plan
         type(error_t), allocatable, intent(out) :: error
@@ -98,10 +95,16 @@ contains
         type(table_file_t) :: text
         type(row_block_t) :: block
         type(string_t) :: no_lines(0)
+        character(:), allocatable :: head
         integer(int64) :: all, first, k
 
-        if (present(rows)) all = size(rows, 2)
-        if (present(last)) all = last + 1
+        if (present(rows)) then
+            head = head_of(columns, head_of_bins)
+            all = size(rows, 2)
+        else
+            head = head_of_bins
+            all = last + 1
+        end if
         if (plan%is_netcdf) then
             reals = columns
             where (columns%kind == column_of_integers) reals%kind = column_of_reals
@@ -118,7 +121,7 @@ contains
             do k = first, min(first + rows_at_once - 1, all)
                 block%rows = block%rows + 1
                 if (present(rows)) block%cells(:, block%rows) = rows(:, k)
-                if (present(last)) call find_row(plan, accumulators, k - 1, block%cells(:, block%rows))
+                if (.not. present(rows)) call find_row(plan, accumulators, k - 1, block%cells(:, block%rows))
             end do
             if (plan%is_netcdf) then
                 call netcdf%add_rows(block%cells(:, :block%rows))

@@ -343,8 +343,8 @@ contains
         type(string_t), allocatable :: written(:), theirs(:)
         integer :: i, k
 
-        written = files_written(job)
-        theirs = files_written(other)
+        allocate (written, source=files_written(job))
+        allocate (theirs, source=files_written(other))
         do i = 1, size(written)
             do k = 1, size(theirs)
                 if (.not. is_other .or. written(i)%text /= theirs(k)%text) cycle
@@ -390,7 +390,7 @@ contains
         type(string_t), allocatable :: files(:)
         integer :: i
         names = ''
-        files = files_written(job)
+        allocate (files, source=files_written(job))
         do i = 1, size(files)
             if (files(i)%text == job%files%log .or. .not. file_exists(files(i)%text)) cycle
             names = names // files(i)%text // achar(0)

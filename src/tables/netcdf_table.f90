@@ -376,18 +376,15 @@ contains
     subroutine define_variable(self, i)
         type(netcdf_table_t), intent(inout) :: self
         integer, intent(in) :: i !! number of the column, and of the variable
-        integer, allocatable :: dimensions(:), lengths(:)
+        integer, allocatable :: own(:), values(:)
         integer :: types(4), id, k
         character(:), allocatable :: words
 
         types = [nf90_double, nf90_int, nf90_byte, nf90_int]
-        dimensions = [(k, k=size(self%extent), 1, -1)]
-        lengths = self%extent
-        if (self%along(i) > 0) then
-            dimensions = [dimensions(self%along(i))]
-            lengths = [lengths(self%along(i))]
-        end if
-        associate (column => self%columns(i))
+        ! Dimensions were defined from the last one on.
+        allocate (own, source=[(k, k=1, size(self%extent))])
+        if (self%along(i) > 0) own = [self%along(i)]
+        associate (column => self%columns(i), dimensions => size(self%extent) + 1 - own, lengths => self%extent(own))
             call check(self, nf90_def_var(self%id, netcdf_name(column%name), types(column%kind), dimensions, id))
 #ifdef SPINTOP_NETCDF4
             if (self%layout%compression > 0 .and. all(lengths > 0)) then
@@ -408,11 +405,11 @@ contains
                     words = words // ' ' // replace_all(trim(column%words(k)%text), ' ', '_')
                 end do
                 call put_text(self, i, 'flag_meanings', words(2:))
-                dimensions = [(k, k=0, size(column%words) - 1)]
+                allocate (values, source=[(k, k=0, size(column%words) - 1)])
                 if (column%kind == column_of_notes) then
-                    call check(self, nf90_put_att(self%id, i, 'flag_masks', shiftl(1, dimensions)))
+                    call check(self, nf90_put_att(self%id, i, 'flag_masks', shiftl(1, values)))
                 else
-                    call check(self, nf90_put_att(self%id, i, 'flag_values', int(dimensions, int8)))
+                    call check(self, nf90_put_att(self%id, i, 'flag_values', int(values, int8)))
                 end if
             case (column_of_integers)
             end select

@@ -57,12 +57,10 @@ contains
         self%evaluations = self%evaluations + 1
     end subroutine quantities
 
-    subroutine handle_event(self, number, motion, is_noise)
+    subroutine handle_event(self, number, motion)
         class(event_log_t), intent(inout) :: self
         integer, intent(in) :: number
         type(motion_t), intent(in) :: motion
-        logical, intent(in) :: is_noise
-        if (is_noise) return
         self%n = self%n + 1
         self%met(self%n) = number
         self%motions(self%n) = motion

@@ -63,7 +63,7 @@ contains
         type(scene_t), allocatable, target :: own
         integer :: last
         last = len_trim(settings)
-        if (settings(last:last) == ';') last = last - 1
+        if (last > 0) last = last - merge(1, 0, settings(last:last) == ';')
         allocate (own)
         call make_scene_of_settings(settings(:last), own, error)
         scene = own

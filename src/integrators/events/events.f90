@@ -63,6 +63,9 @@ module spintop_events
         real(dp) :: pole_axis(3) = 0
         !> Time up to which the motion was searched, s: that of the event that ended it.
         real(dp) :: t = 0
+        !> Whether `handle_event` is called, with `is_noise`, at passages too that do not count, because the quantity was within
+        !> its noise since the one before.
+        logical :: takes_noise = .false., is_noise = .false.
         !> For `handle_event`: the work of effects from the start to the event, by its parts, J.
         real(dp) :: work(works) = 0
         !> The motion at that time; if `needs_angles`, with the angles and their rates.
@@ -91,14 +94,12 @@ module spintop_events
     end type event_search_t
 
     abstract interface
-        !> Called at event `number` of the list, in increasing order of time; and at a passage that does not count, because the
-        !> quantity was within its noise since the one before.
-        subroutine handle_event(self, number, motion, is_noise)
+        !> Called at event `number` of the list, in increasing order of time.
+        subroutine handle_event(self, number, motion)
             import :: event_search_t, motion_t
             class(event_search_t), intent(inout) :: self
             integer, intent(in) :: number !! index of the event in `events`
             type(motion_t), intent(in) :: motion !! the motion at the event
-            logical, intent(in) :: is_noise !! whether it is one that does not count
         end subroutine handle_event
     end interface
 
@@ -269,7 +270,7 @@ contains
         self%is_full = self%events(k)%count >= self%most_events
         if (self%is_full) return
         self%events(k)%count = self%events(k)%count + 1
-        call self%handle_event(k, motion, is_noise=.false.)
+        call self%handle_event(k, motion)
     end subroutine count_event
 
     !> Searches for passages from the last instant to the next one, `next` or earlier, and handles them in order. An event very
@@ -302,7 +303,9 @@ contains
                     call path%at(t, motion)
                     self%work = path%work_until(t)
                     if (k > 0) call count_event(self, k, motion)
-                    if (k < 0) call self%handle_event(-k, motion, is_noise=.true.)
+                    self%is_noise = k < 0
+                    if (self%is_noise .and. self%takes_noise) call self%handle_event(-k, motion)
+                    self%is_noise = .false.
                     if (self%is_full) return
                     if (self%has_enough) then
                         self%t = t

@@ -79,7 +79,7 @@ module spintop_measures
     !> motion interrupts the count of both kinds, but counts for the extremes: the count ends there, or begins anew if no whole
     !> nutation was counted before.
     type :: turns_t
-        type(turning_points_t) :: of(upper:lower)
+        type(turning_points_t) :: of(upper:lower) = turning_points_t()
         logical :: is_interrupted = .false.
         logical, private :: has_ended = .false., starts_turning = .false.
         !> The start.
@@ -108,12 +108,12 @@ module spintop_measures
         !> sign.
         real(dp) :: least(watches) = huge(1.0_dp)
         real(dp) :: largest(watches) = [(merge(0.0_dp, -huge(1.0_dp), quantities(k)%is_rate), k=1, watches)]
-        type(turns_t) :: turns
+        type(turns_t) :: turns = turns_t()
         !> theta at the start and at the end, rad.
         real(dp) :: ends(2) = 0
         !> The largest relative energy error, and the change of phi in T_p, rad, if the motion reached that.
         real(dp) :: energy_error = no_number, azimuth = no_number
-        type(growth_t) :: growth
+        type(growth_t) :: growth = growth_t()
     contains
         procedure :: keep
         procedure :: find_nutation

@@ -142,14 +142,13 @@ contains
     end subroutine quantities
 
     !> Writes an event, and ends the motion if this is the event that ends it.
-    subroutine handle_event(self, number, motion, is_noise)
+    subroutine handle_event(self, number, motion)
         class(event_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
-        logical, intent(in) :: is_noise !! whether it is none that counts
         type(text_buffer_t) :: line
 
-        if (is_noise) return
+        if (self%is_noise) return
         if (self%is_listed(number) .and. allocated(self%kept)) then
             call keep_row([real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)], &
                           self%rows, self%kept)

@@ -310,7 +310,7 @@ contains
         integer :: i, k
         real(dp) :: time(size(job%columns)), ratio
 
-        chosen = job%columns
+        allocate (chosen, source=job%columns)
         do i = 1, size(chosen)
             do k = 1, i - 1
                 if (chosen(k)%needs == chosen(i)%needs) exit

@@ -70,7 +70,7 @@ contains
         table%result_path = job%files%table
         if (job%keeps_rows()) table%result_path = job%files%statistics
         ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
-        columns = result_columns(table%plan)
+        allocate (columns, source=result_columns(table%plan))
         table%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_statistics
 

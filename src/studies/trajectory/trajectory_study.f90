@@ -182,7 +182,7 @@ contains
         type(study_column_t), allocatable :: needed(:)
         integer :: status
 
-        needed = [job%columns, job%sensitivities%columns()]
+        allocate (needed, source=[job%columns, job%sensitivities%columns()])
         call writer%set_columns(needed, job%case, job%input%scene)
         allocate (writer%kept(size(needed), job%plan%samples), stat=status)
         if (status /= 0) error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' &

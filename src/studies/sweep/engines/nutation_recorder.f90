@@ -59,6 +59,7 @@ contains
         real(dp) :: gamma(3)
         integer :: k
         self%wanted = [(any(wanted == k), k=1, watches)]
+        self%takes_noise = .true.
         self%case = case
         ! Only the events of the scene may depend on the angles.
         self%needs_angles = self%needs_angles .and. size(self%events) > 0
@@ -165,23 +166,22 @@ contains
     end subroutine find_slopes
 
     !> Handles an event.
-    subroutine handle_event(self, number, motion, is_noise)
+    subroutine handle_event(self, number, motion)
         class(nutation_recorder_t), intent(inout) :: self
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
-        logical, intent(in) :: is_noise !! whether it is a passage within the noise of its quantity
         type(motion_t) :: given
         integer :: k
         k = number - size(self%events)
         if (allocated(self%own)) k = k + size(self%own)
         if (k <= 0) then
-            call self%event_recorder_t%handle_event(number, motion, is_noise)
+            call self%event_recorder_t%handle_event(number, motion)
             return
         end if
         given = as_given(self, motion)
         call update_extremes(self, motion, given)
         if (self%own(k) /= watch_turning) return
-        call self%found%turns%add(merge(upper, lower, self%events(number)%direction < 0), point_of(given), is_noise)
+        call self%found%turns%add(merge(upper, lower, self%events(number)%direction < 0), point_of(given), self%is_noise)
     end subroutine handle_event
 
     !> Includes the end of the motion, where the quantities may have their extremes.

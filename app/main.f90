@@ -2,19 +2,19 @@
 !> the writer prints messages and answers requests other than studies.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_terminal, only: in_colour
-    use spintop_command_line, only: request_t, read_command_line, describe_usage, action_run, action_check, &
-        action_list, action_help, action_merge, action_verify, action_version
+    use spintop_command_line, only: action_check, action_help, action_list, action_merge, action_run, action_verify, &
+        action_version, describe_usage, read_command_line, request_t
     use spintop_errors, only: error_t, exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
-    use spintop_files, only: replace_file, complain_of, end_output, print_text
+    use spintop_files, only: complain_of, end_output, print_text, replace_file
     use spintop_job, only: job_t
-    use spintop_preparation, only: tables_written, prepare_jobs, prepared_t, protect_interrupted
     use spintop_listing, only: list_topic
+    use spintop_merge, only: merge_parts
+    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted, tables_written
     use spintop_process, only: begin_process, check_level, check_stacks, end_process
-    use spintop_provenance, only: program_version, program_revision
-    use spintop_ranks, only: ranks_t, start_ranks, end_ranks
-    use spintop_statistics_merge, only: merge_parts
+    use spintop_provenance, only: program_revision, program_version
+    use spintop_ranks, only: end_ranks, ranks_t, start_ranks
+    use spintop_terminal, only: in_colour
     use spintop_text, only: append, join, string_t, to_text, visible
     use spintop_verification, only: verify_table
     implicit none

@@ -1,9 +1,10 @@
 !> Results for C: tables of columns, as structures that the library makes and deletes, and that C reads.
 !> `include/spintop.h` describes them.
 module spintop_c_result
-    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_long_long, c_null_char, c_null_ptr, c_ptr
-    use spintop_data_table, only: data_table_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_long_long, c_null_char, &
+        c_null_ptr, c_ptr
     use spintop_execution, only: memory_run_t
+    use spintop_loaded_table, only: data_table_t
     use spintop_table_column, only: column_t
     use spintop_text, only: string_t
     implicit none

@@ -2,19 +2,19 @@
 !> `include/spintop.h` describes the functions. An object does not change after it was made, so threads may share it; those
 !> that ask for the motion do not wait for each other.
 module spintop_c_top
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, &
-        c_ptr, c_size_t
-    use spintop_caller, only: default_arithmetic_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
+        c_null_ptr, c_ptr, c_size_t
     use spintop_c_error, only: describe_status, failed, hand_status, longest_message, read_input, refuse
     use spintop_c_result, only: columns_t, hand_result
+    use spintop_caller, only: default_arithmetic_t
     use spintop_case, only: case_t
-    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_differences, only: node_count, nodes_t
-    use spintop_errors, only: error_t, input_error, exit_input, exit_ok
+    use spintop_errors, only: error_t, exit_input, exit_ok, input_error
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_execution, only: memory_run_t
     use spintop_integration, only: outcome_t
     use spintop_job, only: job_t
+    use spintop_kinds, only: dp, is_finite, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
     use spintop_plan, only: plan_t

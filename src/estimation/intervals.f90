@@ -1,12 +1,10 @@
 !> What a least-squares fit says of its parameters: covariance, identifiability, and profile intervals (Bates and Watts,
 !> Nonlinear Regression Analysis, 1988, chapter 6).
 module spintop_intervals
-    use spintop_kinds, only: dp, no_number, is_finite
-    use spintop_jacobian, only: find_jacobian, refine_jacobian
+    use spintop_kinds, only: dp, is_finite, no_number
     use spintop_lapack, only: dgesvd
-    use spintop_least_squares, only: minimize, minimum_t
-    use spintop_losses, only: loss_t
-    use spintop_residuals, only: residuals_t
+    use spintop_least_squares, only: find_jacobian, minimize, minimum_t, refine_jacobian
+    use spintop_residuals, only: loss_t, residuals_t
     implicit none
     private
     public :: estimate_t, describe_minimum, compare_with
@@ -97,12 +95,8 @@ contains
         estimate%covariance = estimate%deviation**2 * matmul(transpose(vectors), vectors)
         estimate%standard_error = [(sqrt(estimate%covariance(k, k)), k=1, n)]
         do k = 1, n
-            if (.not. wants_profile) call set_linear_ends(model, level, k, estimate)
-        end do
-        if (.not. wants_profile) return
-        do k = 1, n
-            model%share = max(model%share, (n + k - 1.0_dp) / (2 * n)) ! the search was the first half
-            call find_interval(model, minimum, jacobian, level, k, estimate)
+            if (wants_profile) model%share = max(model%share, (n + k - 1.0_dp) / (2 * n)) ! the search was the first half
+            call find_interval(model, minimum, jacobian, level, k, wants_profile, estimate)
         end do
         do k = 1, n
             if (estimate%is_bounded(k)) cycle
@@ -213,33 +207,23 @@ contains
 
     end subroutine find_derivatives
 
-    !> The interval of a parameter by the linear model, in the range of the parameter.
-    subroutine set_linear_ends(model, level, k, estimate)
-        class(residuals_t), intent(in) :: model
-        real(dp), intent(in) :: level
-        integer, intent(in) :: k
-        type(estimate_t), intent(inout) :: estimate
-        real(dp) :: range(2)
-        range = model%ends(k)
-        estimate%lower(k) = max(estimate%x(k) - level * estimate%standard_error(k), range(1))
-        estimate%upper(k) = min(estimate%x(k) + level * estimate%standard_error(k), range(2))
-    end subroutine set_linear_ends
-
-    !> The interval of a parameter.
-    subroutine find_interval(model, minimum, jacobian, level, k, estimate)
+    !> The interval of a parameter, in its range: that of the linear model, or that to which the profile is followed.
+    subroutine find_interval(model, minimum, jacobian, level, k, wants_profile, estimate)
         class(residuals_t), intent(inout) :: model
         type(minimum_t), intent(in) :: minimum
         real(dp), intent(in) :: jacobian(:, :), level
         integer, intent(in) :: k
+        logical, intent(in) :: wants_profile
         type(estimate_t), intent(inout) :: estimate
         real(dp), allocatable :: better(:)
         real(dp) :: ends(2), place(2), range(2), width
         integer :: i, outcome
 
         range = model%ends(k)
-        width = max(level * estimate%standard_error(k), spacing(minimum%x(k)))
+        width = level * estimate%standard_error(k)
+        if (wants_profile) width = max(width, spacing(minimum%x(k)))
         ends = minimum%x(k) + [-width, width]
-        if (.not. (estimate%deviation <= estimate%error_of_model .or. allocated(estimate%better))) then
+        if (wants_profile .and. .not. (estimate%deviation <= estimate%error_of_model .or. allocated(estimate%better))) then
             do i = 1, 2
                 call find_end(model, minimum, jacobian, estimate, k, sign(level, ends(i) - minimum%x(k)), place(i), outcome, &
                               better)

@@ -1,14 +1,15 @@
 !> Nonlinear least squares: the method of Levenberg and Marquardt in the form of More (1978), as in MINPACK's `lmder`, on its
 !> routines `qrfac` and `lmpar`. Some of the parameters may be held. Parameters have ranges: steps are cut at their ends, and
-!> a parameter that the sum of squares presses against an end stays there while the others move.
+!> a parameter that the sum of squares presses against an end stays there while the others move. Derivatives are differences,
+!> with an estimate of their errors. The standard deviation that a robust loss needs is found with the parameters where it is
+!> not known.
 module spintop_least_squares
+    use spintop_differences, only: node_count, nodes_around, nodes_t
     use spintop_kinds, only: dp, is_finite
-    use spintop_jacobian, only: find_jacobian
-    use spintop_minpack, only: lmpar, qrfac
-    use spintop_residuals, only: residuals_t
+    use spintop_residuals, only: loss_huber, loss_squares, loss_t, loss_tukey, residuals_t
     implicit none
     private
-    public :: residuals_t, minimum_t, minimize, find_jacobian
+    public :: residuals_t, minimum_t, minimize, minimize_loss, robust_deviation, find_jacobian, refine_jacobian
 
     !> Relative reduction of the sum of squares, and of the parameters, below which the search ends; its largest number of
     !> evaluations per parameter; and the first bound of its steps.
@@ -35,7 +36,146 @@ module spintop_least_squares
         real(dp) :: bound = 0, parameter = 0
     end type search_t
 
+    !> Steps of differences in units of the scale of a parameter: of one side, for the search, and of both sides at two
+    !> distances, extrapolated, of which the residuals may vary by 0.01 over a step with an error of 1e-10.
+    real(dp), parameter :: one_sided_step = 1.5e-8_dp, central_step = 3.0e-5_dp
+    !> Factor of the tolerance of an integration, by which the error of its derivatives is seen.
+    real(dp), parameter :: coarser = 10
+
+    !> The median of the magnitude of a Gaussian number in standard deviations.
+    real(dp), parameter :: median_of_gaussian = 0.6744897501960817_dp
+    !> The standard deviation is found in so many searches at most, to this part of it, and not below this part of the data.
+    integer, parameter :: most_searches = 30
+    real(dp), parameter :: same_deviation = 1.0e-4_dp, least_part = 1.0e-13_dp
+
+    ! Those below `lmder`, which calls a procedure that has no data of its own, so that threads could not use it. Arguments have
+    ! the names of the MINPACK guide (ANL-80-74).
+    interface
+        !> QR factorisation with column pivoting.
+        subroutine qrfac(m, n, a, lda, pivot, ipvt, lipvt, rdiag, acnorm, wa)
+            import :: dp
+            integer, intent(in) :: m, n, lda, lipvt !! numbers of rows and columns; leading dimension; size of `ipvt`
+            real(dp), intent(inout) :: a(lda, *) !! matrix on entry; the factors but the diagonal of R on return
+            logical, intent(in) :: pivot !! whether columns are exchanged
+            integer, intent(out) :: ipvt(*) !! the permutation
+            real(dp), intent(out) :: rdiag(*), acnorm(*), wa(*) !! diagonal of R; norms of the columns; work space
+        end subroutine qrfac
+
+        !> The Levenberg-Marquardt parameter, and the step that belongs to it.
+        subroutine lmpar(n, r, ldr, ipvt, diag, qtb, delta, par, x, sdiag, wa1, wa2)
+            import :: dp
+            integer, intent(in) :: n, ldr, ipvt(*) !! order of R; leading dimension; permutation
+            real(dp), intent(inout) :: r(ldr, *) !! R; its lower triangle is overwritten
+            real(dp), intent(in) :: diag(*), qtb(*), delta !! scales; (Q transpose) b; bound of the scaled step
+            real(dp), intent(inout) :: par !! the parameter: an estimate on entry
+            real(dp), intent(out) :: x(*), sdiag(*), wa1(*), wa2(*) !! the step, negative; work space
+        end subroutine lmpar
+    end interface
+
 contains
+
+    !> Finds the least sum of the losses near `x`. Tukey's loss, which has more than one minimum, begins where Huber's ends.
+    subroutine minimize_loss(model, x, m, kind, knows_deviation, minimum, goal)
+        class(residuals_t), intent(inout) :: model !! the residuals; their loss is set
+        real(dp), intent(in) :: x(:) !! the parameters at the beginning
+        integer, intent(in) :: m !! number of residuals, more than parameters
+        integer, intent(in) :: kind !! of the loss, one of `loss_squares` to `loss_tukey`
+        logical, intent(in) :: knows_deviation !! whether the standard deviation of the residuals is 1
+        type(minimum_t), intent(out) :: minimum !! where the search ended
+        real(dp), intent(in), optional :: goal !! a search ends if no more than this part of the sum of squares can be gained
+        integer :: evaluations, steps
+
+        call settle(model, x, m, min(kind, loss_huber), knows_deviation, minimum, goal)
+        if (kind /= loss_tukey .or. .not. minimum%has_converged) return
+        evaluations = minimum%evaluations
+        steps = minimum%steps
+        call settle(model, [minimum%x], m, loss_tukey, knows_deviation, minimum, goal)
+        minimum%evaluations = minimum%evaluations + evaluations
+        minimum%steps = minimum%steps + steps
+    end subroutine minimize_loss
+
+    !> Finds the least sum of the losses of one kind, search by search until the standard deviation is that of the residuals.
+    subroutine settle(model, x, m, kind, knows_deviation, minimum, goal)
+        class(residuals_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:)
+        integer, intent(in) :: m, kind
+        logical, intent(in) :: knows_deviation
+        type(minimum_t), intent(out) :: minimum
+        real(dp), intent(in), optional :: goal
+        real(dp), allocatable :: from(:), residuals(:)
+        real(dp) :: deviation, last, least
+        logical :: is_valid
+        integer :: i, evaluations
+
+        model%loss = loss_t(kind, 1.0_dp)
+        is_valid = kind /= loss_squares .and. .not. knows_deviation
+        allocate (residuals(m))
+        if (is_valid) call model%evaluate(x, residuals, is_valid)
+        if (.not. is_valid) then
+            call minimize(model, x, m, spread(.true., 1, size(x)), minimum, goal)
+            return
+        end if
+        allocate (from, source=x)
+        evaluations = 1
+        least = tiny(least)
+        if (allocated(model%data)) least = max(least_part * norm2(model%data) / sqrt(real(m, dp)), least)
+        deviation = robust_deviation(residuals, size(x))
+        do i = 1, most_searches
+            last = max(deviation, least)
+            model%loss = loss_t(kind, last)
+            call minimize(model, from, m, spread(.true., 1, size(x)), minimum, goal)
+            evaluations = evaluations + minimum%evaluations
+            if (.not. minimum%has_converged) exit
+            deviation = robust_deviation(minimum%residuals, size(x))
+            if (abs(max(deviation, least) - last) <= same_deviation * last) exit
+            from(:) = minimum%x
+        end do
+        minimum%evaluations = evaluations
+    end subroutine settle
+
+    !> The standard deviation of residuals by the median of their magnitudes, without the smallest, as many as parameters,
+    !> which these can make vanish.
+    pure real(dp) function robust_deviation(residuals, parameters) result(deviation)
+        real(dp), intent(in) :: residuals(:) !! the residuals, more than parameters
+        integer, intent(in) :: parameters !! number of parameters that were fitted
+        associate (m => size(residuals))
+            deviation = smallest(abs(residuals), min(parameters + (m - parameters + 1) / 2, m)) / median_of_gaussian
+        end associate
+    end function robust_deviation
+
+    !> The k-th smallest of some numbers (Hoare's selection).
+    pure real(dp) function smallest(numbers, k)
+        real(dp), intent(in) :: numbers(:)
+        integer, intent(in) :: k
+        real(dp) :: x(size(numbers)), pivot, kept
+        integer :: first, last, i, j
+
+        x = numbers
+        first = 1
+        last = size(x)
+        do while (first < last)
+            pivot = x(k)
+            i = first
+            j = last
+            do while (i <= j)
+                do while (x(i) < pivot)
+                    i = i + 1
+                end do
+                do while (pivot < x(j))
+                    j = j - 1
+                end do
+                if (i > j) exit
+                kept = x(i)
+                x(i) = x(j)
+                x(j) = kept
+                i = i + 1
+                j = j - 1
+            end do
+            if (j < k) first = i
+            if (k < i) last = j
+        end do
+        smallest = x(k)
+    end function smallest
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
     subroutine minimize(model, x, m, free, minimum, goal, jacobian, most)
@@ -247,5 +387,148 @@ contains
             product(:j) = product(:j) + search%jacobian(:j, j) * step(search%pivot(j))
         end do
     end function times_r
+
+    !> The derivatives of the residuals with respect to some parameters, by differences.
+    subroutine find_jacobian(model, x, free, residuals, is_central, jacobian, is_valid, errors)
+        class(residuals_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the parameters
+        integer, intent(in) :: free(:) !! numbers of the parameters that vary
+        real(dp), intent(in) :: residuals(:) !! the residuals at the parameters
+        logical, intent(in) :: is_central !! whether differences are central and extrapolated where both sides exist
+        real(dp), intent(out) :: jacobian(:, :) !! a column for each of these parameters
+        logical, intent(out) :: is_valid !! whether the residuals exist on one side at least
+        real(dp), intent(out), optional :: errors(:, :) !! upper estimates of the errors of the derivatives
+        real(dp) :: half(size(residuals)), terms(size(residuals)), steps(size(free)), step
+        logical :: has_both
+        integer :: k
+
+        is_valid = .true.
+        do k = 1, size(free)
+            has_both = .false.
+            if (is_central) then
+                call find_difference(model, x, free(k), central_step, jacobian(:, k), has_both)
+                if (has_both) call find_difference(model, x, free(k), central_step / 2, half, has_both)
+                if (has_both .and. present(errors)) errors(:, k) = 2 * abs(half - jacobian(:, k))
+                if (has_both) jacobian(:, k) = half + (half - jacobian(:, k)) / 3
+                step = central_step / 2
+            end if
+            if (.not. has_both) then
+                call find_difference(model, x, free(k), one_sided_step, jacobian(:, k), is_valid, residuals)
+                if (present(errors)) errors(:, k) = sqrt(one_sided_step) * abs(jacobian(:, k))
+                step = one_sided_step
+            end if
+            is_valid = is_valid .and. all(is_finite(jacobian(:, k)))
+            if (.not. is_valid) return
+            steps(k) = (x(free(k)) + step * model%step_scale(free(k), x(free(k)))) - x(free(k))
+        end do
+        if (.not. present(errors)) return
+        terms = terms_of(model, x(free), residuals, jacobian)
+        do k = 1, size(free)
+            errors(:, k) = errors(:, k) + 2 * epsilon(step) * terms / abs(steps(k))
+        end do
+    end subroutine find_jacobian
+
+    !> The size of what the residuals are sums of, whose rounding is theirs: the measurements, and what each parameter adds to
+    !> first order, which may be larger where parameters counteract each other.
+    pure function terms_of(model, x, residuals, jacobian) result(terms)
+        class(residuals_t), intent(in) :: model
+        real(dp), intent(in) :: x(:), residuals(:), jacobian(:, :)
+        real(dp) :: terms(size(residuals))
+        integer :: k
+        terms = abs(residuals)
+        if (allocated(model%data)) terms = abs(residuals + model%data)
+        do k = 1, size(x)
+            terms = max(terms, abs(x(k) * jacobian(:, k)))
+        end do
+    end function terms_of
+
+    !> The derivatives by all parameters again, and their errors: each from many step sizes, extrapolated to none. The error
+    !> of an integration is the change with its tolerance. Derivatives that do not converge stay as they are.
+    subroutine refine_jacobian(model, x, residuals, jacobian, errors)
+        class(residuals_t), intent(inout) :: model !! the residuals
+        real(dp), intent(in) :: x(:) !! the parameters
+        real(dp), intent(in) :: residuals(:) !! the residuals at the parameters
+        real(dp), intent(inout) :: jacobian(:, :), errors(:, :) !! derivatives, and estimates of their errors
+        real(dp), allocatable :: coarse(:, :), error_of_coarse(:, :), at_coarse(:)
+        logical :: is_valid
+
+        allocate (coarse, source=jacobian)
+        allocate (error_of_coarse, source=errors)
+        call extrapolate(model, x, residuals, jacobian, errors)
+        if (.not. model%precision > 0) return
+        allocate (at_coarse, mold=residuals)
+        call model%coarsen(coarser)
+        call model%evaluate(x, at_coarse, is_valid)
+        if (is_valid) then
+            call extrapolate(model, x, at_coarse, coarse, error_of_coarse)
+            errors = errors + abs(coarse - jacobian)
+        end if
+        call model%coarsen(1.0_dp)
+    end subroutine refine_jacobian
+
+    !> The derivatives from many step sizes.
+    subroutine extrapolate(model, x, residuals, jacobian, errors)
+        class(residuals_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:), residuals(:)
+        real(dp), intent(inout) :: jacobian(:, :), errors(:, :)
+        real(dp), allocatable :: values(:, :), slopes(:), changes(:)
+        real(dp) :: moved(size(x)), terms(size(residuals))
+        type(nodes_t) :: nodes
+        logical :: exists(node_count)
+        integer :: i, k
+
+        allocate (values(size(residuals), node_count), slopes(size(residuals)), changes(size(residuals)))
+        terms = terms_of(model, x, residuals, jacobian)
+        do k = 1, size(x)
+            nodes = nodes_around(x(k), .true., model%step_scale(k, x(k)))
+            exists = nodes%is_valid
+            values(:, 1) = residuals
+            do i = 2, node_count
+                exists(i) = exists(i) .and. abs(model%limited(k, nodes%x(i)) - nodes%x(i)) <= 0
+                if (.not. exists(i)) cycle
+                moved = x
+                moved(k) = nodes%x(i)
+                call model%evaluate(moved, values(:, i), exists(i))
+            end do
+            call nodes%limit_to(exists)
+            ! Rounding is that of what the residuals are sums of.
+            values = values + spread(terms, 2, node_count)
+            call nodes%differentiate_together(values, slopes, changes)
+            if (.not. all(is_finite(changes))) cycle
+            jacobian(:, k) = slopes
+            errors(:, k) = changes
+        end do
+    end subroutine extrapolate
+
+    !> The difference by a parameter over both sides; where the residuals at the parameters are given, over the side above, or if
+    !> there are no residuals, below.
+    subroutine find_difference(model, x, i, relative_step, slopes, is_valid, residuals)
+        class(residuals_t), intent(inout) :: model
+        real(dp), intent(in) :: x(:), relative_step
+        integer, intent(in) :: i
+        real(dp), intent(out) :: slopes(:)
+        logical, intent(out) :: is_valid
+        real(dp), intent(in), optional :: residuals(:)
+        real(dp) :: moved(size(x)), others(size(slopes)), place, step
+
+        step = relative_step * model%step_scale(i, x(i))
+        moved = x
+        moved(i) = x(i) + step
+        call model%evaluate(moved, slopes, is_valid)
+        if (present(residuals) .and. .not. is_valid) then
+            moved(i) = x(i) - step
+            call model%evaluate(moved, slopes, is_valid)
+        end if
+        if (.not. is_valid) return
+        place = moved(i)
+        if (present(residuals)) then
+            moved(i) = x(i)
+            others = residuals
+        else
+            moved(i) = x(i) - step
+            call model%evaluate(moved, others, is_valid)
+        end if
+        if (is_valid) slopes = (slopes - others) / (place - moved(i))
+    end subroutine find_difference
 
 end module spintop_least_squares

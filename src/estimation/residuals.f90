@@ -1,10 +1,36 @@
-!> Residuals as a function of parameters: what is fitted.
+!> Residuals as a function of parameters, which is what is fitted, and their loss: half the square of each, or a robust loss,
+!> which bounds what wrong measurements can do (Huber and Ronchetti, Robust Statistics, 2nd edition, 2009). A search by least
+!> squares takes any loss: it sums the squares of residuals that are *bent*, the square of a bent residual being twice its loss.
 module spintop_residuals
     use spintop_kinds, only: dp
-    use spintop_losses, only: loss_t
     implicit none
     private
-    public :: residuals_t
+    public :: residuals_t, loss_t, loss_names, loss_squares, loss_huber, loss_tukey
+
+    !> Names of the losses, and their indices: least squares; Huber's, which is linear beyond a bound (1964); Tukey's biweight,
+    !> which is constant there (Beaton and Tukey 1974), so that what lies beyond does not count at all.
+    character(*), parameter :: loss_names(3) = [character(7) :: 'squares', 'huber', 'tukey']
+    integer, parameter :: loss_squares = 1, loss_huber = 2, loss_tukey = 3
+
+    !> Bounds in standard deviations, with which Gaussian residuals give estimates of 95 % efficiency.
+    real(dp), parameter :: bounds(3) = [huge(1.0_dp), 1.345_dp, 4.685_dp]
+
+    !> A loss, and the size of a residual beyond which it is another one, in the unit of the residuals.
+    type :: loss_t
+        integer :: kind = loss_squares
+        real(dp) :: bound = huge(1.0_dp)
+    contains
+        procedure :: bend
+        procedure :: bend_slope
+        procedure :: influence
+        procedure :: influence_slope
+        procedure :: is_robust
+    end type loss_t
+
+    !> The loss of a kind for residuals of a standard deviation.
+    interface loss_t
+        module procedure new_loss
+    end interface loss_t
 
     !> Residuals as a function of parameters.
     type, abstract :: residuals_t
@@ -22,7 +48,6 @@ module spintop_residuals
         procedure :: limited
         procedure :: ends
         procedure :: coarsen
-        procedure :: size_of_data
     end type residuals_t
 
     abstract interface
@@ -48,6 +73,67 @@ module spintop_residuals
 
 contains
 
+    !> The loss of a kind for residuals of a standard deviation.
+    elemental type(loss_t) function new_loss(kind, deviation) result(loss)
+        integer, intent(in) :: kind !! one of `loss_squares` to `loss_tukey`
+        real(dp), intent(in) :: deviation !! standard deviation of residuals that are not wrong
+        loss%kind = kind
+        if (kind /= loss_squares) loss%bound = bounds(kind) * deviation
+    end function new_loss
+
+    !> Whether it bounds what wrong measurements can do.
+    elemental logical function is_robust(self)
+        class(loss_t), intent(in) :: self
+        is_robust = self%kind /= loss_squares
+    end function is_robust
+
+    !> The number whose square is twice the loss of a residual: the residual itself where the loss is that of least squares.
+    elemental real(dp) function bend(self, residual)
+        class(loss_t), intent(in) :: self
+        real(dp), intent(in) :: residual !! the residual
+        real(dp) :: u
+        bend = residual
+        if (self%kind == loss_tukey) then
+            u = min(abs(residual) / self%bound, 1.0_dp)
+            bend = sign(self%bound * u * sqrt(1 - u**2 * (1 - u**2 / 3)), residual)
+        else if (abs(residual) > self%bound) then
+            bend = sign(sqrt(self%bound) * sqrt(2 * abs(residual) - self%bound), residual)
+        end if
+    end function bend
+
+    !> The derivative of `bend`.
+    elemental real(dp) function bend_slope(self, residual)
+        class(loss_t), intent(in) :: self
+        real(dp), intent(in) :: residual !! the residual
+        real(dp) :: u
+        bend_slope = 1
+        if (self%kind == loss_tukey) then
+            u = min(abs(residual) / self%bound, 1.0_dp)
+            bend_slope = (1 - u**2)**2 / sqrt(1 - u**2 * (1 - u**2 / 3))
+        else if (abs(residual) > self%bound) then
+            bend_slope = self%bound / abs(self%bend(residual))
+        end if
+    end function bend_slope
+
+    !> The derivative of the loss: how much a residual moves an estimate.
+    elemental real(dp) function influence(self, residual)
+        class(loss_t), intent(in) :: self
+        real(dp), intent(in) :: residual !! the residual
+        influence = self%bend(residual) * self%bend_slope(residual)
+    end function influence
+
+    !> The second derivative of the loss.
+    elemental real(dp) function influence_slope(self, residual)
+        class(loss_t), intent(in) :: self
+        real(dp), intent(in) :: residual !! the residual
+        real(dp) :: u
+        influence_slope = merge(0.0_dp, 1.0_dp, abs(residual) > self%bound)
+        if (self%kind == loss_tukey) then
+            u = min(abs(residual) / self%bound, 1.0_dp)
+            influence_slope = (1 - u**2) * (1 - 5 * u**2)
+        end if
+    end function influence_slope
+
     !> The value in the range of a parameter that is nearest to another; beyond an open end that value itself. Here all values
     !> are in the range.
     pure real(dp) function limited(self, i, x)
@@ -70,12 +156,5 @@ contains
         class(residuals_t), intent(inout) :: self
         real(dp), intent(in) :: factor !! at least 1
     end subroutine coarsen
-
-    !> Norm of what the residuals are differences from; 0 if that is unknown.
-    pure real(dp) function size_of_data(self)
-        class(residuals_t), intent(in) :: self
-        size_of_data = 0
-        if (allocated(self%data)) size_of_data = norm2(self%data)
-    end function size_of_data
 
 end module spintop_residuals

@@ -15,18 +15,19 @@ module spintop_thread_team
     use spintop_process, only: pause_for, processor_seconds, seconds, end_by_signal, end_is_wanted, peak_memory, &
         set_journal_thread
     use spintop_errors, only: error_t
-    use spintop_journal, only: journal_entry_t
     use spintop_kinds, only: dp
     use spintop_progress, only: progress_t
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
-    use spintop_row_queue, only: none_left, retry_later, row_queue_t
     use spintop_row_table, only: row_table_t
+    use spintop_table_file, only: journal_entry_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none
     private
-    public :: team_t, block_worker_t, work_of_making, work_of_computing, work_of_formatting, team_in_words, blocks_ahead
+    public :: team_t, block_worker_t, blocks_ahead
+    public :: work_of_making, work_of_computing, work_of_formatting, work_of_writing, memory_in_use
+    public :: row_queue_t, retry_later, none_left
 
     !> Number of blocks per thread that a fast thread may be ahead of a slow one, or of a writing one; and the
     !> time it waits then, s.
@@ -39,14 +40,9 @@ module spintop_thread_team
     !> Time between two looks of the journal thread, s.
     real(dp), parameter :: pause_of_journal_thread = 2.0e-3_dp
 
-    !> Time of all threads for making, computing, formatting and writing cases, s; and the peak memory of all
-    !> ranks, bytes.
-    type :: costs_t
-        real(dp) :: making = 0, computing = 0, formatting = 0, writing = 0, memory = 0
-    end type costs_t
-
-    !> What is done with a case, of which a worker counts the costs.
-    integer, parameter :: work_of_making = 1, work_of_computing = 2, work_of_formatting = 3
+    !> What is done with a case, of which a worker counts the costs; the team also counts those of writing, and the memory.
+    integer, parameter :: work_of_making = 1, work_of_computing = 2, work_of_formatting = 3, work_of_writing = 4, &
+        memory_in_use = 5
 
     !> Computes blocks of cases in a thread.
     type, abstract :: block_worker_t
@@ -66,6 +62,39 @@ module spintop_thread_team
         end subroutine compute_rows
     end interface
 
+    !> Returned instead of a number: the threads are too far ahead of the slowest block, or all blocks are
+    !> assigned.
+    integer(int64), parameter :: retry_later = 0, none_left = -1
+
+    !> A queue of blocks of rows, which are computed in any order and written in the order of their cases. It
+    !> assigns the numbers of the blocks, from 1, and keeps blocks that arrive early. A thread that finds a block
+    !> due writes it, while the others continue to compute.
+    !>
+    !>     call queue%start(room=8, blocks=100)     ! these by one thread at a time
+    !>     call queue%claim_next(number)            ! a block to compute, or retry_later, or none_left
+    !>     call queue%hand_in(number, block)
+    !>     call queue%begin_write(is_due)           ! whether a block is to be written by the caller
+    !>     call queue%write_next(table, error)      ! if so this, without holding up the others, and
+    !>     call queue%end_write(error)              ! this
+    type :: row_queue_t
+        !> The first error of writing. After it nothing more is written, and no number is assigned.
+        type(error_t), allocatable :: error
+        !> Number of blocks; of those assigned so far, and of those written so far.
+        integer(int64), private :: blocks = 0, taken = 0, written = 0
+        !> Blocks that arrived early, in a ring.
+        type(row_block_t), allocatable, private :: waiting(:)
+        logical, allocatable, private :: is_waiting(:)
+        !> Whether a thread is writing a block. Only one may do so, because of the order of the rows.
+        logical :: in_write = .false.
+    contains
+        procedure :: start
+        procedure :: claim_next
+        procedure :: hand_in
+        procedure :: begin_write
+        procedure :: write_next
+        procedure :: end_write
+    end type row_queue_t
+
     !> Those who compute cases, and what they share.
     type :: team_t
         type(ranks_t) :: ranks
@@ -74,20 +103,21 @@ module spintop_thread_team
         integer, private :: cases_of_block = 1
         !> Threads of this rank that compute, those of all ranks (known to the writer), and those that serve
         !> other ranks.
-        integer :: threads = 1
-        integer, private :: all_threads = 1, servers = 0
+        integer :: threads = 1, all_threads = 1
+        integer, private :: servers = 0
         !> Threads of this rank that still compute or serve.
         integer, private :: active = 0
         !> Blocks to compute, and rows that wait to be written.
         type(row_queue_t) :: queue
         type(progress_t) :: progress
-        type(costs_t) :: costs
+        !> Time of all threads, s; and the peak memory of all ranks, bytes.
+        real(dp) :: costs(memory_in_use) = 0
     contains
         procedure :: assemble
         procedure :: compute
         procedure :: in_words
-        procedure, private :: exchange
-        procedure, private :: write_next
+        procedure, private :: exchange => exchange_block
+        procedure, private :: write_due
     end type team_t
 
 contains
@@ -118,29 +148,37 @@ contains
         class(team_t), intent(inout) :: self
         class(block_worker_t), target, intent(inout) :: workers(:) !! one for each of `threads`, ready to compute
         class(row_table_t), intent(inout) :: table !! the table
-        integer :: journal_threads
-        logical :: has_journal_thread
+        type(row_block_t) :: no_rows
+        integer(int64) :: number
+        integer :: journal_threads, threads, me
 
         journal_threads = merge(1, 0, self%ranks%is_writer() .and. table%is_resumable)
-        !$omp parallel num_threads(self%threads + self%servers + journal_threads) copyin(current)
+        !$omp parallel num_threads(self%threads + self%servers + journal_threads) copyin(current) private(me)
+        me = 0
+        !$ me = omp_get_thread_num()
         !$omp single
         self%active = self%threads + self%servers
-        has_journal_thread = count_threads() > self%threads + self%servers
+        threads = 1
+        !$ threads = omp_get_num_threads()
         ! Other ranks give the writer time.
-        call set_journal_thread(logical(has_journal_thread .or. .not. self%ranks%is_writer(), c_bool))
+        call set_journal_thread(logical(threads > self%active .or. .not. self%ranks%is_writer(), c_bool))
         !$omp end single
-        if (this_thread() < self%servers) then
+        if (me < self%servers) then
             call serve_others(self, table)
-        else if (this_thread() < self%threads + self%servers) then
-            call compute_share(self, workers(this_thread() - self%servers + 1), table)
+        else if (me < self%threads + self%servers) then
+            call compute_share(self, workers(me - self%servers + 1), table)
         else
             call run_journal_thread(self, table)
         end if
         !$omp end parallel
         call set_journal_thread(.false._c_bool)
         if (end_is_wanted()) call end_on_signal(self, table)
-        if (.not. self%ranks%is_writer()) call self%ranks%sign_off()
-        call reduce_costs(self)
+        if (.not. self%ranks%is_writer()) then
+            number = signed_off
+            call self%ranks%exchange(number, no_rows)
+        end if
+        self%costs(memory_in_use) = real(peak_memory(), dp)
+        call self%ranks%reduce(self%costs)
     end subroutine compute
 
     !> The loop of each computing thread: take the next block, compute it and pass it to the queue, until none
@@ -173,11 +211,7 @@ contains
         end do
         !$omp critical (queue)
         self%active = self%active - 1
-        associate (costs => self%costs)
-            costs%making = costs%making + worker%costs(work_of_making)
-            costs%computing = costs%computing + worker%costs(work_of_computing)
-            costs%formatting = costs%formatting + worker%costs(work_of_formatting)
-        end associate
+        self%costs(:work_of_formatting) = self%costs(:work_of_formatting) + worker%costs
         !$omp end critical (queue)
     end subroutine compute_share
 
@@ -235,7 +269,7 @@ contains
 
         !$omp critical (queue)
         has_entry = .false.
-        if (.not. self%queue%is_writing()) call table%make_entry_if_due(entry, has_entry, self%queue%error)
+        if (.not. self%queue%in_write) call table%make_entry_if_due(entry, has_entry, self%queue%error)
         !$omp end critical (queue)
         if (has_entry) call keep(self, table, entry)
     end subroutine keep_entry_if_due
@@ -266,11 +300,11 @@ contains
                 call self%queue%begin_write(is_due)
                 !$omp end critical (queue)
                 do while (is_due)
-                    call self%write_next(table, is_due)
+                    call self%write_due(table, is_due)
                 end do
                 !$omp critical (queue)
                 table%entry_wanted = .true.
-                is_busy = self%queue%is_writing() .or. table%in_entry
+                is_busy = self%queue%in_write .or. table%in_entry
                 !$omp end critical (queue)
                 call keep_entry_if_due(self, table)
                 if (.not. is_busy) exit
@@ -282,7 +316,7 @@ contains
 
     !> Passes a block to the queue (`number` > 0), writes blocks that are due, and takes the number of another
     !> block.
-    subroutine exchange(self, table, number, rows)
+    subroutine exchange_block(self, table, number, rows)
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         integer(int64), intent(inout) :: number
@@ -295,16 +329,16 @@ contains
         call self%queue%begin_write(is_due)
         !$omp end critical (queue)
         do while (is_due)
-            call self%write_next(table, is_due)
+            call self%write_due(table, is_due)
         end do
         !$omp critical (queue)
         call self%queue%claim_next(number)
         !$omp end critical (queue)
-    end subroutine exchange
+    end subroutine exchange_block
 
     !> Writes the next block, and the journal if it is due; `is_due` reports whether the block after it is due
     !> too. Other threads wait only for the bookkeeping.
-    subroutine write_next(self, table, is_due)
+    subroutine write_due(self, table, is_due)
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
         logical, intent(out) :: is_due
@@ -320,60 +354,104 @@ contains
         call self%progress%update(table%rows())
         call table%make_entry_if_due(entry, has_entry, self%queue%error)
         if (.not. has_entry) call self%queue%begin_write(is_due)
-        self%costs%writing = self%costs%writing + (seconds() - moment)
+        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
         !$omp end critical (queue)
         if (.not. has_entry) return
         moment = seconds()
         call keep(self, table, entry)
         !$omp critical (queue)
         call self%queue%begin_write(is_due)
-        self%costs%writing = self%costs%writing + (seconds() - moment)
+        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
         !$omp end critical (queue)
-    end subroutine write_next
+    end subroutine write_due
 
-    !> Adds the costs of the other ranks to those of the writer.
-    subroutine reduce_costs(self)
-        class(team_t), intent(inout) :: self
-        real(dp) :: parts(5)
-        associate (costs => self%costs)
-            parts = [costs%making, costs%computing, costs%formatting, costs%writing, real(peak_memory(), dp)]
-            call self%ranks%reduce(parts)
-            costs = costs_t(parts(1), parts(2), parts(3), parts(4), parts(5))
-        end associate
-    end subroutine reduce_costs
-
-    !> The team for a reader, where it is the writer's.
+    !> The team for a reader, where it is the writer's: `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they
+    !> differ.
     function in_words(self) result(text)
         class(team_t), intent(in) :: self
         character(:), allocatable :: text
-        text = team_in_words(self%ranks%count, self%threads, self%all_threads)
+        associate (ranks => self%ranks%count)
+            if (ranks == 1) then
+                text = to_text(self%threads) // ' threads'
+            else if (ranks * self%threads == self%all_threads) then
+                text = to_text(ranks) // ' ranks x ' // to_text(self%threads) // ' threads'
+            else
+                text = to_text(ranks) // ' ranks, ' // to_text(self%all_threads) // ' threads'
+            end if
+        end associate
     end function in_words
 
-    !> `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they differ.
-    function team_in_words(ranks, threads, all_threads) result(text)
-        integer, intent(in) :: ranks !! the ranks of this run
-        integer, intent(in) :: threads     !! of the writer
-        integer, intent(in) :: all_threads !! of all ranks
-        character(:), allocatable :: text
-        if (ranks == 1) then
-            text = to_text(threads) // ' threads'
-        else if (ranks * threads == all_threads) then
-            text = to_text(ranks) // ' ranks x ' // to_text(threads) // ' threads'
+    !> Starts an empty queue for a number of blocks, with room for some that arrive early.
+    subroutine start(self, room, blocks)
+        class(row_queue_t), intent(inout) :: self
+        integer, intent(in) :: room !! number of blocks that arrive early
+        integer(int64), intent(in) :: blocks !! number of blocks
+        self%blocks = blocks
+        self%taken = 0
+        self%written = 0
+        allocate (self%waiting(room), self%is_waiting(room))
+        self%is_waiting = .false.
+    end subroutine start
+
+    !> Assigns the next number. There is room for the rows of all assigned blocks.
+    subroutine claim_next(self, number)
+        class(row_queue_t), intent(inout) :: self
+        integer(int64), intent(out) :: number !! number of a block, or `retry_later`, or `none_left`
+        if (allocated(self%error) .or. self%taken == self%blocks) then
+            number = none_left
+        else if (self%taken - self%written == size(self%waiting)) then
+            number = retry_later
         else
-            text = to_text(ranks) // ' ranks, ' // to_text(all_threads) // ' threads'
+            self%taken = self%taken + 1
+            number = self%taken
         end if
-    end function team_in_words
+    end subroutine claim_next
 
-    !> Number of threads of the region.
-    integer function count_threads()
-        count_threads = 1
-        !$ count_threads = omp_get_num_threads()
-    end function count_threads
+    !> Accepts an assigned block that was computed, and returns an empty one.
+    subroutine hand_in(self, number, block)
+        class(row_queue_t), intent(inout) :: self
+        integer(int64), intent(in) :: number !! number of the block
+        type(row_block_t), intent(inout) :: block !! the computed block on entry; an empty one on return
+        integer :: place
+        place = place_of(self, number)
+        call self%waiting(place)%swap(block)
+        self%is_waiting(place) = .true.
+    end subroutine hand_in
 
-    !> Number of the calling thread, from 0.
-    integer function this_thread()
-        this_thread = 0
-        !$ this_thread = omp_get_thread_num()
-    end function this_thread
+    !> Whether the next block has arrived and no thread is writing; then the caller must write it.
+    subroutine begin_write(self, is_due)
+        class(row_queue_t), intent(inout) :: self
+        logical, intent(out) :: is_due !! whether the caller must write a block
+        is_due = self%is_waiting(place_of(self, self%written + 1)) .and. .not. (self%in_write .or. allocated(self%error))
+        if (is_due) self%in_write = .true.
+    end subroutine begin_write
+
+    !> Writes the next block. No other thread uses it; its place becomes free when the writing has ended.
+    subroutine write_next(self, table, error)
+        class(row_queue_t), intent(inout) :: self
+        class(row_table_t), intent(inout) :: table !! the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        integer :: place
+        place = place_of(self, self%written + 1)
+        call table%append(self%waiting(place), error)
+        call self%waiting(place)%clear()
+    end subroutine write_next
+
+    !> Ends the writing of a block, successful or not.
+    subroutine end_write(self, error)
+        class(row_queue_t), intent(inout) :: self
+        type(error_t), allocatable, intent(inout) :: error !! that of `write_next`; moved into the queue
+        self%written = self%written + 1
+        self%is_waiting(place_of(self, self%written)) = .false.
+        self%in_write = .false.
+        if (.not. allocated(self%error)) call move_alloc(error, self%error)
+    end subroutine end_write
+
+    !> Position of a block in the ring.
+    pure integer function place_of(self, number)
+        type(row_queue_t), intent(in) :: self
+        integer(int64), intent(in) :: number
+        place_of = int(mod(number - 1, size(self%waiting, kind=int64))) + 1
+    end function place_of
 
 end module spintop_thread_team

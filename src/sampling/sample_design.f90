@@ -6,17 +6,36 @@
 module spintop_sample_design
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
-    use spintop_permutation, only: make_permutation, permutation_t
-    use spintop_random, only: uniform, uniforms
+    use spintop_random, only: mix, random_words, uniform, uniforms
     use spintop_sobol_sequence, only: most_sobol_dimensions, sobol_sequence_t
     implicit none
     private
-    public :: sample_design_t, saltelli_place_t, place_in_saltelli, dimensions_fit
+    public :: sample_design_t, saltelli_place_t, place_in_saltelli, dimensions_fit, permutation_t, make_permutation
     public :: design_random, design_latin_hypercube, design_sobol, design_saltelli
 
     !> Independent points; a Latin hypercube (M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979); the
-    !> points of a Sobol' sequence; the design of A. Saltelli for sensitivity indices.
+    !> points of a Sobol' sequence; the design of A. Saltelli for sensitivity indices. Values of dimension i are of stream 2 i
+    !> of random numbers, strata of stream 2 i + 1.
     integer, parameter :: design_random = 1, design_latin_hypercube = 2, design_sobol = 3, design_saltelli = 4
+
+    !> Rounds of the network; even. With fewer rounds, short permutations do not look random.
+    integer, parameter :: rounds = 8
+    integer, parameter :: words_a_draw = 4
+
+    !> A random permutation of 0, ..., length - 1, evaluated element by element, without a table.
+    !>
+    !> A number below a*b is written with two digits, to the bases a and b. A Feistel network adds a keyed hash of
+    !> one digit to the other, in turn; this is invertible, so it permutes the numbers below a*b. A result that is
+    !> not below the length is permuted again (J. Black and P. Rogaway, "Ciphers with arbitrary finite domains",
+    !> CT-RSA 2002: generalized Feistel network with cycle walking). This is rare, because a and b are close to
+    !> the square root of the length.
+    type :: permutation_t
+        integer(int64), private :: length = 1
+        integer(int64), private :: bases(2) = 1
+        integer(int64), private :: keys(rounds) = 0
+    contains
+        procedure :: place
+    end type permutation_t
 
     !> A sample. In the design of Saltelli (A. Saltelli and others, Computer Physics Communications 181, 2010, 259-270) a
     !> group of k + 2 consecutive cases belongs to one base point of 2 n coordinates: case A has the first n of them,
@@ -82,11 +101,11 @@ contains
         self%factors = maxval([0, factor])
         select case (kind)
         case (design_latin_hypercube)
-            self%strata = [(make_permutation(cases, seed, stream_of_strata(i)), i=1, self%dimensions)]
+            self%strata = [(make_permutation(cases, seed, 2 * i + 1), i=1, self%dimensions)]
             allocate (self%place_in_stratum(self%dimensions))
             do i = 1, self%dimensions
                 self%place_in_stratum(i) = -1
-                if (whole(i)) self%place_in_stratum(i) = uniform(seed, 0_int64, stream_of_values(i))
+                if (whole(i)) self%place_in_stratum(i) = uniform(seed, 0_int64, 2 * i)
             end do
         case (design_sobol)
             call self%sequence%start(self%dimensions, seed)
@@ -94,17 +113,6 @@ contains
             call self%sequence%start(2 * self%dimensions, seed)
         end select
     end subroutine start
-
-    !> The streams of random numbers of a dimension.
-    elemental integer(int64) function stream_of_values(dimension)
-        integer(int64), intent(in) :: dimension
-        stream_of_values = 2 * dimension
-    end function stream_of_values
-
-    elemental integer(int64) function stream_of_strata(dimension)
-        integer(int64), intent(in) :: dimension
-        stream_of_strata = 2 * dimension + 1
-    end function stream_of_strata
 
     !> The point of a case, inside the unit cube.
     pure subroutine find_fractions(self, number, fractions)
@@ -118,7 +126,7 @@ contains
         case (design_latin_hypercube)
             do i = 1, self%dimensions
                 place = self%place_in_stratum(i)
-                if (place < 0) place = uniform(self%seed, number, stream_of_values(i))
+                if (place < 0) place = uniform(self%seed, number, 2 * i)
                 fractions(i) = (self%strata(i)%place(number - 1) + place) / self%cases
             end do
         case (design_sobol)
@@ -127,7 +135,7 @@ contains
             call find_saltelli(self, number, fractions)
         case default
             do i = 1, self%dimensions
-                fractions(i) = uniform(self%seed, number, stream_of_values(i))
+                fractions(i) = uniform(self%seed, number, 2 * i)
             end do
         end select
     end subroutine find_fractions
@@ -141,7 +149,7 @@ contains
 
         if (self%kind == design_random) then
             do i = 1, self%dimensions
-                call uniforms(self%seed, first, stream_of_values(i), fractions(i, :))
+                call uniforms(self%seed, first, 2 * i, fractions(i, :))
             end do
         else
             do i = 1, size(fractions, 2)
@@ -176,5 +184,46 @@ contains
             fractions = merge(base(n + 1:), base(:n), self%factor == place%role - 2)
         end if
     end subroutine find_saltelli
+
+    !> The permutation of 0, ..., length - 1 for a seed and a stream; length >= 1.
+    pure type(permutation_t) function make_permutation(length, seed, stream) result(permutation)
+        integer(int64), intent(in) :: length, seed, stream !! number of elements, at least 1; seed; independent stream
+        integer :: i
+        permutation%length = length
+        permutation%bases(1) = max(1_int64, ceiling(sqrt(real(length, dp)), int64))
+        permutation%bases(2) = (length - 1) / permutation%bases(1) + 1
+        do i = 1, rounds, words_a_draw
+            permutation%keys(i:i + words_a_draw - 1) = random_words(seed, int(i, int64), stream)
+        end do
+    end function make_permutation
+
+    !> Image of a number; both are in 0, ..., length - 1.
+    elemental integer(int64) function place(self, number)
+        class(permutation_t), intent(in) :: self
+        integer(int64), intent(in) :: number !! in 0, ..., length - 1
+        integer(int64) :: first, second
+        integer :: round
+
+        place = number
+        do
+            first = place / self%bases(2)
+            second = place - first * self%bases(2)
+            do round = 1, rounds, 2
+                call shift(first, second, self%bases(1), self%keys(round))
+                call shift(second, first, self%bases(2), self%keys(round + 1))
+            end do
+            place = first * self%bases(2) + second
+            if (place < self%length) exit
+        end do
+    end function place
+
+    !> Adds a hash of one digit to the other, modulo its base.
+    elemental subroutine shift(digit, other, base, key)
+        integer(int64), intent(inout) :: digit
+        integer(int64), intent(in) :: other, base, key
+        ! A random word times the base, over 2^32, is uniform in [0, base) to within base/2^32.
+        digit = digit + shiftr(mix(ieor(other, key)) * base, 32)
+        if (digit >= base) digit = digit - base
+    end subroutine shift
 
 end module spintop_sample_design

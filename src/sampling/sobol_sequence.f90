@@ -12,7 +12,6 @@ module spintop_sobol_sequence
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_random, only: random_words
-    use spintop_sobol_numbers, only: initial_numbers, most_dimensions, polynomials
     implicit none
     private
     public :: sobol_sequence_t, most_sobol_dimensions, most_sobol_points
@@ -20,9 +19,46 @@ module spintop_sobol_sequence
     !> Binary digits of a coordinate.
     integer, parameter :: digits_of_point = 52
     !> Maximum number of dimensions, and of points.
-    integer, parameter :: most_sobol_dimensions = most_dimensions
+    integer, parameter :: most_sobol_dimensions = 64
     integer(int64), parameter :: most_sobol_points = 2_int64**digits_of_point
     integer(int64), parameter :: all_digits = most_sobol_points - 1
+
+    !> The numbers that define the sequences, by S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better
+    !> two-dimensional projections", SIAM Journal on Scientific Computing 30, 2008, 2635-2654; the first dimensions of their
+    !> file `new-joe-kuo-6.21201`. The polynomial of each dimension over the field of two elements: bit k is the coefficient
+    !> of x^k. The first dimension has none.
+    integer, parameter :: polynomials(most_sobol_dimensions) = [ &
+        1, 3, 7, 11, 13, 19, 25, 37, 41, 47, 55, 59, 61, 67, 91, 97, &
+        103, 109, 115, 131, 137, 143, 145, 157, 167, 171, 185, 191, 193, 203, 211, 213, &
+        229, 239, 241, 247, 253, 285, 299, 301, 333, 351, 355, 357, 361, 369, 391, 397, &
+        425, 451, 463, 487, 501, 529, 539, 545, 557, 563, 601, 607, 617, 623, 631, 637]
+
+    !> The initial numbers m_1, m_2, ... of the dimensions from the second on, one after the other, as many of each as the
+    !> degree of its polynomial; each degree begins a row.
+    integer, parameter :: initial_numbers(436) = [ &
+        1, &
+        1, 3, &
+        1, 3, 1, 1, 1, 1, &
+        1, 1, 3, 3, 1, 3, 5, 13, &
+        1, 1, 5, 5, 17, 1, 1, 5, 5, 5, 1, 1, 7, 11, 19, 1, 1, 5, 1, 1, 1, 1, 1, 3, 11, 1, 3, 5, 5, 31, &
+        1, 3, 3, 9, 7, 49, 1, 1, 1, 15, 21, 21, 1, 3, 1, 13, 27, 49, 1, 1, 1, 15, 7, 5, &
+        1, 3, 1, 15, 13, 25, 1, 1, 5, 5, 19, 61, &
+        1, 3, 7, 11, 23, 15, 103, 1, 3, 7, 13, 13, 15, 69, 1, 1, 3, 13, 7, 35, 63, &
+        1, 3, 5, 9, 1, 25, 53, 1, 3, 1, 13, 9, 35, 107, 1, 3, 1, 5, 27, 61, 31, 1, 1, 5, 11, 19, 41, 61, &
+        1, 3, 5, 3, 3, 13, 69, 1, 1, 7, 13, 1, 19, 1, 1, 3, 7, 5, 13, 19, 59, 1, 1, 3, 9, 25, 29, 41, &
+        1, 3, 5, 13, 23, 1, 55, 1, 3, 7, 3, 13, 59, 17, 1, 3, 1, 3, 5, 53, 69, 1, 1, 5, 5, 23, 33, 13, &
+        1, 1, 7, 7, 1, 61, 123, 1, 1, 7, 9, 13, 61, 49, 1, 3, 3, 5, 3, 55, 33, &
+        1, 3, 1, 15, 31, 13, 49, 245, 1, 3, 5, 15, 31, 59, 63, 97, 1, 3, 1, 11, 11, 11, 77, 249, &
+        1, 3, 1, 11, 27, 43, 71, 9, 1, 1, 7, 15, 21, 11, 81, 45, 1, 3, 7, 3, 25, 31, 65, 79, &
+        1, 3, 1, 1, 19, 11, 3, 205, 1, 1, 5, 9, 19, 21, 29, 157, 1, 3, 7, 11, 1, 33, 89, 185, &
+        1, 3, 3, 3, 15, 9, 79, 71, 1, 3, 7, 11, 15, 39, 119, 27, 1, 1, 3, 1, 11, 31, 97, 225, &
+        1, 1, 1, 3, 23, 43, 57, 177, 1, 3, 7, 7, 17, 17, 37, 71, 1, 3, 1, 5, 27, 63, 123, 213, &
+        1, 1, 3, 5, 11, 43, 53, 133, &
+        1, 3, 5, 5, 29, 17, 47, 173, 479, 1, 3, 3, 11, 3, 1, 109, 9, 69, 1, 1, 1, 5, 17, 39, 23, 5, 343, &
+        1, 3, 1, 5, 25, 15, 31, 103, 499, 1, 1, 1, 11, 11, 17, 63, 105, 183, &
+        1, 1, 5, 11, 9, 29, 97, 231, 363, 1, 1, 5, 15, 19, 45, 41, 7, 383, &
+        1, 3, 7, 7, 31, 19, 83, 137, 221, 1, 1, 1, 3, 23, 15, 111, 223, 83, &
+        1, 1, 5, 13, 31, 15, 55, 25, 161, 1, 1, 3, 13, 25, 47, 39, 87, 257]
 
     !> A sequence in some dimensions.
     type :: sobol_sequence_t
@@ -57,13 +93,14 @@ contains
         integer, intent(in) :: dimension
         integer(int64) :: directions(digits_of_point)
         integer(int64) :: numbers(digits_of_point)
-        integer :: degree, j, k
+        integer, parameter :: degrees(most_sobol_dimensions) = bit_size(polynomials) - 1 - leadz(polynomials)
+        integer :: before, j, k
 
         numbers = 1
         if (dimension > 1) then
-            associate (polynomial => polynomials(dimension))
-                degree = bit_size(polynomial) - 1 - leadz(polynomial)
-                numbers(:degree) = initial_numbers(:degree, dimension)
+            associate (polynomial => polynomials(dimension), degree => degrees(dimension))
+                before = sum(degrees(:dimension - 1))
+                numbers(:degree) = initial_numbers(before + 1:before + degree)
                 do j = degree + 1, digits_of_point
                     numbers(j) = ieor(shiftl(numbers(j - degree), degree), numbers(j - degree))
                     do k = 1, degree - 1

@@ -10,7 +10,7 @@ module spintop_scene_keys
     use spintop_effects_keys, only: describe_effects, effects_scene_t
     use spintop_formulations, only: formulation_infos
     use spintop_kinds, only: dp
-    use spintop_losses, only: loss_names
+    use spintop_residuals, only: loss_names
     use spintop_methods, only: method_infos, method_aliases
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements, &
         is_set, one_per_group

@@ -55,27 +55,20 @@ contains
     pure subroutine add_powers(terms, values, squares)
         real(dp), intent(in) :: terms(:) !! any finite numbers
         type(exact_sum_t), intent(inout) :: values, squares !! the sums
-        integer :: first, last
+        integer :: first, last, i
 
         do first = 1, size(terms), strip
             last = min(first + strip - 1, size(terms))
-            if (last - first + 1 < fewest) then
-                call add_one_by_one(terms(first:last), values, squares)
-            else
+            if (last - first + 1 >= fewest) then
                 call add_strip(last - first + 1, terms(first:last), values, squares)
+                cycle
             end if
+            do i = first, last
+                call values%add(terms(i))
+                call squares%add_square(terms(i))
+            end do
         end do
     end subroutine add_powers
-
-    pure subroutine add_one_by_one(terms, values, squares)
-        real(dp), intent(in) :: terms(:)
-        type(exact_sum_t), intent(inout) :: values, squares
-        integer :: i
-        do i = 1, size(terms)
-            call values%add(terms(i))
-            call squares%add_square(terms(i))
-        end do
-    end subroutine add_one_by_one
 
     !> The same for at most `strip` terms. The largest is added alone, by which the sums reach their highest limbs, and so
     !> are terms that are much smaller.
@@ -113,11 +106,11 @@ contains
             call squares%add_square(terms(i))
         end do
         i = int(exponent(largest))
-        call add_pieces(n, positive, exponent, 1, first_limb(i), 1_int64, values)
-        if (any_negative /= 0) call add_pieces(n, negative, exponent, 1, first_limb(i), -1_int64, values)
-        call add_pieces(n, low, exponent, 2, first_limb(2 * i), 1_int64, squares)
+        call add_pieces(n, positive, exponent, 1, limb_of(i) - 1, 1_int64, values)
+        if (any_negative /= 0) call add_pieces(n, negative, exponent, 1, limb_of(i) - 1, -1_int64, values)
+        call add_pieces(n, low, exponent, 2, limb_of(2 * i) - 1, 1_int64, squares)
         exponent(:n) = exponent(:n) + low_bits
-        call add_pieces(n, high, exponent, 2, first_limb(2 * (i + low_bits)), 1_int64, squares)
+        call add_pieces(n, high, exponent, 2, limb_of(2 * (i + low_bits)) - 1, 1_int64, squares)
     end subroutine add_strip
 
     !> The least biased exponent, at least 1, of terms whose pieces, and those of their squares, lie in `span` limbs with
@@ -128,15 +121,9 @@ contains
         integer :: exponent, ends(3)
         call decompose(largest, significand, exponent)
         ! The exponent where the limb begins, and its half (it is even) for twice the exponent.
-        ends = width * [first_limb(exponent), first_limb(2 * exponent), first_limb(2 * (exponent + low_bits))]
+        ends = width * ([limb_of(exponent), limb_of(2 * exponent), limb_of(2 * (exponent + low_bits))] - 1)
         least_exponent = max(ends(1), ends(2) / 2, ends(3) / 2 - low_bits, lowest_exponent) - lowest_exponent + 1
     end function least_exponent
-
-    !> The limb below that in which a power of two lies.
-    pure integer function first_limb(exponent)
-        integer, intent(in) :: exponent
-        first_limb = floor_of_quotient(exponent) - 1
-    end function first_limb
 
     !> Adds the first of the terms sign n 2**(times exponent), 0 <= n < 2**56, whose pieces lie in `span` limbs from
     !> `first` upwards. The sum has the limbs that they reach.
@@ -256,7 +243,7 @@ contains
         integer(int64) :: low, middle, high, rest
         integer :: lowest, shift, highest, i
 
-        lowest = floor_of_quotient(exponent)
+        lowest = limb_of(exponent)
         shift = exponent - width * lowest
         low = shiftl(iand(n, shiftl(1_int64, width - shift) - 1), shift)
         rest = shiftr(n, width - shift)
@@ -272,24 +259,18 @@ contains
         ! The limb of the lowest piece. What is not kept of it are pieces that are zero above the highest limb,
         ! and those below the lowest.
         i = self%top - lowest + 1
-        if (i > 2 .and. i <= limbs) then
-            self%limb(i) = self%limb(i) + low
-            self%limb(i - 1) = self%limb(i - 1) + middle
-            self%limb(i - 2) = self%limb(i - 2) + high
-        else
-            if (i <= limbs) self%limb(i) = self%limb(i) + low
-            if (i > 1 .and. i <= limbs + 1) self%limb(i - 1) = self%limb(i - 1) + middle
-            if (i > 2 .and. i <= limbs + 2) self%limb(i - 2) = self%limb(i - 2) + high
-        end if
+        if (i <= limbs) self%limb(i) = self%limb(i) + low
+        if (i > 1 .and. i <= limbs + 1) self%limb(i - 1) = self%limb(i - 1) + middle
+        if (i > 2 .and. i <= limbs + 2) self%limb(i - 2) = self%limb(i - 2) + high
     end subroutine add_integer
 
     !> The limb in which a power of two lies: the exponent over the width, rounded down.
-    pure integer function floor_of_quotient(exponent)
+    pure integer function limb_of(exponent)
         integer, intent(in) :: exponent
         ! Of a positive number the quotient is rounded down by itself.
         integer, parameter :: offset = 1000
-        floor_of_quotient = (exponent + offset * width) / width - offset
-    end function floor_of_quotient
+        limb_of = (exponent + offset * width) / width - offset
+    end function limb_of
 
     !> Raises the highest limb; the limbs that are then too low are dropped.
     pure subroutine raise(self, top)

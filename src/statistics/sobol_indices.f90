@@ -14,10 +14,11 @@ module spintop_sobol_indices
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_order_free_sum, only: exact_sum_t
     use spintop_kinds, only: dp, no_number, qp
+    use spintop_sample_design, only: place_in_saltelli, saltelli_place_t
     use spintop_state_stream, only: state_stream_t
     implicit none
     private
-    public :: sobol_indices_t, sobol_index_t
+    public :: sobol_indices_t, sobol_index_t, case_groups_t
 
     !> Parts of the base points, for the error; the quantile of Student's distribution with one degree of freedom less,
     !> for an interval of 95 %.
@@ -48,6 +49,38 @@ module spintop_sobol_indices
     type :: sobol_index_t
         real(dp) :: first = 0, total = 0, first_error = 0, total_error = 0
     end type sobol_index_t
+
+    !> A group: its base point, which of its cases are there, and the values of these by case and column. A case without a
+    !> value has a NaN.
+    type :: group_t
+        integer(int64) :: base = 0
+        logical, allocatable :: is_there(:)
+        real(dp), allocatable :: values(:, :)
+    end type group_t
+
+    !> The cases of the design, gathered group by group for the indices of columns. Groups are consecutive cases, which blocks
+    !> and parts of a sweep may cut anywhere: the values of an unfinished group are kept until the others are added, or merged.
+    !> Without factors nothing is gathered.
+    !>
+    !>     call groups%start(factors=3, groups=4096_int64, columns=2)
+    !>     call groups%add(numbers, is_ok, values)
+    !>     call groups%indices(column)%estimate(factor, index)
+    type :: case_groups_t
+        integer :: factors = 0
+        !> Of each column.
+        type(sobol_indices_t), allocatable :: indices(:)
+        !> Number of unfinished groups: rarely more than two in a part, and none in a whole sweep.
+        integer :: unfinished = 0
+        type(group_t), allocatable, private :: group(:)
+    contains
+        procedure :: start => start_groups
+        procedure :: add => add_cases
+        procedure :: merge_with => merge_groups
+        procedure :: store_or_restore => carry_groups
+    end type case_groups_t
+
+    !> Room for unfinished groups at the beginning.
+    integer, parameter :: usual_room = 2
 
 contains
 
@@ -181,5 +214,126 @@ contains
         squares = squares / (2 * groups * variance)
         indices = real([1 - squares(1), squares(2)], dp)
     end function indices_of
+
+    !> Starts with no cases.
+    subroutine start_groups(self, factors, groups, columns)
+        class(case_groups_t), intent(out) :: self
+        integer, intent(in) :: factors !! number of factors of the design
+        integer(int64), intent(in) :: groups !! number of groups of the whole design
+        integer, intent(in) :: columns !! number of columns
+        integer :: i
+        self%factors = factors
+        allocate (self%indices(columns))
+        do i = 1, columns
+            call self%indices(i)%start(factors, groups)
+        end do
+        allocate (self%group(usual_room))
+    end subroutine start_groups
+
+    !> Adds cases, in any order, each once.
+    subroutine add_cases(self, numbers, is_ok, values)
+        class(case_groups_t), intent(inout) :: self
+        integer(int64), intent(in) :: numbers(:) !! numbers of the cases, from 1
+        logical, intent(in) :: is_ok(:) !! a case that failed has no values
+        real(dp), intent(in) :: values(:, :) !! of the columns of each case; one that is not finite is none
+        type(saltelli_place_t) :: place
+        integer :: k, i
+
+        do k = 1, size(numbers)
+            place = place_in_saltelli(numbers(k), self%factors)
+            call find_group(self, place%base, i)
+            associate (group => self%group(i))
+                group%is_there(place%role) = .true.
+                group%values(place%role, :) = no_number
+                if (is_ok(k)) group%values(place%role, :) = values(:, k)
+            end associate
+            call end_group(self, i)
+        end do
+    end subroutine add_cases
+
+    !> Adds the cases of another object that was started alike.
+    subroutine merge_groups(self, other)
+        class(case_groups_t), intent(inout) :: self
+        type(case_groups_t), intent(in) :: other !! groups of other cases of the same design
+        integer :: i, k, role
+
+        do i = 1, size(self%indices)
+            call self%indices(i)%merge_with(other%indices(i))
+        end do
+        do k = 1, other%unfinished
+            call find_group(self, other%group(k)%base, i)
+            associate (group => self%group(i), more => other%group(k))
+                do role = 1, self%factors + 2
+                    if (more%is_there(role)) group%values(role, :) = more%values(role, :)
+                end do
+                group%is_there = group%is_there .or. more%is_there
+            end associate
+            call end_group(self, i)
+        end do
+    end subroutine merge_groups
+
+    !> Finds the unfinished group of a base point, or begins it.
+    subroutine find_group(self, base, i)
+        class(case_groups_t), intent(inout) :: self
+        integer(int64), intent(in) :: base
+        integer, intent(out) :: i !! its place
+        type(group_t), allocatable :: more(:)
+        do i = self%unfinished, 1, -1
+            if (self%group(i)%base == base) return
+        end do
+        i = self%unfinished + 1
+        if (i > size(self%group)) then
+            allocate (more(2 * size(self%group)))
+            more(:size(self%group)) = self%group
+            call move_alloc(more, self%group)
+        end if
+        self%unfinished = i
+        self%group(i)%base = base
+        self%group(i)%is_there = spread(.false., 1, self%factors + 2)
+        self%group(i)%values = spread(spread(no_number, 1, self%factors + 2), 2, size(self%indices))
+    end subroutine find_group
+
+    !> Takes a group, if it is complete, into the sums of each column; the last unfinished one takes its place.
+    subroutine end_group(self, place)
+        class(case_groups_t), intent(inout) :: self
+        integer, intent(in) :: place
+        integer :: i
+
+        if (.not. all(self%group(place)%is_there)) return
+        do i = 1, size(self%indices)
+            call self%indices(i)%add(self%group(place)%base, self%group(place)%values(:, i))
+        end do
+        if (place < self%unfinished) self%group(place) = self%group(self%unfinished)
+        self%unfinished = self%unfinished - 1
+    end subroutine end_group
+
+    !> Carries all: the sums of each column, and the unfinished groups.
+    subroutine carry_groups(self, stream)
+        class(case_groups_t), target, intent(inout) :: self !! started alike if they are read; what is there is replaced
+        type(state_stream_t), intent(inout) :: stream !! a file
+        integer(int64) :: there(1 + self%factors + 2) !! the base point, and which of its cases are there
+        integer :: i, k, n
+
+        do i = 1, size(self%indices)
+            call self%indices(i)%store_or_restore(stream)
+        end do
+        n = self%unfinished
+        there = 0
+        call stream%carry_count(n, size(there))
+        if (stream%is_read) self%unfinished = 0
+        do k = 1, n
+            i = k
+            if (.not. stream%is_read) there = [self%group(i)%base, merge(1_int64, 0_int64, self%group(i)%is_there)]
+            call stream%carry_numbers(size(there), there)
+            if (there(1) < 1 .or. all(there(2:) == 1)) call stream%refuse()
+            if (allocated(stream%error)) return
+            if (stream%is_read) then
+                call find_group(self, there(1), i)
+                self%group(i)%is_there = there(2:) == 1
+            end if
+            call stream%carry_memory(c_loc(self%group(i)%values(1, 1)), &
+                                     size(self%group(i)%values) * (storage_size(self%group(i)%values) / 8_int64))
+        end do
+    end subroutine carry_groups
 
 end module spintop_sobol_indices

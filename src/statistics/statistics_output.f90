@@ -5,108 +5,46 @@ module spintop_statistics_output
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
     use spintop_errors, only: error_t
-    use spintop_histogram, only: histogram_t, make_histogram, most_intervals
     use spintop_kinds, only: dp, no_number
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_netcdf_table, only: check_netcdf_table, netcdf_layout_t, netcdf_table_t
+    use spintop_netcdf_table, only: check_whole_table, netcdf_layout_t, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_sobol_indices, only: sobol_index_t
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: last_status
     use spintop_table_column, only: column_of_integers, column_of_reals, table_column_t
-    use spintop_table_end, only: check_table
     use spintop_table_file, only: stem_of, table_file_t
-    use spintop_table_head, only: is_netcdf, table_head
+    use spintop_table_head, only: table_head
     use spintop_text, only: replace_all, string_t, to_text
+    use spintop_value_counts, only: value_counts_t
     implicit none
     private
     public :: path_beside, write_statistics_tables, check_statistics_tables, result_columns, columns_before, bytes_of_result
+    public :: histogram_t, make_histogram, most_intervals
 
     !> Columns of a binned quantity (value, and ends of the bin), columns of counts of a bin, and columns of a
     !> column of numbers beside its quantiles.
     integer, parameter :: columns_of_over = 3, columns_of_cases = 2, columns_of_number = 7
+    !> Columns of the tables of histograms and of Sobol' indices.
+    integer, parameter :: cells_of_interval = 4, cells_of_index = 10
     character, parameter :: nl = new_line('a')
     !> Rows that are written at once.
     integer, parameter :: rows_at_once = 1000
     !> The end of the name of a table of statistics, before that of its format.
     character(*), parameter :: ending = '.statistics'
 
-    !> A table that is being written, under another name until it is complete.
-    type :: result_file_t
-        type(error_t), allocatable :: error
-        logical, private :: is_netcdf = .false.
-        type(table_column_t), allocatable, private :: columns(:)
-        type(table_file_t), private :: text
-        type(netcdf_table_t), private :: netcdf
-        type(row_block_t), private :: block
-    contains
-        procedure :: create
-        procedure :: add => add_row
-        procedure :: finish
-    end type result_file_t
+    !> Maximum number of intervals.
+    integer, parameter :: most_intervals = 100
+
+    !> A histogram of the values of a column: neighbouring intervals of nearly equal widths, from the minimum to the maximum,
+    !> whose ends are ends of the cells in which the values were counted, so that the numbers of values are exact.
+    type :: histogram_t
+        real(dp), allocatable :: from(:), to(:)
+        !> Values in each interval.
+        integer(int64), allocatable :: counts(:)
+    end type histogram_t
 
 contains
-
-    !> Creates a table for so many rows.
-    subroutine create(self, path, head, columns, rows, is_netcdf)
-        class(result_file_t), intent(out) :: self
-        character(*), intent(in) :: path, head !! path of the table, and its header
-        type(table_column_t), intent(in) :: columns(:)
-        integer(int64), intent(in) :: rows
-        logical, intent(in) :: is_netcdf
-        type(netcdf_layout_t) :: layout
-
-        self%is_netcdf = is_netcdf
-        self%columns = columns
-        call self%block%reserve(size(columns), rows_at_once)
-        if (is_netcdf) then
-            where (self%columns%kind == column_of_integers) self%columns%kind = column_of_reals
-            layout%axes = [netcdf_axis_t('row', int(rows))]
-            if (columns(1)%kind == column_of_integers) layout%axes(1)%name = columns(1)%name
-            if (columns(1)%kind == column_of_integers) self%columns(1)%axis = 1
-            call self%netcdf%create(path, head, self%columns, layout, self%error)
-        else
-            call self%text%create_beside(path, head, self%error)
-        end if
-    end subroutine create
-
-    !> Adds a row.
-    subroutine add_row(self, cells)
-        class(result_file_t), intent(inout) :: self
-        real(dp), intent(in) :: cells(:)
-        if (self%block%rows == rows_at_once) call pass_on(self)
-        self%block%rows = self%block%rows + 1
-        self%block%cells(:, self%block%rows) = cells
-    end subroutine add_row
-
-    !> Writes the rows of the block, and empties it.
-    subroutine pass_on(self)
-        class(result_file_t), intent(inout) :: self
-        if (allocated(self%error)) then
-            continue
-        else if (self%is_netcdf) then
-            call self%netcdf%add_rows(self%block%cells(:, :self%block%rows))
-        else
-            call self%block%format(self%columns)
-            call self%text%append(self%block%text%contents(), self%error)
-        end if
-        call self%block%clear()
-    end subroutine pass_on
-
-    !> Finishes the table, or removes it if there is an error.
-    subroutine finish(self, error)
-        class(result_file_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(string_t) :: no_lines(0)
-        call pass_on(self)
-        if (self%is_netcdf) then
-            if (.not. allocated(self%error)) call self%netcdf%finish(self%error)
-        else
-            if (.not. allocated(self%error)) call self%text%finish(no_lines, self%error)
-            call self%text%discard()
-        end if
-        call move_alloc(self%error, error)
-    end subroutine finish
 
     !> The path of a table beside a table of statistics, as NAME.histogram.csv.
     pure function path_beside(path, name) result(beside)
@@ -127,88 +65,121 @@ contains
         character(*), intent(in) :: path !! path of the table of the bins
         character(*), intent(in) :: head !! its header, ready to write
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        type(accumulators_t), intent(in) :: accumulators !! the statistics
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(table_column_t), allocatable :: columns(:)
-        type(result_file_t) :: file
-        real(dp), allocatable :: cells(:)
-        integer(int64) :: bin, last
+        integer(int64) :: last
 
-        call write_histograms(path_beside(path, 'histogram'), head, plan, accumulators, error)
+        call write_table(path_beside(path, 'histogram'), head, histogram_columns(plan), plan, error, &
+                         histogram_rows(plan, accumulators))
         if (.not. allocated(error) .and. plan%has_indices()) then
-            call write_indices(path_beside(path, 'indices'), head, plan, accumulators, error)
+            call write_table(path_beside(path, 'indices'), head, index_columns(plan), plan, error, index_rows(plan, accumulators))
         end if
         if (allocated(error)) return
-        columns = result_columns(plan)
         last = merge(plan%bin_count(), 0_int64, size(plan%over) > 0)
-        call file%create(path, head, columns, last + 1, plan%is_netcdf)
-        allocate (cells(size(columns)))
-        do bin = 0, last
-            if (allocated(file%error)) exit
-            call result_row(plan, accumulators, bin, cells)
-            call file%add(cells)
-        end do
-        call file%finish(error)
+        call write_table(path, head, result_columns(plan), plan, error, accumulators=accumulators, last=last)
     end subroutine write_statistics_tables
 
-    !> Writes the table of histograms: the intervals of each column.
-    subroutine write_histograms(path, head, plan, accumulators, error)
-        character(*), intent(in) :: path, head
+    !> Writes a table, under another name until it is complete: of all cases and the bins to the last, or of the given rows,
+    !> which stands beside it.
+    subroutine write_table(path, head_of_bins, columns, plan, error, rows, accumulators, last)
+        character(*), intent(in) :: path, head_of_bins !! path of the table, and the header of that of the bins
+        type(table_column_t), intent(in) :: columns(:)
+        type(statistics_plan_t), intent(in) :: plan
+        type(error_t), allocatable, intent(out) :: error
+        real(dp), intent(in), optional :: rows(:, :) !! the cell of column i in row k is `rows(i, k)`
+        type(accumulators_t), intent(in), optional :: accumulators
+        integer(int64), intent(in), optional :: last
+        type(table_column_t) :: reals(size(columns))
+        type(netcdf_layout_t) :: layout
+        type(netcdf_table_t) :: netcdf
+        type(table_file_t) :: text
+        type(row_block_t) :: block
+        type(string_t) :: no_lines(0)
+        character(:), allocatable :: head
+        integer(int64) :: all, first, k
+
+        if (present(rows)) then
+            head = head_of(columns, head_of_bins)
+            all = size(rows, 2)
+        else
+            head = head_of_bins
+            all = last + 1
+        end if
+        if (plan%is_netcdf) then
+            reals = columns
+            where (columns%kind == column_of_integers) reals%kind = column_of_reals
+            layout%axes = [netcdf_axis_t('row', int(all))]
+            if (columns(1)%kind == column_of_integers) layout%axes(1)%name = columns(1)%name
+            if (columns(1)%kind == column_of_integers) reals(1)%axis = 1
+            call netcdf%create(path, head, reals, layout, error)
+        else
+            call text%create_beside(path, head, error)
+        end if
+        do first = 1, all, rows_at_once
+            if (allocated(error)) exit
+            call block%reserve(size(columns), rows_at_once)
+            do k = first, min(first + rows_at_once - 1, all)
+                block%rows = block%rows + 1
+                if (present(rows)) block%cells(:, block%rows) = rows(:, k)
+                if (.not. present(rows)) call find_row(plan, accumulators, k - 1, block%cells(:, block%rows))
+            end do
+            if (plan%is_netcdf) then
+                call netcdf%add_rows(block%cells(:, :block%rows))
+            else
+                call block%format(columns)
+                call text%append(block%text%contents(), error)
+            end if
+        end do
+        if (plan%is_netcdf) then
+            if (.not. allocated(error)) call netcdf%finish(error)
+        else
+            if (.not. allocated(error)) call text%finish(no_lines, error)
+            call text%discard()
+        end if
+    end subroutine write_table
+
+    !> The rows of the table of histograms: the intervals of each column.
+    function histogram_rows(plan, accumulators) result(rows)
         type(statistics_plan_t), intent(in) :: plan
         type(accumulators_t), intent(in) :: accumulators
-        type(error_t), allocatable, intent(out) :: error
-        type(table_column_t) :: columns(4)
-        type(histogram_t) :: histograms(size(plan%numbers))
-        type(result_file_t) :: file
-        integer :: i, k
+        real(dp), allocatable :: rows(:, :)
+        real(dp) :: all(cells_of_interval, most_intervals * size(plan%numbers))
+        type(histogram_t) :: histogram
+        integer :: i, k, n
 
-        columns = [table_column_t('column', '', 'the column of the sweep'), &
-                   table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
-                   table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
-                   table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
-        call columns(1)%set_words(plan%numbers%name)
-        do i = 1, size(histograms)
-            call make_histogram(accumulators, i, histograms(i))
+        n = 0
+        do i = 1, size(plan%numbers)
+            call make_histogram(accumulators, i, histogram)
+            do k = 1, size(histogram%counts)
+                n = n + 1
+                all(:, n) = [real(i - 1, dp), histogram%from(k), histogram%to(k), real(histogram%counts(k), dp)]
+            end do
         end do
-        call file%create(path, head_of(columns, head), columns, &
-                         sum([(size(histograms(i)%counts, kind=int64), i=1, size(histograms))]), plan%is_netcdf)
-        do i = 1, size(histograms)
-            associate (histogram => histograms(i))
-                do k = 1, size(histogram%counts)
-                    call file%add([real(i - 1, dp), histogram%from(k), histogram%to(k), real(histogram%counts(k), dp)])
-                end do
-            end associate
-        end do
-        call file%finish(error)
-    end subroutine write_histograms
+        rows = all(:, :n)
+    end function histogram_rows
 
-    !> Writes the table of Sobol' indices: the factors of each column.
-    subroutine write_indices(path, head, plan, accumulators, error)
-        character(*), intent(in) :: path, head
+    !> The rows of the table of Sobol' indices: the factors of each column.
+    function index_rows(plan, accumulators) result(rows)
         type(statistics_plan_t), intent(in) :: plan
         type(accumulators_t), intent(in) :: accumulators
-        type(error_t), allocatable, intent(out) :: error
-        type(table_column_t), allocatable :: columns(:)
+        real(dp) :: rows(cells_of_index, size(plan%factors) * size(plan%numbers))
         type(sobol_index_t) :: index
-        type(result_file_t) :: file
-        integer :: i, k
+        integer :: i, k, n
 
-        allocate (columns, source=index_columns(plan))
-        call file%create(path, head_of(columns, head), columns, size(plan%numbers) * size(plan%factors, kind=int64), &
-                         plan%is_netcdf)
+        n = 0
         do i = 1, size(plan%numbers)
             associate (indices => accumulators%groups%indices(i))
                 do k = 1, size(plan%factors)
                     call indices%estimate(k, index)
-                    call file%add([real(i - 1, dp), real(k - 1, dp), &
-                                   index%first, index%first - index%first_error, index%first + index%first_error, &
-                                   index%total, index%total - index%total_error, index%total + index%total_error, &
-                                   real(sum(indices%added), dp), real(indices%left_out, dp)])
+                    n = n + 1
+                    rows(:, n) = [real(i - 1, dp), real(k - 1, dp), &
+                                  index%first, index%first - index%first_error, index%first + index%first_error, &
+                                  index%total, index%total - index%total_error, index%total + index%total_error, &
+                                  real(sum(indices%added), dp), real(indices%left_out, dp)]
                 end do
             end associate
         end do
-        call file%finish(error)
-    end subroutine write_indices
+    end function index_rows
 
     !> The header of a table beside that of the statistics: its provenance, and other columns.
     function head_of(columns, head) result(text)
@@ -229,29 +200,28 @@ contains
         character(*), intent(in) :: path !! path of the table of the bins
         type(statistics_plan_t), intent(in) :: plan !! what was gathered
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
-        call check(path)
-        if (problem == '') call check(path_beside(path, 'histogram'))
-        if (problem == '' .and. plan%has_indices()) call check(path_beside(path, 'indices'))
-
-    contains
-
-        subroutine check(table)
-            character(*), intent(in) :: table
-            integer(int64) :: no_counts(0:last_status)
-            no_counts = 0
-            if (is_netcdf(table)) then
-                call check_netcdf_table(table, problem, no_counts)
-            else
-                call check_table(table, problem)
-            end if
-        end subroutine check
-
+        integer(int64) :: no_counts(0:last_status)
+        no_counts = 0
+        call check_whole_table(path, problem, no_counts)
+        if (problem == '') call check_whole_table(path_beside(path, 'histogram'), problem, no_counts)
+        if (problem == '' .and. plan%has_indices()) call check_whole_table(path_beside(path, 'indices'), problem, no_counts)
     end subroutine check_statistics_tables
+
+    !> The columns of the table of histograms, which has a row for each interval of a column.
+    function histogram_columns(plan) result(columns)
+        type(statistics_plan_t), intent(in) :: plan !! what is gathered
+        type(table_column_t) :: columns(cells_of_interval)
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
+                   table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
+                   table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
+                   table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
+        call columns(1)%set_words(plan%numbers%name)
+    end function histogram_columns
 
     !> The columns of the table of Sobol' indices, which has a row for each column and factor.
     function index_columns(plan) result(columns)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(table_column_t), allocatable :: columns(:)
+        type(table_column_t) :: columns(cells_of_index)
         columns = [table_column_t('column', '', 'the column of the sweep'), &
                    table_column_t('factor', '', 'the parameter of an axis'), &
                    table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
@@ -338,9 +308,9 @@ contains
     end function result_columns
 
     !> The cells of the row of a bin, or, for bin 0, of all cases.
-    subroutine result_row(plan, accumulators, bin, cells)
+    subroutine find_row(plan, accumulators, bin, cells)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        type(accumulators_t), intent(in) :: accumulators !! the statistics
         integer(int64), intent(in) :: bin !! number of the bin, or 0
         real(dp), intent(out) :: cells(:) !! as many as there are columns
         type(moments_t) :: moments
@@ -385,19 +355,66 @@ contains
             n = n + size(plan%shares)
         end do
         cells(n + 1:) = real(words, dp)
-    end subroutine result_row
+    end subroutine find_row
 
     !> Bytes of all tables of a result, at most and about: those of bins, histograms and Sobol' indices.
     real(dp) function bytes_of_result(plan) result(bytes)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        integer, parameter :: cells_of_interval = 4
         real(dp), parameter :: bytes_of_double = 8, bytes_of_text = 18
         real(dp) :: cells
         cells = 1
         if (size(plan%over) > 0) cells = cells + real(plan%bin_count(), dp)
         cells = cells * size(result_columns(plan)) + size(plan%numbers) * most_intervals * cells_of_interval
-        if (plan%has_indices()) cells = cells + size(plan%numbers) * size(plan%factors) * size(index_columns(plan))
+        if (plan%has_indices()) cells = cells + size(plan%numbers) * size(plan%factors) * cells_of_index
         bytes = cells * merge(bytes_of_double, bytes_of_text, plan%is_netcdf)
     end function bytes_of_result
+
+    !> The histogram of a column over all cases; without intervals if no case has a value.
+    subroutine make_histogram(accumulators, column, histogram)
+        type(accumulators_t), intent(in) :: accumulators !! the statistics
+        integer, intent(in) :: column !! number of the column of numbers
+        type(histogram_t), intent(out) :: histogram !! at most `most_intervals` intervals
+        type(value_counts_t) :: cells
+        type(moments_t) :: all
+        real(dp), allocatable :: lower(:), upper(:)
+        integer(int64), allocatable :: counts(:)
+        integer :: i, k, here
+
+        call accumulators%counts_over_all(column, cells)
+        call cells%list_cells(lower, upper, counts)
+        all = accumulators%over_all(column)
+        allocate (histogram%from(most_intervals), histogram%to(most_intervals))
+        allocate (histogram%counts(most_intervals), source=0_int64)
+        k = 0
+        here = 0
+        do i = 1, size(counts)
+            ! A cell belongs to the interval in which its lower end lies.
+            if (k == 0 .or. interval(lower(i)) > here) then
+                here = interval(lower(i))
+                k = k + 1
+                histogram%from(k) = lower(i)
+            end if
+            histogram%to(k) = upper(i)
+            histogram%counts(k) = histogram%counts(k) + counts(i)
+        end do
+        histogram%from = histogram%from(:k)
+        histogram%to = histogram%to(:k)
+        histogram%counts = histogram%counts(:k)
+        if (k == 0) return
+        histogram%from(1) = all%minimum
+        histogram%to(k) = all%maximum
+
+    contains
+
+        !> The interval of a value, of so many of equal width.
+        pure integer function interval(value)
+            real(dp), intent(in) :: value
+            real(dp) :: share
+            ! Halves, for the range may be larger than the largest number.
+            share = (value / 2 - all%minimum / 2) / max(all%maximum / 2 - all%minimum / 2, tiny(share))
+            interval = min(max(int(share * most_intervals) + 1, 1), most_intervals)
+        end function interval
+
+    end subroutine make_histogram
 
 end module spintop_statistics_output

@@ -1,9 +1,9 @@
 !> What statistics are gathered of: the columns, the quantities over which there are bins, the quantiles. The
 !> cells of a row are those of the table of all cases, whether or not that table is written.
 module spintop_statistics_plan
+    use, intrinsic :: iso_c_binding, only: c_loc
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_accumulators, only: accumulators_t, bits_by_bin, bits_over_all, moments_t
-    use spintop_bins, only: bins_t
+    use spintop_accumulators, only: accumulators_t, bins_t, bits_by_bin, bits_over_all, moments_t
     use spintop_kinds, only: dp
     use spintop_sobol_indices, only: sobol_indices_t
     use spintop_state_stream, only: state_stream_t
@@ -122,9 +122,8 @@ contains
 
     !> Writes a plan, or reads it: then it does not know the cells of a row.
     subroutine carry(self, stream)
-        class(statistics_plan_t), intent(inout) :: self
+        class(statistics_plan_t), target, intent(inout) :: self
         type(state_stream_t), intent(inout) :: stream !! the file
-        integer(int64) :: groups(1)
         logical :: is_valid
         integer :: i, n
 
@@ -143,11 +142,9 @@ contains
         call stream%carry_flag(self%by_bin)
         call stream%carry_flag(self%is_netcdf)
         call carry_columns(stream, self%factors)
-        groups = self%groups
-        call stream%carry_numbers(1, groups)
+        call stream%carry_memory(c_loc(self%groups), storage_size(self%groups) / 8_int64)
         if (.not. stream%is_read .or. allocated(stream%error)) return
         self%is_wanted = .true.
-        self%groups = groups(1)
         is_valid = size(self%over) <= most_over
         do i = 1, size(self%over)
             if (is_valid) is_valid = size(self%over(i)%bins%edge) == size(self%over(i)%bins%value) + 1

@@ -1,26 +1,39 @@
 !> A table of a sweep whose rows are gathered as well, or gathered and not written. Each thread finds the bins of its
 !> rows; one after the other the blocks are added in the order of the cases. What was gathered is written with an
 !> entry of the journal, to one of two files in turn, of which the entry names the one that belongs to its rows: a
-!> later run resumes there.
+!> later run resumes there. Such a file is also the result of a part of a sweep, by which parts are merged. It begins with the
+!> header of the result as a table has it, so that it is identified by program, build, input and part:
+!>
+!>     # part 1 of 3: ...
+!>     # title: ...
+!>     bin,cases,...
+!>     spintop statistics 3
+!>     (the plan, then the accumulators, as they are in memory)
+!>     (their checksum, from the line above)
 module spintop_statistics_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_accumulators, only: accumulators_t
-    use spintop_bins, only: place_among
-    use spintop_checksum, only: checksum_width
+    use spintop_accumulators, only: accumulators_t, place_among
+    use spintop_checksum, only: checksum_text, checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: input_file_t, sync_file
-    use spintop_row_table, only: row_table_t, refusal
-    use spintop_journal, only: journal_entry_t, state_of
+    use spintop_files, only: file_size, input_file_t, sync_file
     use spintop_kinds, only: dp
     use spintop_netcdf_table, only: netcdf_table_t
+    use spintop_process, only: seconds
     use spintop_row_block, only: row_block_t
-    use spintop_statistics_file, only: read_statistics, write_part, write_snapshot
+    use spintop_row_table, only: refusal, row_table_t
+    use spintop_state_stream, only: state_stream_t
     use spintop_statistics_output, only: check_statistics_tables, columns_before, write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: is_good_end, status_bad_input, status_ok
+    use spintop_table_file, only: journal_entry_t, state_of
+    use spintop_table_head, only: read_head
     implicit none
     private
-    public :: statistics_table_t, write_statistics
+    public :: statistics_table_t, read_statistics, is_statistics
+
+    character, parameter :: nl = new_line('a')
+    !> The line after the header of a file of accumulators.
+    character(*), parameter :: first_line = 'spintop statistics 3' // nl
 
     !> Cells that are gathered of a row before the values: bin, number of the case, its status.
     integer, parameter :: bin_cell = 1, number_cell = 2, status_cell = 3, cells_before = 3
@@ -36,8 +49,7 @@ module spintop_statistics_table
         !> Whether this is a part of a sweep.
         logical :: is_part = .false.
         type(accumulators_t), private :: accumulators
-        !> The file of the last snapshot, its checksum, and whether no entry names it yet.
-        integer, private :: state = 0
+        !> The checksum of the last snapshot, and whether no entry names it yet.
         character(checksum_width), private :: checksum = ''
         logical, private :: is_new = .false.
         !> Numbers of the cases of a block, whether they have values, and their words.
@@ -77,7 +89,7 @@ contains
         if (allocated(error)) then
             call self%abandon(error)
         else
-            call self%set_pause(max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk))
+            self%due = seconds() + max(least_pause, times_pause * self%plan%bytes_of_bins() / slowest_disk)
         end if
     end subroutine start
 
@@ -213,17 +225,18 @@ contains
         ! A snapshot that no entry names yet is older than these rows.
         self%is_new = .false.
         call self%row_table_t%append(block, error)
-        if (self%is_due() .and. .not. allocated(error)) call save_snapshot(self, error)
+        if (allocated(error) .or. self%in_entry .or. seconds() < self%due) return
+        call save_snapshot(self, error)
     end subroutine append
 
     !> Writes a snapshot to the file that the last entry of the journal does not name.
     subroutine save_snapshot(self, error)
         type(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: path
-        call self%begin_entry()
-        call self%begin_state(self%state, path)
-        call write_snapshot(path, self%result_head, self%plan, self%accumulators, self%checksum, error)
+        if (.not. self%entry_began > 0) self%entry_began = seconds()
+        self%last_state = 3 - max(self%last_state, 1)
+        call write_state(state_of(self%table%path, self%last_state), self%result_head, self%plan, self%accumulators, &
+                         .false., self%checksum, error)
         self%is_new = .not. allocated(error)
     end subroutine save_snapshot
 
@@ -255,7 +268,7 @@ contains
         if (.not. self%is_new) return
         self%is_new = .false.
         call self%row_table_t%make_entry_if_due(entry, due, error)
-        entry%state = self%state
+        entry%state = self%last_state
         entry%state_checksum = self%checksum
     end subroutine make_entry_if_due
 
@@ -268,27 +281,105 @@ contains
         if (.not. allocated(error)) call self%row_table_t%keep_entry(entry, error)
     end subroutine keep_entry
 
-    !> Writes the result, and finishes the table of the rows.
+    !> Writes the result, that of a part or tables, and finishes the table of the rows.
     subroutine finish(self, error)
         class(statistics_table_t), intent(inout) :: self
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call write_statistics(self%result_path, self%result_head, self%is_part, self%plan, self%accumulators, error)
+        associate (path => self%result_path, head => self%result_head)
+            if (self%is_part) then
+                call write_state(path, head, self%plan, self%accumulators, .true., self%checksum, error)
+            else
+                call write_statistics_tables(path, head, self%plan, self%accumulators, error)
+            end if
+        end associate
         if (.not. allocated(error)) call self%row_table_t%finish(error)
     end subroutine finish
 
-    !> Writes a result: that of a part, or a table.
-    subroutine write_statistics(path, head, is_part, plan, accumulators, error)
-        character(*), intent(in) :: path !! path of the result
-        character(*), intent(in) :: head !! its header, ready to write
-        logical, intent(in) :: is_part !! whether it is that of a part of a sweep
+    !> Writes accumulators to a file. That of a part of a sweep has another name until it is on the disk, which a snapshot is
+    !> not yet.
+    subroutine write_state(path, head, plan, accumulators, is_part, checksum, error)
+        character(*), intent(in) :: path !! path of the file
+        character(*), intent(in) :: head !! header of the result
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(accumulators_t), intent(inout) :: accumulators !! the statistics; only sorted
+        type(accumulators_t), intent(inout) :: accumulators !! the statistics, which do not change
+        logical, intent(in) :: is_part !! whether it is the result of a part
+        character(checksum_width), intent(out) :: checksum !! of all after the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(state_stream_t) :: stream
+        type(statistics_plan_t) :: copy
+        type(error_t), allocatable :: problem
+        character(len(first_line)) :: line
+
+        line = first_line
+        copy = plan
+        call stream%output%create(path // trim(merge('.new', '    ', is_part)), stream%error)
+        if (.not. allocated(stream%error)) call stream%output%write(head, stream%error)
+        call stream%carry_text(line)
+        call copy%carry(stream)
+        call accumulators%store_or_restore(stream)
+        checksum = checksum_text(stream%checksum)
+        if (.not. allocated(stream%error)) call stream%output%write(checksum // nl, stream%error)
+        call move_alloc(stream%error, error)
         if (is_part) then
-            call write_part(path, head, plan, accumulators, error)
+            if (.not. allocated(error)) call stream%output%finish_as(path, -1_int64, error)
+            call stream%output%discard()
         else
-            call write_statistics_tables(path, head, plan, accumulators, error)
+            call stream%output%close(problem)
+            if (.not. allocated(error)) call move_alloc(problem, error)
         end if
-    end subroutine write_statistics
+    end subroutine write_state
+
+    !> Whether a file is one of these; false as well if it cannot be read.
+    logical function is_statistics(path)
+        character(*), intent(in) :: path !! path of the file
+        type(input_file_t) :: file
+        type(error_t), allocatable :: error
+        character(:), allocatable :: head, line
+        integer :: length
+
+        is_statistics = .false.
+        call read_head(path, head, error)
+        if (allocated(error)) return
+        allocate (character(len(head) + len(first_line)) :: line)
+        call file%open(path, error)
+        if (.not. allocated(error)) call file%read(line, length, error)
+        call file%close()
+        if (allocated(error)) return
+        is_statistics = line(len(head) + 1:length) == first_line
+    end function is_statistics
+
+    !> Reads a file. An error if it is not whole.
+    subroutine read_statistics(path, plan, accumulators, checksum, error)
+        character(*), intent(in) :: path !! path of the file
+        type(statistics_plan_t), intent(out) :: plan !! what is gathered, without the cells of a row
+        type(accumulators_t), intent(out) :: accumulators !! the statistics
+        character(checksum_width), intent(out) :: checksum !! of all after the header
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(state_stream_t) :: stream
+        character(:), allocatable :: head
+        character(len(first_line)) :: line
+        character(checksum_width + len(nl)) :: last
+        integer :: length
+
+        checksum = ''
+        call read_head(path, head, error)
+        if (allocated(error)) return
+        stream%is_read = .true.
+        stream%size = file_size(path)
+        call stream%input%open(path, stream%error)
+        if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
+        call stream%carry_text(line)
+        if (line /= first_line) call stream%refuse()
+        if (.not. allocated(stream%error)) call plan%carry(stream)
+        if (.not. allocated(stream%error)) then
+            call plan%start(accumulators)
+            call accumulators%store_or_restore(stream)
+            checksum = checksum_text(stream%checksum)
+            call stream%carry_text(last)
+            if (last /= checksum // nl) call stream%refuse()
+        end if
+        call stream%input%close()
+        call move_alloc(stream%error, error)
+    end subroutine read_statistics
 
 end module spintop_statistics_table

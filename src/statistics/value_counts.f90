@@ -7,82 +7,69 @@
 module spintop_value_counts
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number
-    use spintop_random, only: mix
     use spintop_state_stream, only: state_stream_t
     implicit none
     private
     public :: value_counts_t
 
     integer, parameter :: significand_bits = 52
-    !> The low half of an integer.
-    integer(int64), parameter :: word_mask = 2_int64**32 - 1
     !> Sign bit and exponent of a double are below.
     integer, parameter :: exponents = 4096
     !> Pages at first.
     integer, parameter :: pages_at_first = 16
 
-    !> Counts of values in bins; the pages of all bins are in one hash table.
+    !> Counts of values in bins.
     type :: value_counts_t
         private
         !> First bits of the significand that tell cells apart.
         integer :: bits = 12
-        !> Pages in use, and a power of two that is at least twice as many.
-        integer :: pages = 0, slots = 0
-        !> The page in a slot (0: none), and what it is the page of: the bin, and sign and exponent.
-        integer, allocatable :: page_in(:)
+        !> Pages in use; of each its bin, its sign and exponent, and the page with the next larger values in the bin (0: none).
+        integer :: pages = 0
         integer(int64), allocatable :: bin_of(:)
-        integer, allocatable :: exponent_of(:)
+        integer, allocatable :: exponent_of(:), next_of(:)
         !> Values in cell i of page k.
         integer(int64), allocatable :: counts(:, :)
+        !> The page with the smallest values of each bin (0: none).
+        integer, allocatable :: first_of(:)
         !> The pages of bin 1, which is that of most values where there are no others (0: none).
         integer, allocatable :: pages_of_first(:)
-        !> The pages in the order of bins and values, when they were last sorted; and the first of them in each bin, and
-        !> behind the last.
-        integer, allocatable :: sorted(:), first_of(:)
     contains
         procedure :: start
         procedure :: add
         procedure :: merge_with
         procedure :: list_cells
         procedure :: quantiles
-        procedure :: resolution
         procedure :: store_or_restore
     end type value_counts_t
 
 contains
 
-    !> Starts with no values. A cell is 2**-bits wide relative to the values in it, or narrower.
-    subroutine start(self, bits)
+    !> Starts with no values. A cell is 2**-bits wide relative to the values in it, or narrower: the relative error of a
+    !> quantile, the middle of its cell, is at most half of that.
+    subroutine start(self, bits, bins)
         class(value_counts_t), intent(out) :: self
         integer, intent(in) :: bits !! 1 .. 20
+        integer(int64), intent(in) :: bins !! number of bins
         self%bits = bits
-        allocate (self%pages_of_first(0:exponents - 1), source=0)
+        allocate (self%pages_of_first(0:exponents - 1), self%first_of(bins), source=0)
         call grow(self)
     end subroutine start
 
-    !> The largest relative error of a quantile.
-    pure real(dp) function resolution(self)
-        class(value_counts_t), intent(in) :: self
-        resolution = 2.0_dp**(-self%bits - 1)
-    end function resolution
-
-    !> Carries all counts: how many numbers follow, then pages one after the other: bin, exponent, counts.
+    !> Carries all counts, page by page: bin, exponent, counts.
     subroutine store_or_restore(self, stream)
         class(value_counts_t), intent(inout) :: self !! empty if they are read
         type(state_stream_t), intent(inout) :: stream !! a file
-        integer(int64) :: numbers(1), place(2), k
-        integer :: length, page
+        integer(int64) :: place(2)
+        integer :: k, n, page
 
-        length = 2 + 2**self%bits
-        numbers = int(length, int64) * self%pages
+        n = self%pages
         place = 0
-        call stream%carry_numbers(1, numbers)
-        if (mod(numbers(1), int(length, int64)) /= 0) call stream%refuse()
-        do k = 1, numbers(1) / length
-            page = int(k)
+        call stream%carry_count(n, 2**self%bits)
+        do k = 1, n
+            page = k
             if (.not. stream%is_read) place = [self%bin_of(page), int(self%exponent_of(page), int64)]
             call stream%carry_numbers(size(place), place)
-            if (place(1) < 1 .or. place(2) < 0 .or. place(2) >= exponents) call stream%refuse()
+            if (any(place < [1, 0]) .or. any(place > [size(self%first_of), exponents - 1])) call stream%refuse()
             if (allocated(stream%error)) return
             if (stream%is_read) call find_page(self, place(1), int(place(2)), page)
             call stream%carry_numbers(size(self%counts, 1), self%counts(:, page))
@@ -131,20 +118,18 @@ contains
 
     !> The cells of bin 1 that have values, in the order of these.
     subroutine list_cells(self, lower, upper, counts)
-        class(value_counts_t), intent(inout) :: self
+        class(value_counts_t), intent(in) :: self
         real(dp), allocatable, intent(out) :: lower(:), upper(:) !! the ends of each cell, lower <= upper
         integer(int64), allocatable, intent(out) :: counts(:)    !! values in each cell
-        integer :: i, k, n, page, cell, cells, found
+        integer :: i, n, page, cell, found
 
-        call sort(self)
-        cells = size(self%counts, 1)
         found = count(self%counts(:, :self%pages) > 0)
         allocate (lower(found), upper(found), counts(found))
         n = 0
-        do k = 1, self%pages
-            page = self%sorted(k)
-            do i = 1, cells
-                cell = merge(cells + 1 - i, i, self%exponent_of(page) >= exponents / 2)
+        page = self%first_of(1)
+        do while (page > 0)
+            do i = 1, size(self%counts, 1)
+                cell = cell_in_order(self, i, page)
                 if (self%counts(cell, page) == 0) cycle
                 n = n + 1
                 counts(n) = self%counts(cell, page)
@@ -155,33 +140,33 @@ contains
                     upper(n) = end_of_cell(self%exponent_of(page), cell - 1, self%bits)
                 end if
             end do
+            page = self%next_of(page)
         end do
     end subroutine list_cells
 
     !> Quantiles of the values of a bin: for each share p the middle of the cell that has the value of rank
     !> ceiling(p n); NaN where there are no values.
     subroutine quantiles(self, bin, shares, values)
-        class(value_counts_t), intent(inout) :: self
+        class(value_counts_t), intent(in) :: self
         integer(int64), intent(in) :: bin !! number of the bin, from 1
         real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
         real(dp), intent(out) :: values(:)  !! the quantiles, one for each share
         integer(int64) :: ranks(size(shares)), below
-        integer :: i, k, page, cell, cells, first, last
+        integer :: i, page, cell
 
-        call sort(self)
         values = no_number
-        if (bin >= size(self%first_of)) return
-        first = self%first_of(bin)
-        last = self%first_of(bin + 1) - 1
-        if (last < first) return
-        ranks = max(ceiling(shares * real(sum([(sum(self%counts(:, self%sorted(k))), k=first, last)]), dp), int64), 1_int64)
         below = 0
-        cells = size(self%counts, 1)
-        do k = first, last
-            page = self%sorted(k)
-            do i = 1, cells
-                ! Of negative values those of the largest significand are the smallest.
-                cell = merge(cells + 1 - i, i, self%exponent_of(page) >= exponents / 2)
+        page = self%first_of(bin)
+        do while (page > 0)
+            below = below + sum(self%counts(:, page))
+            page = self%next_of(page)
+        end do
+        ranks = max(ceiling(shares * real(below, dp), int64), 1_int64)
+        below = 0
+        page = self%first_of(bin)
+        do while (page > 0)
+            do i = 1, size(self%counts, 1)
+                cell = cell_in_order(self, i, page)
                 associate (here => self%counts(cell, page))
                     if (here == 0) cycle
                     where (ranks > below .and. ranks <= below + here)
@@ -190,40 +175,16 @@ contains
                     below = below + here
                 end associate
             end do
+            page = self%next_of(page)
         end do
     end subroutine quantiles
 
-    !> Sorts the pages by bin, and those of a bin by the values in them, if pages came since the last time.
-    subroutine sort(self)
-        class(value_counts_t), intent(inout) :: self
-        integer :: k, place
-
-        if (allocated(self%sorted)) then
-            if (size(self%sorted) == self%pages) return
-            deallocate (self%sorted, self%first_of)
-        end if
-        allocate (self%sorted(self%pages + 1), self%first_of(maxval([0_int64, self%bin_of(:self%pages)]) + 1), source=0)
-        do k = 1, self%pages
-            self%first_of(self%bin_of(k) + 1) = self%first_of(self%bin_of(k) + 1) + 1
-        end do
-        self%first_of(1) = 1
-        do k = 2, size(self%first_of)
-            self%first_of(k) = self%first_of(k) + self%first_of(k - 1)
-        end do
-        ! A bin has few pages: each is inserted behind those of smaller values.
-        do k = 1, self%pages
-            associate (first => self%first_of(self%bin_of(k)))
-                place = first + findloc(self%sorted(first:), 0, dim=1) - 1
-                do while (place > first)
-                    if (order(self%exponent_of(self%sorted(place - 1))) <= order(self%exponent_of(k))) exit
-                    self%sorted(place) = self%sorted(place - 1)
-                    place = place - 1
-                end do
-                self%sorted(place) = k
-            end associate
-        end do
-        self%sorted = self%sorted(:self%pages)
-    end subroutine sort
+    !> The cell of a page that has the values in place i: of negative values those of the largest significand are the smallest.
+    pure integer function cell_in_order(self, i, page) result(cell)
+        class(value_counts_t), intent(in) :: self
+        integer, intent(in) :: i, page
+        cell = merge(size(self%counts, 1) + 1 - i, i, self%exponent_of(page) >= exponents / 2)
+    end function cell_in_order
 
     !> Place of a sign and exponent among the values.
     pure integer function order(exponent)
@@ -257,73 +218,47 @@ contains
         integer(int64), intent(in) :: bin
         integer, intent(in) :: exponent
         integer, intent(out) :: page
-        integer :: slot
+        integer :: before
 
-        slot = first_slot(bin, exponent, self%slots)
-        do
-            page = self%page_in(slot)
-            if (page == 0) exit
-            if (self%bin_of(page) == bin .and. self%exponent_of(page) == exponent) return
-            slot = mod(slot, self%slots) + 1
+        before = 0
+        page = self%first_of(bin)
+        do while (page > 0)
+            if (self%exponent_of(page) == exponent) return
+            if (order(self%exponent_of(page)) > order(exponent)) exit
+            before = page
+            page = self%next_of(page)
         end do
-        if (self%pages == size(self%bin_of)) then
-            call grow(self)
-            slot = free_slot(self, bin, exponent)
-        end if
+        if (self%pages == size(self%bin_of)) call grow(self)
         self%pages = self%pages + 1
+        self%bin_of(self%pages) = bin
+        self%exponent_of(self%pages) = exponent
+        self%next_of(self%pages) = page
         page = self%pages
-        self%page_in(slot) = page
-        self%bin_of(page) = bin
-        self%exponent_of(page) = exponent
+        if (before == 0) self%first_of(bin) = page
+        if (before > 0) self%next_of(before) = page
         if (bin == 1) self%pages_of_first(exponent) = page
     end subroutine find_page
-
-    !> Where the search for a page begins.
-    pure integer function first_slot(bin, exponent, slots)
-        integer(int64), intent(in) :: bin
-        integer, intent(in) :: exponent, slots
-        integer(int64) :: high, low
-        high = shiftr(bin, 32)
-        low = iand(bin, word_mask)
-        first_slot = int(iand(mix(ieor(low, mix(ior(shiftl(iand(high, 2_int64**20 - 1), 12), int(exponent, int64))))), &
-                              int(slots - 1, int64))) + 1
-    end function first_slot
-
-    !> A slot that is free, where the search for a page ends.
-    pure integer function free_slot(self, bin, exponent) result(slot)
-        class(value_counts_t), intent(in) :: self
-        integer(int64), intent(in) :: bin
-        integer, intent(in) :: exponent
-        slot = first_slot(bin, exponent, self%slots)
-        do while (self%page_in(slot) /= 0)
-            slot = mod(slot, self%slots) + 1
-        end do
-    end function free_slot
 
     !> Makes room for twice as many pages.
     subroutine grow(self)
         class(value_counts_t), intent(inout) :: self
         integer(int64), allocatable :: bins(:), counts(:, :)
-        integer, allocatable :: page_exponents(:)
-        integer :: room, k
+        integer, allocatable :: page_exponents(:), following(:)
+        integer :: room
 
         room = max(pages_at_first, 2 * self%pages)
-        allocate (bins(room), page_exponents(room), counts(2**self%bits, room))
+        allocate (bins(room), page_exponents(room), following(room), counts(2**self%bits, room))
         counts = 0
         if (self%pages > 0) then
             bins(:self%pages) = self%bin_of
             page_exponents(:self%pages) = self%exponent_of
+            following(:self%pages) = self%next_of
             counts(:, :self%pages) = self%counts
-            deallocate (self%page_in)
         end if
         call move_alloc(bins, self%bin_of)
         call move_alloc(page_exponents, self%exponent_of)
+        call move_alloc(following, self%next_of)
         call move_alloc(counts, self%counts)
-        self%slots = 2 * room
-        allocate (self%page_in(self%slots), source=0)
-        do k = 1, self%pages
-            self%page_in(free_slot(self, self%bin_of(k), self%exponent_of(k))) = k
-        end do
     end subroutine grow
 
 end module spintop_value_counts

@@ -2,13 +2,13 @@
 module spintop_execution
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_axes_of_table, only: given_axis_t
-    use spintop_data_table, only: data_table_t, load_table
     use spintop_errors, only: error_t, exit_ok
-    use spintop_files, only: make_folder, file_exists, make_private_folder, remove_folder
+    use spintop_files, only: file_exists, make_folder, make_private_folder, remove_folder
     use spintop_fit_study, only: residual_path
     use spintop_job, only: job_t, print_input, study_head
+    use spintop_loaded_table, only: data_table_t, load_table
     use spintop_options, only: options_t
-    use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted, prepare_job
+    use spintop_preparation, only: prepare_job, prepare_jobs, prepared_t, protect_interrupted
     use spintop_row_table, only: row_table_t
     use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
     use spintop_statistics_output, only: path_beside
@@ -17,7 +17,7 @@ module spintop_execution
     use spintop_sweep_study, only: compute_cases
     use spintop_sweep_table, only: describe_columns
     use spintop_terminal, only: output_width
-    use spintop_text, only: string_t, append, append_wrapped, line_width, join
+    use spintop_text, only: append, append_wrapped, join, line_width, string_t
     use spintop_thread_team, only: team_t
     !$ use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     implicit none

@@ -4,7 +4,7 @@ module spintop_options
     use spintop_process, only: watch_signals
     use spintop_ranks, only: ranks_t
     use spintop_row_table, only: row_table_t
-    use spintop_shard, only: shard_t
+    use spintop_table_head, only: shard_t
     use spintop_text, only: string_t, to_text
     implicit none
     private

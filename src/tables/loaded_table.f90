@@ -1,4 +1,4 @@
-!> A CSV table in memory: names of the columns, and the cells as text or as numbers.
+!> Tables in memory. A CSV table that was read: names of the columns, and the cells as text or as numbers.
 !>
 !>     # drawn elsewhere
 !>     initial.spin_ratio, "top.inertia(2)"
@@ -9,19 +9,25 @@
 !>
 !>     call read_table(path, table, error)
 !>     if (.not. allocated(error)) call table%read_column('theta', theta, error)
+!>
+!> And a table that a run gives to a caller of the library, column by column.
 module spintop_loaded_table
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
-    use spintop_errors, only: error_t, input_error
+    use spintop_errors, only: error_t, input_error, internal_error
     use spintop_files, only: path_from, read_file
     use spintop_kinds, only: dp, no_number
     use spintop_literals, only: is_number_cell, read_real
+    use spintop_row_block, only: row_block_t
     use spintop_suggestions, only: suggest_word
+    use spintop_table_column, only: column_of_notes, column_of_words, column_t, table_column_t
     use spintop_table_end, only: check_table_text
     use spintop_table_head, only: check_format
     use spintop_text, only: abbreviate, escaped, string_t, to_text
     implicit none
     private
     public :: read_table, table_t
+    public :: data_table_t, data_column_t, load_table
 
     !> Maximum size of a table, bytes.
     integer, parameter :: largest_table = 2**30 - 1
@@ -64,6 +70,33 @@ module spintop_loaded_table
         procedure, private :: cut
         procedure, private :: complain
     end type table_t
+
+    !> Notes with which a new one is compared: most rows have none, or that of a row before.
+    integer, parameter :: latest_notes = 16
+
+    !> A column of it: numbers, or words.
+    type, extends(column_t) :: data_column_t
+        !> The numbers; of a column of words the number of the word in `words`, from 0.
+        real(dp), allocatable :: values(:)
+        !> The words that occur, or may occur, without order; not allocated for a column of numbers.
+        type(string_t), allocatable :: words(:)
+        !> Whether its words are the notes of cases; and how many words there are, behind which is room for more.
+        logical, private :: has_notes = .false.
+        integer, private :: used = 0
+    end type data_column_t
+
+    !> A table, column by column: what a run gives to a caller of the library.
+    type :: data_table_t
+        !> What it is: `rows`, `events`, `statistics`, `histogram`, `indices`, `residuals`.
+        character(16) :: name = ''
+        integer(int64) :: rows = 0
+        type(data_column_t), allocatable :: column(:)
+        !> The text of its file without the rows: header, names of the columns, and lines at the end such as the status.
+        character(:), allocatable :: frame
+    contains
+        procedure :: begin
+        procedure :: add
+    end type data_table_t
 
 contains
 
@@ -358,5 +391,140 @@ contains
         end if
         if (.not. is_number) value = no_number
     end subroutine read_cell
+
+    !> Begins a table of many cases, and makes room for all its rows.
+    subroutine begin(self, columns, rows, error)
+        class(data_table_t), intent(out) :: self
+        type(table_column_t), intent(in) :: columns(:)
+        integer(int64), intent(in) :: rows !! number of rows
+        type(error_t), allocatable, intent(out) :: error !! there is not enough memory
+        integer :: i, status
+        real(dp) :: none
+
+        self%name = 'rows'
+        allocate (self%column(size(columns)))
+        do i = 1, size(columns)
+            associate (column => self%column(i))
+                column%column_t = columns(i)%column_t
+                if (columns(i)%kind == column_of_words) column%words = columns(i)%words
+                column%has_notes = columns(i)%kind == column_of_notes
+                if (column%has_notes) call find_word('', column, latest_notes, none)
+                allocate (column%values(rows), stat=status)
+            end associate
+            if (status /= 0) then
+                error = internal_error('not enough memory for a table of so many rows')
+                return
+            end if
+        end do
+    end subroutine begin
+
+    !> Adds rows.
+    subroutine add(self, block)
+        class(data_table_t), intent(inout) :: self
+        type(row_block_t), intent(in) :: block !! rows in their order, as cells
+        integer :: i, k
+
+        do i = 1, size(self%column)
+            associate (column => self%column(i), first => self%rows)
+                column%values(first + 1:first + block%rows) = block%cells(i, :block%rows)
+                if (.not. column%has_notes) cycle
+                column%values(first + 1:first + block%rows) = 0
+                do k = 1, block%rows
+                    if (.not. allocated(block%notes(k)%text)) cycle
+                    call find_word(block%notes(k)%text, column, latest_notes, column%values(first + k))
+                end do
+            end associate
+        end do
+        self%rows = self%rows + block%rows
+    end subroutine add
+
+    !> Loads a CSV table that the program wrote, with the units and meanings of its columns.
+    subroutine load_table(path, name, table, error)
+        character(*), intent(in) :: path !! path of the file
+        character(*), intent(in) :: name !! what it is
+        type(data_table_t), intent(out) :: table !! the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(table_t) :: loaded
+        integer :: i
+
+        call read_table(path, loaded, error)
+        if (allocated(error)) return
+        call move_alloc(loaded%frame, table%frame)
+        table%name = name
+        allocate (table%column(size(loaded%names)))
+        do i = 1, size(loaded%names)
+            associate (column => table%column(i))
+                column%name = loaded%names(i)%text
+                call describe_column(table%frame, column)
+                call read_cells(loaded, loaded%names(i)%text, column)
+                table%rows = size(column%values)
+            end associate
+        end do
+    end subroutine load_table
+
+    !> Finds unit and meaning of a column in the header: `#     name [unit]: meaning`, after the line `# columns:`.
+    pure subroutine describe_column(frame, column)
+        character(*), intent(in) :: frame
+        type(data_column_t), intent(inout) :: column
+        character(:), allocatable :: key, line
+        integer :: list, place, colon
+
+        key = new_line('a') // '#     ' // trim(column%name)
+        list = max(index(frame, '# columns:' // new_line('a')), 1)
+        place = max(index(frame(list:), key // ': '), index(frame(list:), key // ' ['))
+        if (place == 0) return
+        line = frame(list + place - 1 + len(key):)
+        line = line(:index(line // new_line('a'), new_line('a')) - 1)
+        colon = index(line, ': ')
+        if (colon == 0) return
+        if (colon > 1) column%unit = line(3:index(line(:colon), ']', back=.true.) - 1)
+        column%what = line(colon + 2:)
+    end subroutine describe_column
+
+    !> Reads the cells of a column: numbers if all are numbers, otherwise words.
+    subroutine read_cells(loaded, name, column)
+        type(table_t), intent(in) :: loaded
+        character(*), intent(in) :: name
+        type(data_column_t), intent(inout) :: column
+        type(error_t), allocatable :: no_numbers
+        type(string_t), allocatable :: cells(:)
+        integer :: i
+
+        call loaded%read_column(name, column%values, no_numbers)
+        if (.not. allocated(no_numbers)) return
+        allocate (cells, source=loaded%words(name))
+        allocate (column%words(0))
+        do i = 1, size(cells)
+            call find_word(cells(i)%text, column, huge(i), column%values(i))
+        end do
+        column%words = column%words(:column%used)
+    end subroutine read_cells
+
+    !> Finds a word among the latest of a column, or adds it.
+    subroutine find_word(word, column, latest, number)
+        character(*), intent(in) :: word
+        type(data_column_t), intent(inout) :: column
+        integer, intent(in) :: latest !! number of words that are compared
+        real(dp), intent(inout) :: number !! its number, from 0
+        type(string_t), allocatable :: larger(:)
+        integer :: k
+
+        do k = column%used, max(1, column%used - latest), -1
+            number = k - 1
+            if (column%words(k)%text == word) return
+        end do
+        if (.not. allocated(column%words)) allocate (column%words(0))
+        if (column%used == size(column%words)) then
+            allocate (larger(max(1, 2 * column%used)))
+            larger(:column%used) = column%words
+            do k = column%used + 1, size(larger)
+                larger(k)%text = ''
+            end do
+            call move_alloc(larger, column%words)
+        end if
+        number = column%used
+        column%used = column%used + 1
+        column%words(column%used)%text = word
+    end subroutine find_word
 
 end module spintop_loaded_table

@@ -96,16 +96,9 @@ contains
     !> written in order needs the memory of one chunk.
     pure function size_of_chunk(extent) result(chunk)
         integer, intent(in) :: extent(:) !! of the array; the first varies fastest
-        integer :: chunk(size(extent))
-        integer, parameter :: most_elements = 2**17
-        integer :: i, below
-        chunk = 1
-        below = 1
-        do i = 1, size(extent)
-            chunk(i) = min(extent(i), most_elements / below)
-            if (chunk(i) < extent(i)) exit
-            below = below * extent(i)
-        end do
+        integer :: chunk(size(extent)), start(size(extent))
+        integer(int64), parameter :: most_elements = 2_int64**17
+        call find_box(extent, 1_int64, most_elements, start, chunk)
     end function size_of_chunk
 
 end module spintop_netcdf_grid

@@ -31,16 +31,15 @@ module spintop_netcdf_table
     use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, size_of_chunk
     use spintop_process, only: expect_crash, leave_libraries
     use spintop_provenance, only: fact_t, header_of
-    use spintop_shard, only: read_shard_line, shard_t
     use spintop_status, only: last_status
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_reals, column_of_words, status_column, &
         table_column_t
-    use spintop_table_end, only: place_of_summary, status_of_ending, table_end_t
-    use spintop_table_head, only: first_line_of, is_netcdf, read_head, value_of
+    use spintop_table_end, only: check_table, place_of_summary, status_of_ending, table_end_t
+    use spintop_table_head, only: first_line_of, is_netcdf, read_head, value_of, read_shard_line, shard_t
     use spintop_text, only: join, replace_all, split, string_t
     implicit none
     private
-    public :: netcdf_layout_t, netcdf_table_t, write_netcdf_table, check_netcdf_table, head_of_table
+    public :: netcdf_layout_t, netcdf_table_t, write_netcdf_table, check_whole_table, head_of_table
     public :: has_netcdf, has_compression
 
     !> Whether this build contains the library, and whether that has the format NetCDF-4.
@@ -104,7 +103,7 @@ module spintop_netcdf_table
         procedure :: open => open_table
         procedure :: next_rows
         procedure :: problem
-        procedure :: close => close_table
+        procedure :: close => close_library
         procedure, private :: place_columns
     end type netcdf_table_t
 
@@ -160,7 +159,7 @@ contains
         real(dp), allocatable :: cells(:, :)
 
         self%said = self%ending%summary()
-        call close_library(self)
+        call self%close()
         if (allocated(self%error)) then
             call move_alloc(self%error, error)
         else
@@ -210,14 +209,6 @@ contains
                                        &of earlier versions'
     end function problem
 
-    !> Closes a file that was read.
-    subroutine close_table(self, error)
-        class(netcdf_table_t), intent(inout) :: self
-        type(error_t), allocatable, intent(out), optional :: error !! the first error
-        call close_library(self)
-        if (present(error)) call move_alloc(self%error, error)
-    end subroutine close_table
-
     !> Writes a table of which a part (spintop_table_file) has all rows, as they are in memory, behind the header.
     subroutine write_netcdf_table(path, head, columns, layout, part, checksum, error)
         character(*), intent(in) :: path, part !! paths of the table and of the part
@@ -263,17 +254,24 @@ contains
         call table%finish(error)
     end subroutine write_netcdf_table
 
-    !> Checks that a file has all its rows, and that they are as they were written; and counts them by their status, or the
-    !> motion by the attribute that tells how it ended.
-    subroutine check_netcdf_table(path, problem, counts)
+    !> Checks that a table in either format has all its rows, and that they are as they were written; and counts them by their
+    !> status, or the motion by what tells how it ended.
+    subroutine check_whole_table(path, problem, counts, status_place)
         character(*), intent(in) :: path !! path of the file
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
         integer(int64), intent(inout) :: counts(0:last_status) !! increased by the number of rows with each status
+        integer, intent(in), optional :: status_place !! number of the column of the statuses in a table of text, if it has one
         type(netcdf_table_t) :: table
         type(error_t), allocatable :: error
         real(dp), allocatable :: cells(:, :)
         integer :: column, status
 
+        if (.not. is_netcdf(path)) then
+            column = 0
+            if (present(status_place)) column = status_place
+            call check_table(path, problem, column, counts)
+            return
+        end if
         call table%open(path, error)
         if (.not. allocated(error)) then
             column = findloc(table%columns%name == status_column, .true., dim=1)
@@ -287,7 +285,7 @@ contains
             call table%close()
         end if
         if (allocated(error)) problem = error%message
-    end subroutine check_netcdf_table
+    end subroutine check_whole_table
 
     !> The header of a table in either format, as text.
     subroutine head_of_table(path, head, error)
@@ -491,7 +489,8 @@ contains
             if (.not. allocated(self%error)) self%error = input_error('cannot read ' // path // ': it is no table of spintop')
         end if
         if (allocated(self%error)) then
-            call self%close(error)
+            call self%close()
+            call move_alloc(self%error, error)
             return
         end if
         ! Each dimension has a coordinate, or is that of the cases.
@@ -507,7 +506,8 @@ contains
         do i = 1, size(self%columns)
             if (self%along(i) > 0) call check(self, nf90_get_var(self%id, i, self%coordinates(i)%values))
         end do
-        if (allocated(self%error)) call self%close(error)
+        if (allocated(self%error)) call self%close()
+        call move_alloc(self%error, error)
     end subroutine open_table
 
     !> Reads the attributes of the whole file, which make up the header. Of a part the axes are those of the whole.
@@ -615,7 +615,7 @@ contains
     !> Closes the file; one that is written has then its coordinates and what is said of its rows. After an error of writing
     !> a file in the format NetCDF-4 is left open, because HDF5 ends the process where it cannot close it.
     subroutine close_library(self)
-        type(netcdf_table_t), intent(inout) :: self
+        class(netcdf_table_t), intent(inout) :: self
         integer :: status, i
         if (self%id < 0) return
         if (.not. self%is_read) then
@@ -687,7 +687,7 @@ contains
 
     !> No file is open.
     subroutine close_library(self)
-        type(netcdf_table_t), intent(inout) :: self
+        class(netcdf_table_t), intent(inout) :: self
         self%id = -1
     end subroutine close_library
 #endif

@@ -24,19 +24,18 @@
 !>     call table%finish(error)                      ! or, after an error, table%abandon(error)
 module spintop_row_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_process, only: seconds, keep_rows
-    use spintop_data_table, only: data_table_t
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_exists, file_size, remove_file
-    use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal, state_of, write_journal
     use spintop_kinds, only: dp
-    use spintop_netcdf_table, only: check_netcdf_table, head_of_table, netcdf_layout_t, write_netcdf_table
+    use spintop_loaded_table, only: data_table_t
+    use spintop_netcdf_table, only: check_whole_table, head_of_table, netcdf_layout_t, write_netcdf_table
+    use spintop_process, only: keep_rows, seconds
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_table_column, only: status_column, table_column_t
-    use spintop_table_end, only: check_table
-    use spintop_table_file, only: part_of, refuse_to_discard, table_file_t
-    use spintop_table_head, only: comment_lines, compare_heads, is_netcdf
+    use spintop_table_file, only: journal_entry_t, journal_of, part_of, read_journal, refuse_to_discard, &
+        remove_journal, state_of, table_file_t, write_journal
+    use spintop_table_head, only: comment_lines, compare_heads
     use spintop_text, only: string_t, to_text
     implicit none
     private
@@ -75,27 +74,24 @@ module spintop_row_table
         type(journal_entry_t) :: resumed
         !> The part.
         type(table_file_t) :: table
-        !> Time at which the next entry is due; when the present one began (0: there is none).
-        real(dp), private :: due = 0, entry_began = 0
+        !> Time at which the next entry is due; when the work for the present one began (0: there is none), so that the pause
+        !> after it is as long as all of it asks for.
+        real(dp) :: due = 0, entry_began = 0
         !> Rows in the last entry, and number of the file with the last state.
         integer(int64), private :: kept = 0
-        integer, private :: last_state = 0
+        integer :: last_state = 0
     contains
         procedure :: rows
         procedure :: start
-        procedure :: is_due
-        procedure :: set_pause
-        procedure :: begin_entry
         procedure :: format => format_block
         procedure :: append
         procedure :: make_entry_if_due
         procedure :: keep_entry
         procedure :: end_entry
-        procedure :: begin_state
         procedure :: finish
         procedure :: abandon
         procedure :: discard
-        procedure, private :: resume, flush_part, check_complete
+        procedure, private :: resume, flush_part
     end type row_table_t
 
 contains
@@ -116,6 +112,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(:), allocatable :: problem
         logical :: had_part
+        integer :: column
 
         self%remark = ''
         self%head = head
@@ -126,7 +123,9 @@ contains
             if (.not. allocated(error)) call self%resume(head, error)
         else if (resume .and. file_exists(path)) then
             problem = difference_from(path, head)
-            if (problem == '' .and. self%keeps_rows) call self%check_complete(path, problem)
+            column = 0
+            if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
+            if (problem == '' .and. self%keeps_rows) call check_whole_table(path, problem, self%counts, column)
             if (problem /= '') then
                 error = refusal(path, problem)
                 return
@@ -181,7 +180,7 @@ contains
             if (.not. allocated(error)) call self%table%begin(head, error)
             if (self%has_journal .and. .not. allocated(error)) then
                 call self%flush_part(entry, error)
-                if (.not. allocated(error)) call self%table%sync(error)
+                if (.not. allocated(error)) call self%table%file%sync(error)
             end if
             if (self%has_journal .and. .not. allocated(error)) then
                 entry%counts = self%counts
@@ -245,26 +244,6 @@ contains
         self%doubtful = self%doubtful + block%doubtful
     end subroutine append
 
-    !> Whether an entry of the current size is due.
-    logical function is_due(self)
-        class(row_table_t), intent(in) :: self
-        is_due = .not. self%in_entry .and. seconds() >= self%due
-    end function is_due
-
-    !> Sets the time of the first entry, where more than rows is to be written with it.
-    subroutine set_pause(self, pause)
-        class(row_table_t), intent(inout) :: self
-        real(dp), intent(in) :: pause !! from now, s
-        self%due = seconds() + pause
-    end subroutine set_pause
-
-    !> Called where the work for an entry begins before `make_entry_if_due`, so that the pause after it is as long as all of it
-    !> asks for.
-    subroutine begin_entry(self)
-        class(row_table_t), intent(inout) :: self
-        if (.not. self%entry_began > 0) self%entry_began = seconds()
-    end subroutine begin_entry
-
     !> Makes an entry of the current size, if there are new rows and the last entry is old enough.
     subroutine make_entry_if_due(self, entry, due, error)
         class(row_table_t), intent(inout) :: self
@@ -275,7 +254,7 @@ contains
         due = .false.
         if (.not. self%is_resumable .or. self%in_entry .or. allocated(error) .or. self%rows() == self%kept) return
         if (seconds() < self%due .and. .not. self%entry_wanted) return
-        call self%begin_entry()
+        if (.not. self%entry_began > 0) self%entry_began = seconds()
         call self%flush_part(entry, error)
         if (allocated(error)) return
         due = .true.
@@ -290,7 +269,7 @@ contains
         class(row_table_t), intent(in) :: self
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%table%sync(error)
+        call self%table%file%sync(error)
         if (.not. allocated(error)) call write_journal(self%table%path, entry, error)
         if (.not. allocated(error)) call keep_rows(sum(entry%counts))
     end subroutine keep_entry
@@ -300,18 +279,8 @@ contains
         class(row_table_t), intent(inout) :: self
         self%due = seconds() + max(entry_pause, entry_times_pause * (seconds() - self%entry_began))
         self%entry_began = 0
-        self%in_entry = .false. ! last: other threads ask `is_due` meanwhile
+        self%in_entry = .false. ! last: other threads ask meanwhile whether one is due
     end subroutine end_entry
-
-    !> The file for a new state of the run: the one that the last entry does not name.
-    subroutine begin_state(self, number, path)
-        class(row_table_t), intent(inout) :: self
-        integer, intent(out) :: number !! its number, for an entry
-        character(:), allocatable, intent(out) :: path !! its path
-        self%last_state = 3 - max(self%last_state, 1)
-        number = self%last_state
-        path = state_of(self%table%path, number)
-    end subroutine begin_state
 
     !> Renames the part to the table, or makes a NetCDF file of it, and removes the journal.
     subroutine finish(self, error)
@@ -365,21 +334,6 @@ contains
         entry%bytes = self%table%bytes
         entry%checksum = self%table%ending%checksum()
     end subroutine flush_part
-
-    !> Checks a complete table, and counts its rows by their status, or its motion.
-    subroutine check_complete(self, path, problem)
-        class(row_table_t), intent(inout) :: self
-        character(*), intent(in) :: path !! path of the table
-        character(:), allocatable, intent(out) :: problem !! why it is not as it was written; '' if it is
-        integer :: column
-        column = 0
-        if (allocated(self%columns)) column = findloc(self%columns%name == status_column, .true., dim=1)
-        if (is_netcdf(path)) then
-            call check_netcdf_table(path, problem, self%counts)
-        else
-            call check_table(path, problem, column, self%counts)
-        end if
-    end subroutine check_complete
 
     !> How the header of a file differs from another one; '' if it does not. A file may end before its line of names.
     function difference_from(path, head) result(problem)

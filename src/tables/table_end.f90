@@ -50,9 +50,7 @@ module spintop_table_end
         type(table_end_t) :: ending
         character(:), allocatable :: last
     contains
-        procedure :: begin
         procedure :: pass
-        procedure :: has_end
         procedure :: is_right
         procedure :: rows => rows_so_far
     end type table_check_t
@@ -122,31 +120,19 @@ contains
         place = to_text(rows) // between // checksum_text(nothing)
     end function place_of_summary
 
-    !> Begins to check a table.
-    subroutine begin(self)
-        class(table_check_t), intent(inout) :: self
-        self%ending = table_end_t()
-        self%last = ''
-    end subroutine begin
-
     !> Adds bytes of the table, and gives back those that are now known to be before its last line.
     subroutine pass(self, text, passed)
         class(table_check_t), intent(inout) :: self
         character(*), intent(in) :: text !! the bytes after those that were added before
         character(:), allocatable, intent(out) :: passed !! bytes before the last line
         integer :: break
-        passed = self%last // text
+        passed = text
+        if (allocated(self%last)) passed = self%last // text
         break = index(passed(:len(passed) - 1), nl, back=.true.)
         self%last = passed(break + 1:)
         passed = passed(:break)
         call self%ending%add(passed)
     end subroutine pass
-
-    !> Whether the table ends with such a line; tables of other programs and of earlier versions do not.
-    pure logical function has_end(self)
-        class(table_check_t), intent(in) :: self
-        has_end = index(self%last, key) == 1
-    end function has_end
 
     !> Whether the last line is that of the bytes before it.
     logical function is_right(self)
@@ -177,7 +163,6 @@ contains
 
         problem = ''
         allocate (character(block_size) :: block)
-        call check%begin()
         call file%open(path, error, is_text=.true.)
         do while (.not. allocated(error))
             call file%read(block, length, error)
@@ -208,7 +193,6 @@ contains
         problem = ''
         has_end = index(text, nl // key) > 0
         if (.not. has_end) return
-        call check%begin()
         call check%pass(text, passed)
         if (.not. check%is_right()) problem = what_is_wrong(text, check)
     end subroutine check_table_text
@@ -220,6 +204,7 @@ contains
         character(:), allocatable :: problem
         integer(int64) :: said
         integer :: status
+        logical :: has_end
 
         problem = wrong_row(text)
         if (problem /= '') then
@@ -228,12 +213,13 @@ contains
         end if
         said = -1
         status = 0
-        if (check%has_end()) read (check%last(len(key) + 1:), *, iostat=status) said
+        has_end = index(check%last, key) == 1 ! tables of other programs and of earlier versions have none
+        if (has_end) read (check%last(len(key) + 1:), *, iostat=status) said
         if (status /= 0) said = -1
         if (index(text, nl // key) == 0) then
             problem = 'is not complete: after row ' // to_text(check%rows()) // ' a last line "' // key // 'N' // between // &
                       '..." is missing; it was cut, or written by an earlier version'
-        else if (.not. check%has_end()) then
+        else if (.not. has_end) then
             problem = 'was changed after it was written: lines follow the one that begins with "' // trim(key) // '"'
         else if (said >= 0 .and. said /= check%rows()) then
             problem = 'was changed after it was written: it has ' // to_text(check%rows()) // ' rows, and its last line says ' // &

@@ -7,30 +7,63 @@
 !>     call table%finish(trailer, error)
 !>
 !> After an error call `discard`, or `abandon` if the part is to be kept.
+!>
+!> The journal of a growing table records how many bytes of its part are on the disk. It
+!> is the file `NAME.journal` next to the part and is replaced as a whole. The header of the part identifies
+!> the table: program, build, input and shard.
+!>
+!>     spintop journal 4
+!>     bytes: 1048701
+!>     checksum: 6A09E667F3BCC908        (of these bytes)
+!>     rows: 2171 0 12 0 0 0 0 0 0 0 0   (of each status)
+!>     state: 1 BB67AE8584CAA73B         (only where the rows are gathered: a file of what was, and its checksum)
+!>     end: BB67AE8584CAA73B             (checksum of the lines above)
 module spintop_table_file
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: refuse_if_stopped
+    use spintop_checksum, only: checksum_of, checksum_width
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: check_target, file_exists, input_file_t, output_file_t
-    use spintop_journal, only: journal_entry_t, journal_of, read_journal, remove_journal
+    use spintop_files, only: check_target, file_exists, input_file_t, output_file_t, read_file, remove_file, replace_file, &
+        sync_folder_of
     use spintop_kinds, only: dp
+    use spintop_status, only: last_status
     use spintop_table_end, only: table_end_t
     use spintop_table_head, only: comment_lines
     use spintop_text, only: string_t, to_text
-    use spintop_text_buffer, only: text_buffer_t
+    use spintop_row_block, only: text_buffer_t
     implicit none
     private
     public :: table_file_t, part_of, stem_of, refuse_to_discard, refuse_to_discard_idle
+    public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal, state_of
+
+    character, parameter :: nl = new_line('a')
 
     !> Bytes that are collected before they are written, and that are read at once.
     integer, parameter :: block_size = 1024 * 1024
+
+    !> The format of a journal is the number in the first line. It increases when a status is added, for the rows are counted
+    !> by status, and when the checksum is another one.
+    character(*), parameter :: first_words = 'spintop journal ', first_line = first_words // '4'
+
+    !> The line of the state.
+    character(*), parameter :: state_key = 'state: ', state_format = '(ss, i1, 1x, a)'
+
+    !> An entry: the bytes of a part that are on the disk.
+    type :: journal_entry_t
+        integer(int64) :: bytes = 0
+        character(2 * checksum_width) :: checksum = '' !! of these bytes
+        integer(int64) :: counts(0:last_status) = 0 !! rows of each status
+        !> Number of the file with what was gathered of these rows (0: none), and its checksum.
+        integer :: state = 0
+        character(checksum_width) :: state_checksum = ''
+    end type journal_entry_t
 
     !> A CSV table that is being written.
     type :: table_file_t
         character(:), allocatable :: path     !! of the complete table
         integer(int64) :: bytes = 0           !! written so far, header included
         type(table_end_t) :: ending           !! the checksum of the bytes written so far, for the last line
-        type(output_file_t), private :: file
+        type(output_file_t) :: file           !! the part
         type(text_buffer_t), private :: pending
     contains
         procedure :: create
@@ -41,7 +74,6 @@ module spintop_table_file
         procedure :: add_row
         procedure :: append
         procedure :: write_pending
-        procedure :: sync
         procedure :: finish
         procedure :: discard
         procedure :: abandon
@@ -134,10 +166,35 @@ contains
         type(journal_entry_t), intent(in) :: entry !! entry of the journal
         character(:), allocatable, intent(out) :: problem !! why the part has not these bytes; '' if it has
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(input_file_t) :: file
+        character(:), allocatable :: block, part
+        integer(int64) :: left
+        integer :: length
+
         call self%clear((self%path))
         self%bytes = entry%bytes
-        call check_bytes(part_of(self%path), entry, self%ending, problem)
-        if (problem == '') call self%file%truncate(entry%bytes, error)
+        problem = ''
+        part = part_of(self%path)
+        allocate (character(block_size) :: block)
+        left = entry%bytes
+        call file%open(part, error)
+        do while (left > 0 .and. .not. allocated(error))
+            call file%read(block(:min(left, len(block, int64))), length, error)
+            if (length == 0) exit
+            call self%ending%add(block(:length))
+            left = left - length
+        end do
+        call file%close()
+        if (allocated(error)) then
+            problem = error%message
+            deallocate (error)
+        else if (left > 0) then
+            problem = part // ' is shorter than its journal records'
+        else if (self%ending%checksum() /= entry%checksum) then
+            problem = part // ' was changed after it was written: its checksum differs from that in its journal'
+        else
+            call self%file%truncate(entry%bytes, error)
+        end if
     end subroutine go_on
 
     !> Adds a row of numbers.
@@ -177,13 +234,6 @@ contains
         call self%pending%clear()
     end subroutine write_pending
 
-    !> Waits until all written bytes are on the disk. Other threads may continue to add rows.
-    subroutine sync(self, error)
-        class(table_file_t), intent(in) :: self
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        call self%file%sync(error)
-    end subroutine sync
-
     !> Ends the table with comment lines and the line of its end, and renames it when it is on the disk.
     subroutine finish(self, trailer, error)
         class(table_file_t), intent(inout) :: self
@@ -213,38 +263,6 @@ contains
         call self%file%close(ignored)
     end subroutine abandon
 
-    !> Whether a part has the bytes of an entry.
-    subroutine check_bytes(part, entry, ending, problem)
-        character(*), intent(in) :: part !! path of the part
-        type(journal_entry_t), intent(in) :: entry !! entry of the journal
-        type(table_end_t), intent(out) :: ending !! their checksum
-        character(:), allocatable, intent(out) :: problem !! why it has not; '' if it has
-        type(input_file_t) :: file
-        type(error_t), allocatable :: error
-        character(:), allocatable :: block
-        integer(int64) :: left
-        integer :: length
-
-        problem = ''
-        allocate (character(block_size) :: block)
-        left = entry%bytes
-        call file%open(part, error)
-        do while (left > 0 .and. .not. allocated(error))
-            call file%read(block(:min(left, len(block, int64))), length, error)
-            if (length == 0) exit
-            call ending%add(block(:length))
-            left = left - length
-        end do
-        call file%close()
-        if (allocated(error)) then
-            problem = error%message
-        else if (left > 0) then
-            problem = part // ' is shorter than its journal records'
-        else if (ending%checksum() /= entry%checksum) then
-            problem = part // ' was changed after it was written: its checksum differs from that in its journal'
-        end if
-    end subroutine check_bytes
-
     !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read.
     subroutine refuse_to_discard(path, error)
         character(*), intent(in) :: path !! of the table
@@ -257,7 +275,7 @@ contains
         if (problem == '' .and. sum(entry%counts) == 0 .and. entry%state == 0) return
         rows = to_text(sum(entry%counts)) // ' rows are kept'
         if (problem /= '') rows = problem
-        error = input_error('an interrupted run of ' // path // ' is there: ' // rows // new_line('a') // &
+        error = input_error('an interrupted run of ' // path // ' is there: ' // rows // nl // &
                             '--resume resumes it; --restart discards it and computes all from the beginning')
     end subroutine refuse_to_discard
 
@@ -274,5 +292,114 @@ contains
         call table%abandon()
         if (allocated(in_use)) deallocate (error)
     end subroutine refuse_to_discard_idle
+
+    !> The name of the journal of a table.
+    pure function journal_of(path) result(journal)
+        character(*), intent(in) :: path !! path of the table
+        character(:), allocatable :: journal
+        journal = path // '.journal'
+    end function journal_of
+
+    !> Replaces the entry of a table, and waits until the new one is on the disk.
+    subroutine write_journal(path, entry, error)
+        character(*), intent(in) :: path !! of the table
+        type(journal_entry_t), intent(in) :: entry !! entry of the journal
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        character(:), allocatable :: text
+        call compose(entry, text)
+        call replace_file(journal_of(path), text, error)
+    end subroutine write_journal
+
+    !> Reads the entry of a table; `problem` is the reason why there is none, or empty.
+    subroutine read_journal(path, entry, problem)
+        character(*), intent(in) :: path !! of the table
+        type(journal_entry_t), intent(out) :: entry !! entry of the journal
+        character(:), allocatable, intent(out) :: problem !! why there is no entry; '' if there is one
+        type(error_t), allocatable :: error
+        character(:), allocatable :: text, again, found, number
+        integer, parameter :: longest = 65536
+        integer :: status
+
+        problem = ''
+        call read_file(journal_of(path), longest, text, error)
+        if (allocated(error)) then
+            problem = error%message
+            return
+        end if
+        found = text(:index(text // nl, nl) - 1)
+        number = found(min(len(first_words), len(found)) + 1:)
+        if (index(found, first_words) == 1 .and. number /= '' .and. verify(number, '0123456789') == 0 &
+            .and. found /= first_line) then
+            problem = journal_of(path) // ' has another format (' // found // ') than this program reads (' // first_line // ')'
+            return
+        end if
+        read (text(behind('bytes:'):), *, iostat=status) entry%bytes
+        if (status == 0) read (text(behind('checksum: '):), '(a)', iostat=status) entry%checksum
+        if (status == 0) read (text(behind('rows:'):), *, iostat=status) entry%counts
+        if (status == 0 .and. index(text, state_key) > 0) then
+            read (text(behind(state_key):), state_format, iostat=status) entry%state, entry%state_checksum
+        end if
+        ! Only a text that this program would write is accepted as an entry.
+        call compose(entry, again)
+        if (status /= 0 .or. text /= again .or. len(text) /= len(again)) problem = journal_of(path) // ' is damaged'
+
+    contains
+
+        !> Position of the value of a key; the end of the text if there is no such key.
+        integer function behind(key)
+            character(*), intent(in) :: key
+            behind = index(text, key) + len(key)
+            if (index(text, key) == 0) behind = len(text) + 1
+        end function behind
+
+    end subroutine read_journal
+
+    !> The path of a state: there are two, which are written in turn.
+    pure function state_of(path, number) result(state)
+        character(*), intent(in) :: path !! path of the table
+        integer, intent(in) :: number !! 1 or 2
+        character(:), allocatable :: state
+        state = path // '.state' // merge('1', '2', number == 1)
+    end function state_of
+
+    !> Removes the journal of a table, and then the states, if there are any.
+    subroutine remove_journal(path, error, is_over)
+        character(*), intent(in) :: path !! of the table
+        type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in), optional :: is_over !! whether no entry follows: then one that was interrupted goes as well
+        integer :: i
+        if (present(is_over)) then
+            if (is_over .and. file_exists(journal_of(path) // '.new')) call remove_file(journal_of(path) // '.new', error)
+        end if
+        if (file_exists(journal_of(path)) .and. .not. allocated(error)) then
+            call remove_file(journal_of(path), error)
+            if (.not. allocated(error)) call sync_folder_of(path, error)
+        end if
+        do i = 1, 2
+            if (file_exists(state_of(path, i)) .and. .not. allocated(error)) call remove_file(state_of(path, i), error)
+            if (file_exists(state_of(path, i) // '.new') .and. .not. allocated(error)) then
+                call remove_file(state_of(path, i) // '.new', error)
+            end if
+        end do
+    end subroutine remove_journal
+
+    !> The text of an entry.
+    subroutine compose(entry, text)
+        type(journal_entry_t), intent(in) :: entry
+        character(:), allocatable, intent(out) :: text
+        character(1024) :: room
+        integer :: i
+
+        text = first_line // nl
+        write (room, '(ss, "bytes: ", i0)') entry%bytes
+        text = text // trim(room) // nl // 'checksum: ' // entry%checksum // nl
+        write (room, '(ss, "rows:", *(1x, i0))') (entry%counts(i), i=0, last_status)
+        text = text // trim(room) // nl
+        if (entry%state > 0) then
+            write (room, state_format) entry%state, entry%state_checksum
+            text = text // state_key // trim(room) // nl
+        end if
+        text = text // 'end: ' // checksum_of(text) // nl
+    end subroutine compose
 
 end module spintop_table_file

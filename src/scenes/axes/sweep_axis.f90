@@ -3,7 +3,7 @@ module spintop_sweep_axis
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, degree, pi
     use spintop_lapack, only: dpotrf
-    use spintop_normal_quantile, only: normal_quantile
+    use spintop_probability, only: normal_quantile
     use spintop_number_slot, only: number_slot_t
     use spintop_text, only: counted, to_text
     implicit none

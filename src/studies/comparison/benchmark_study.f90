@@ -14,6 +14,7 @@ module spintop_benchmark_study
     use spintop_job, only: job_t
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_trajectory_columns, only: motion_view_t, trajectory_columns, value_of
     use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
@@ -24,7 +25,6 @@ module spintop_benchmark_study
     use spintop_study_column, only: categorical, column => study_column_t, place_of
     use spintop_summary, only: rounded, summary_t
     use spintop_text, only: counted, to_text
-    use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: time_trial
     implicit none
     private

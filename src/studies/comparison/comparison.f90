@@ -25,7 +25,7 @@ module spintop_comparison
     use spintop_projection, only: project_nothing, projection_names
     use spintop_ranks, only: ranks_t
     use spintop_reference_motion, only: reference_t
-    use spintop_row_block, only: row_block_t
+    use spintop_row_block, only: row_block_t, text_buffer_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_status, only: is_ok, last_status, status_ok
     use spintop_stepper, only: method_info_t
@@ -34,7 +34,6 @@ module spintop_comparison
     use spintop_summary, only: rounded, summary_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: split, string_t, did_you_mean, to_text
-    use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: trial_t
     implicit none
     private

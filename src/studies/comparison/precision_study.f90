@@ -18,6 +18,7 @@ module spintop_precision_study
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: check_reference, find_reference, read_motion, reference_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: reference_auto, reference_exact, reference_names
     use spintop_status, only: is_ok, status_meaning, status_names, status_ok
@@ -26,7 +27,6 @@ module spintop_precision_study
     use spintop_summary, only: duration, summary_t, rounded
     use spintop_sweep_axes, only: case_scene_t
     use spintop_text, only: append, string_t, to_text
-    use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: error_energy, error_l3, error_lz, error_norm, error_orientation, error_phi, error_tip, no_errors, &
         run_trial, time_trial
     implicit none

@@ -22,6 +22,7 @@ module spintop_stability_study
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
+    use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: reference_auto
     use spintop_status, only: is_ok, status_meaning, status_names, status_meanings
@@ -29,7 +30,6 @@ module spintop_stability_study
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: summary_t, rounded
     use spintop_text, only: string_t, to_text
-    use spintop_text_buffer, only: text_buffer_t
     use spintop_trial, only: error_energy, error_l3, error_lz, error_norm, error_orientation, run_trial, trial_t
     implicit none
     private

@@ -9,6 +9,7 @@ module spintop_event_recorder
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_trajectory_columns, only: row_maker_t, is_free_of_angles
     use spintop_scene_keys, only: scene_t
     use spintop_stepper, only: looks_per_step
@@ -16,7 +17,6 @@ module spintop_event_recorder
     use spintop_table_column, only: column_t
     use spintop_table_file, only: table_file_t
     use spintop_text, only: string_t
-    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: event_recorder_t, event_columns, exact_path_t

@@ -3,10 +3,10 @@ module spintop_fit_model
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
-    use spintop_kinds, only: dp, pi, no_number, is_equal, is_finite
-    use spintop_fit_data, only: measurements_t, columns_of_motion, find_instants, read_sensors, key_of
+    use spintop_fit_data, only: columns_of_motion, find_instants, key_of, measurements_t, read_sensors
     use spintop_integration, only: outcome_t
-    use spintop_least_squares, only: residuals_t
+    use spintop_kinds, only: dp, is_equal, is_finite, no_number, pi
+    use spintop_least_squares, only: residuals_t, robust_deviation
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: given, is_set, parameter_table_t
@@ -14,7 +14,6 @@ module spintop_fit_model
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
-    use spintop_robust, only: robust_deviation
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_sensitivity, only: sensitive_key_t
     use spintop_status, only: is_good_end

@@ -7,14 +7,12 @@ module spintop_fit_search
     use spintop_case, only: case_t
     use spintop_fit_data, only: measurements_t
     use spintop_fit_model, only: fit_model_t
-    use spintop_goodness, only: find_correlation, find_drift, find_period, von_neumann_ratio
     use spintop_kinds, only: dp, pi
-    use spintop_least_squares, only: minimize, minimum_t
-    use spintop_losses, only: loss_huber, loss_squares, loss_t
+    use spintop_least_squares, only: minimize, minimize_loss, minimum_t, robust_deviation
     use spintop_parameters, only: is_set
-    use spintop_probability, only: chi_square_tail
+    use spintop_probability, only: chi_square_tail, find_correlation, find_drift, find_period, von_neumann_ratio
     use spintop_problems, only: problems_t
-    use spintop_robust, only: minimize_loss, robust_deviation
+    use spintop_residuals, only: loss_huber, loss_squares, loss_t
     use spintop_scene_keys, only: fit_scene_t, sensors_t
     use spintop_sobol_sequence, only: sobol_sequence_t
     use spintop_summary, only: rounded

@@ -1,32 +1,31 @@
 !> The fit as a kind of study: numbers of the input from measurements of the motion, by least squares.
 module spintop_fit_study
-    use spintop_process, only: seconds
-    use spintop_kinds, only: dp, no_number, is_finite
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
-    use spintop_fit_data, only: measurements_t, read_measurements, find_unknown
-    use spintop_fit_search, only: judge, judgement_t, far_above, finish_search, period_of, search_minimum, search_t, &
-        check_measurements
+    use spintop_fit_data, only: find_unknown, measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
+    use spintop_fit_search, only: check_measurements, far_above, finish_search, judge, judgement_t, period_of, &
+        search_minimum, search_t
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t, study_head
-    use spintop_least_squares, only: minimum_t
-    use spintop_losses, only: loss_names, loss_squares, loss_t
+    use spintop_kinds, only: dp, is_finite, no_number
+    use spintop_least_squares, only: minimum_t, robust_deviation
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
     use spintop_plan, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
-    use spintop_robust, only: robust_deviation
+    use spintop_process, only: seconds
+    use spintop_residuals, only: loss_names, loss_squares, loss_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_t
-    use spintop_study_column, only: study_column_t, categorical, column => study_column_t
+    use spintop_study_column, only: categorical, column => study_column_t, study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_table_column, only: column_t
     use spintop_table_file, only: stem_of, table_file_t
     use spintop_text, only: append, counted, escaped, string_t, to_text
-    use spintop_text_buffer, only: text_buffer_t
     implicit none
     private
     public :: fit_study_t, residual_path, fit_columns

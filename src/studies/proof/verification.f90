@@ -20,10 +20,9 @@ module spintop_verification
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
     use spintop_scene_keys, only: scene_t
-    use spintop_shard, only: read_shard_line, shard_t
     use spintop_status, only: is_good_end, status_number
     use spintop_sweep_axes, only: case_scene_t
-    use spintop_table_head, only: first_line_of
+    use spintop_table_head, only: first_line_of, read_shard_line, shard_t
     use spintop_text, only: string_t, to_text, append, escaped
     use spintop_uncertainties, only: data_radii, has_radii
     implicit none

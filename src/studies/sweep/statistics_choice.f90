@@ -1,18 +1,17 @@
 !> Makes the plan of the statistics of a sweep from the names and numbers in a scene, and reports the problems of
 !> these.
 module spintop_statistics_choice
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_bins, only: bins_around, bins_t, even_bins
-    use spintop_kinds, only: dp, is_finite
+    use spintop_accumulators, only: bins_around, bins_t, even_bins
     use spintop_job, only: job_t
+    use spintop_kinds, only: dp, is_finite
     use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_process, only: physical_memory
     use spintop_scene_keys, only: max_over
     use spintop_scene_words, only: combine_saltelli
     use spintop_statistics_plan, only: binned_t, statistics_plan_t
-    use spintop_summary, only: rounded
     use spintop_study_column, only: find_column, study_column_t
+    use spintop_summary, only: rounded
     use spintop_sweep_axes, only: axis_t
     use spintop_sweep_result, only: sweep_columns
     use spintop_sweep_table, only: describe_columns

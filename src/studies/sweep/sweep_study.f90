@@ -3,19 +3,18 @@
 !> begun, finished and summarized. What it will need, the size of its table, memory and time, shows a sample of its cases.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_process, only: seconds, processor_seconds, stop_watching_signals, peak_memory
-    use spintop_files, only: utc_now, replace_file, host_name
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
-    use spintop_job, only: job_t, compare_with_writer
+    use spintop_files, only: host_name, replace_file, utc_now
+    use spintop_job, only: compare_with_writer, job_t
     use spintop_kinds, only: dp
     use spintop_options, only: options_t
     use spintop_problems, only: problems_t
+    use spintop_process, only: peak_memory, processor_seconds, seconds, stop_watching_signals
     use spintop_ranks, only: ranks_t
-    use spintop_row_table, only: row_table_t
     use spintop_row_block, only: row_block_t
+    use spintop_row_table, only: row_table_t
     use spintop_scene_keys, only: scene_t
-    use spintop_shard, only: shard_t
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: count_failed, is_good_end, last_status, status_meaning, status_name, status_ok
@@ -23,11 +22,13 @@ module spintop_sweep_study
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: duration, rounded, summary_t
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
-    use spintop_sweep_worker, only: sweep_rows_t, size_of_block
-    use spintop_sweep_table, only: describe_table, cells_of_row, describe_columns
+    use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
+    use spintop_sweep_worker, only: size_of_block, sweep_rows_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
+    use spintop_table_head, only: shard_t
     use spintop_text, only: join, string_t, strings_of, to_text
-    use spintop_thread_team, only: team_t, blocks_ahead
+    use spintop_thread_team, only: blocks_ahead, memory_in_use, team_t, work_of_computing, work_of_formatting, &
+        work_of_making, work_of_writing
     !$ use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -149,7 +150,7 @@ contains
         call move_alloc(team%queue%error, error)
         if (.not. allocated(error)) call table%finish(error)
         if (allocated(error)) call table%abandon(error)
-        team%costs%writing = team%costs%writing + (seconds() - moment)
+        team%costs(work_of_writing) = team%costs(work_of_writing) + (seconds() - moment)
         if (.not. allocated(error)) code = merge(exit_ok, exit_failed, count_failed(table%counts) == 0)
     end subroutine compute_cases
 
@@ -161,7 +162,7 @@ contains
         class(row_table_t), allocatable, intent(out) :: table
         integer(int64), intent(out) :: cases(2)
         type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: head
+        character(:), allocatable :: head, text
 
         cases = no_cases
         call describe_table(job, options%shard, table, head)
@@ -173,7 +174,9 @@ contains
                 cases = [options%shard%first(job%axes%cases) + table%rows(), options%shard%last(job%axes%cases)]
             end if
         end if
-        call options%ranks%broadcast(cases)
+        text = to_text(cases(1)) // ' ' // to_text(cases(2))
+        call options%ranks%broadcast(text)
+        read (text, *) cases
     end subroutine begin_table
 
     !> Starts the progress of the cases, and says what a signal that ends the run is to tell.
@@ -214,11 +217,12 @@ contains
         call summary%add('time', rounded(elapsed) // ' s on ' // team%in_words() // ', ' &
             // rounded(computed / elapsed) // ' cases/s')
         associate (costs => team%costs)
-            call summary%add('parts', 'making cases ' // rounded(costs%making) // ' s, computing ' &
-                // rounded(costs%computing) // ' s (' // rounded(computed / max(costs%computing, tiny(elapsed))) &
-                // ' cases/s per thread), formatting ' // rounded(costs%formatting) &
-                // ' s, all threads together; writing ' // rounded(costs%writing) // ' s', is_detail=.true.)
-            call summary%add('memory', rounded(costs%memory / 1.0e6_dp) // ' MB peak', is_detail=.true.)
+            call summary%add('parts', 'making cases ' // rounded(costs(work_of_making)) // ' s, computing ' &
+                // rounded(costs(work_of_computing)) // ' s (' &
+                // rounded(computed / max(costs(work_of_computing), tiny(elapsed))) &
+                // ' cases/s per thread), formatting ' // rounded(costs(work_of_formatting)) &
+                // ' s, all threads together; writing ' // rounded(costs(work_of_writing)) // ' s', is_detail=.true.)
+            call summary%add('memory', rounded(costs(memory_in_use) / 1.0e6_dp) // ' MB peak', is_detail=.true.)
         end associate
         do status = status_ok, last_status
             if (table%counts(status) == 0) cycle

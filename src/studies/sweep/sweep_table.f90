@@ -11,7 +11,6 @@ module spintop_sweep_table
     use spintop_parameters, only: unset_integer
     use spintop_row_block, only: row_block_t
     use spintop_scene_words, only: combine_grid
-    use spintop_shard, only: shard_t
     use spintop_statistics_output, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
@@ -21,6 +20,7 @@ module spintop_sweep_table
     use spintop_sweep_quantities, only: explain_missing
     use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, note_t, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
+    use spintop_table_head, only: shard_t
     implicit none
     private
     public :: describe_table, describe_columns, cells_of_row, add_rows

@@ -15,11 +15,11 @@ module spintop_trajectory_columns
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
         kovalevskaya_integral, vertical_momentum, specific_force, energy_scale, kinetic_energy, potential_energy, &
         support_force
+    use spintop_row_block, only: text_buffer_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
     use spintop_study_column, only: by_default, categorical, column => study_column_t, compares, near_poles, &
         needs_effects, needs_exact, needs_work, off_poles, proof_group, study_column_t
-    use spintop_text_buffer, only: text_buffer_t
     use spintop_uncertainties, only: data_radii
     use spintop_measures, only: watch_centre_height, watch_energy, watch_kinetic_energy, watch_omega, watch_phi, &
         watch_potential_energy, watch_psi, watch_spin_momentum, watch_theta, watch_turning, watch_vertical, &

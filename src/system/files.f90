@@ -43,7 +43,7 @@ module spintop_files
     end type output_file_t
 
     ! Functions of posix.c, which describes them. Those that can fail return 0, or a number from which `check_call` makes an
-    ! error. Paths end with a null character. They are called here only: from other modules gfortran 12 passes values by
+    ! error. Paths end with a null character. Those with values are declared one by one, since gfortran 12 may pass values by
     ! reference to what is declared by an abstract interface.
     abstract interface
         integer(c_int) function c_on_path(path) bind(C)
@@ -61,24 +61,6 @@ module spintop_files
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
         end function c_opening
-
-        integer(c_int) function c_on_file(file) bind(C)
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_on_file
-
-        integer(c_int) function c_with_bytes(file, bytes, count) bind(C)
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
-        end function c_with_bytes
-
-        integer(c_int) function c_telling(text, room) bind(C)
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end function c_telling
     end interface
 
     procedure(c_on_path), bind(C, name='spintop_check_target') :: c_check_target
@@ -93,15 +75,50 @@ module spintop_files
     procedure(c_opening), bind(C, name='spintop_open_regular') :: c_open_regular
     procedure(c_opening), bind(C, name='spintop_open_own') :: c_open_own
     procedure(c_opening), bind(C, name='spintop_open_locked') :: c_open_locked
-    procedure(c_on_file), bind(C, name='spintop_sync') :: c_sync
-    procedure(c_on_file), bind(C, name='spintop_close') :: c_close
-    procedure(c_with_bytes), bind(C, name='spintop_write') :: c_write
-    procedure(c_with_bytes), bind(C, name='spintop_check_written') :: c_check_written
-    procedure(c_telling), bind(C, name='spintop_private_folder') :: c_private_folder
-    procedure(c_telling), bind(C, name='spintop_utc') :: c_utc
-    procedure(c_telling), bind(C, name='spintop_host') :: c_host
 
     interface
+        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_sync
+
+        integer(c_int) function c_close(file) bind(C, name='spintop_close')
+            import :: c_int
+            integer(c_int), value :: file
+        end function c_close
+
+        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), value :: count
+        end function c_write
+
+        integer(c_int) function c_check_written(file, bytes, count) bind(C, name='spintop_check_written')
+            import :: c_char, c_int, c_long_long
+            integer(c_int), value :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), value :: count
+        end function c_check_written
+
+        integer(c_int) function c_private_folder(text, room) bind(C, name='spintop_private_folder')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end function c_private_folder
+
+        integer(c_int) function c_utc(text, room) bind(C, name='spintop_utc')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end function c_utc
+
+        integer(c_int) function c_host(text, room) bind(C, name='spintop_host')
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*)
+            integer(c_int), value :: room
+        end function c_host
+
         integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
             import :: c_char, c_int, c_long_long
             integer(c_int), value :: file

@@ -41,7 +41,7 @@ def run_sweep(
 ) -> dict[str, float]:
     """Run a sweep to a folder, and give the numbers in its log."""
     overrides = [part for setting in settings for part in ("--set", setting)]
-    how = "--quiet", "--restart", "--threads", threads, "-o", folder, *overrides
+    how = "--quiet", "--verbose", "--restart", "--threads", threads, "-o", folder, *overrides
     log = call(*how, "--", scene)
     found = {name: re.search(rf"\b{name} +([0-9.E+-]+) (?:cases|s|MB)\b", log) for name in PARTS}
     if not all(found.values()):

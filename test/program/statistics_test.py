@@ -215,7 +215,7 @@ def test_damaged_parts(spin):
     states = [f"output/map.{part}-of-2.statistics.state" for part in (1, 2)]
     damaged = spin.folder / states[1]
     whole = damaged.read_bytes()
-    begin, end = whole.index(b"spintop statistics 2"), len(whole)
+    begin, end = whole.index(b"spintop statistics 3"), len(whole)
     damages = [whole[: begin + 30], whole[:-1], whole[:-40], whole[:begin]]
     for place in (begin + 25, begin + 60, begin + 200, end // 2 + begin // 2, end - 5):
         damages.append(whole[:place] + bytes([whole[place] ^ 64]) + whole[place + 1 :])

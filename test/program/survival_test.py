@@ -53,7 +53,7 @@ def test_any_number_of_threads_gives_the_same_bytes(slow):
     """One (the reference), two, four threads; the log has what varies."""
     undisturbed(SLOW, "--threads=1")
     for threads in ("1", "2", "4"):
-        said = slow("--threads", threads, "-o", threads)
+        said = slow("--verbose", "--threads", threads, "-o", threads)
         slow.check(threads)
         log = slow.read(f"{threads}/slow.log").decode()
         assert log == said
@@ -153,7 +153,7 @@ def test_failed_cases_of_an_earlier_run_count(spin):
     axis = "count(1) = 200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
     slow = Sweep(spin, SLOW.replace("theta_deg = 20", "").replace("count(1) = 1000", axis))
     slow.interrupt()
-    said = slow("--resume", code=3)
+    said = slow("--resume", "--verbose", code=3)
     assert "  status    800 ok" in said
     assert "  status    200 pole" in said
 

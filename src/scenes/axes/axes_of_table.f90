@@ -161,7 +161,7 @@ contains
                     call cases%read_number(i, row, value, problem, hint)
                     value = value * sizes(i)
                     ! A refused column has no rule.
-                    if (problem == '' .and. allocated(axis(i)%slot%rule)) then
+                    if (problem == '' .and. allocated(axis(i)%slot%range%rule)) then
                         problem = axis(i)%slot%refusal(value)
                         if (problem /= '') problem = axis(i)%name // ' ' // problem
                     end if

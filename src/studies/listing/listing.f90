@@ -330,7 +330,7 @@ contains
         call json%add('unit', parameter%unit)
         if (parameter%default == '') call json%add_null('default')
         if (parameter%default /= '') call json%add('default', parameter%default)
-        call json%add('range', parameter%rule)
+        call json%add('range', parameter%range%rule)
         call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
         call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)
         call json%add('choices', parameter%choices)

@@ -43,7 +43,7 @@ module spintop_assignment
         procedure :: read_subscripts
         procedure :: begin
         procedure :: read_values
-        procedure :: skip_values
+        procedure :: at_end_of_values
         procedure :: store_values
         procedure :: finish
         procedure :: refuse
@@ -351,7 +351,7 @@ contains
 
         after_value = .false.
         do
-            if (at_end_of_values(self, self%parameter%kind == kind_text)) return
+            if (self%at_end_of_values(words_expected=self%parameter%kind == kind_text)) return
             call self%scanner%next(token)
             select case (token%kind)
             case (token_word)
@@ -397,20 +397,11 @@ contains
         end if
     end subroutine read_word
 
-    !> Skips values of an unknown key.
-    subroutine skip_values(self)
-        class(reader_t), intent(inout) :: self
-        type(token_t) :: token
-        do while (.not. at_end_of_values(self, .true.))
-            call self%scanner%next(token)
-        end do
-    end subroutine skip_values
-
     !> Whether the values of an assignment end here: at the end of the group, at the next `key =`, or at a
     !> name at the beginning of a line that cannot be a value (its equals sign is missing).
     logical function at_end_of_values(self, words_expected) result(at_end)
-        type(reader_t), intent(inout) :: self
-        logical, intent(in) :: words_expected
+        class(reader_t), intent(inout) :: self
+        logical, intent(in) :: words_expected !! whether a value may be any word
         type(token_t) :: token
 
         at_end = .false.

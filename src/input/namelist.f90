@@ -145,8 +145,13 @@ contains
             case (token_word, token_colon, token_other)
                 if (token%place%line == line .or. (token%kind == token_colon .and. has_subscripts)) cycle
                 word = scanner%word(token)
-                call find_foreign(word, first, width, hint)
-                if (first == 0) cycle
+                found: do first = 1, len(word)
+                    do width = 1, min(3, len(word) - first + 1)
+                        hint = meant_by(word(first:first + width - 1))
+                        if (hint /= '') exit found
+                    end do
+                end do found
+                if (first > len(word)) cycle
                 line = token%place%line
                 token%place%column = token%place%column + first - 1
                 token%place%width = width
@@ -246,7 +251,9 @@ contains
             reader%table%parameters(number)%faulty = .true.
         end if
         if (number == 0 .or. .not. has_equals) then
-            call reader%skip_values()
+            do while (.not. reader%at_end_of_values(words_expected=.true.))
+                call reader%scanner%next(token)
+            end do
             return
         end if
         reader%parameter => reader%table%parameters(number)
@@ -297,22 +304,6 @@ contains
             call scanner%next(token)
         end do
     end subroutine skip_line
-
-    !> Finds the first such character of a text.
-    subroutine find_foreign(text, at, width, hint)
-        character(*), intent(in) :: text !! some of a namelist, without its texts in quotes
-        integer, intent(out) :: at       !! its first byte, or 0 if there is none
-        integer, intent(out) :: width    !! its number of bytes
-        character(:), allocatable, intent(out) :: hint !! what to write in its place
-        hint = ''
-        do at = 1, len(text)
-            do width = 1, min(3, len(text) - at + 1)
-                hint = meant_by(text(at:at + width - 1))
-                if (hint /= '') return
-            end do
-        end do
-        at = 0
-    end subroutine find_foreign
 
     !> What to write in the place of a character; '' if it is not known.
     pure function meant_by(character) result(hint)
@@ -383,7 +374,7 @@ contains
         type(diagnostics_t), target, intent(inout) :: diagnostics !! errors with their places are added
         type(reader_t) :: reader
         type(token_t) :: token
-        character(:), allocatable :: rest
+        character(:), allocatable :: name, group, key, rest
         integer :: source, number
 
         reader%table => table
@@ -396,8 +387,21 @@ contains
             call diagnostics%error(token%place, 'an override is GROUP.KEY=VALUE')
             return
         end if
-        call find_parameter(lower_case(reader%scanner%word(token)), token%place, table, diagnostics, number)
-        if (number == 0) return
+        name = lower_case(reader%scanner%word(token))
+        number = table%find(name)
+        if (number == 0) then
+            group = name(:index(name // '.', '.') - 1)
+            key = name(min(len(name), len(group) + 1) + 1:)
+            if (table%find_group(group) > 0) then
+                call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // ' in group &' // group, &
+                                       suggest_key(table, group, key))
+            else if (key == '' .and. homes_of(table, name) /= '') then
+                call diagnostics%error(token%place, 'an override names the group too', 'it belongs to ' // homes_of(table, name))
+            else
+                call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), suggest_group(table, group))
+            end if
+            return
+        end if
 
         reader%parameter => table%parameters(number)
         reader%now = assignment_t(token%place, quotes_optional=.true.)
@@ -420,29 +424,6 @@ contains
         end if
         call reader%finish()
     end subroutine read_override
-
-    !> Finds the parameter of an override; 0 and an error if there is no such one.
-    subroutine find_parameter(name, place, table, diagnostics, number)
-        character(*), intent(in) :: name
-        type(place_t), intent(in) :: place
-        type(parameter_table_t), intent(in) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        integer, intent(out) :: number
-        character(:), allocatable :: group, key
-
-        number = table%find(name)
-        if (number > 0) return
-        group = name(:index(name // '.', '.') - 1)
-        key = name(min(len(name), len(group) + 1) + 1:)
-        if (table%find_group(group) > 0) then
-            call diagnostics%error(place, 'unknown key ' // quoted(abbreviate(key)) // ' in group &' // group, &
-                                   suggest_key(table, group, key))
-        else if (key == '' .and. homes_of(table, name) /= '') then
-            call diagnostics%error(place, 'an override names the group too', 'it belongs to ' // homes_of(table, name))
-        else
-            call diagnostics%error(place, 'unknown group &' // abbreviate(group), suggest_group(table, group))
-        end if
-    end subroutine find_parameter
 
     !> Texts without quotes around the first. In a list each ends at the next comma that is neither within parentheses, as in
     !> `theta__top.inertia_tensor(1,2)`, nor within quotes.

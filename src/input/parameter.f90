@@ -213,28 +213,6 @@ contains
         end select
     end subroutine clear_row
 
-    !> One element as in a namelist; '' if it has no value.
-    function element_text(self, row, column) result(text)
-        class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
-        character(:), allocatable :: text
-
-        text = ''
-        if (.not. self%is_set(row, column)) return
-        select case (self%kind)
-        case (kind_real)
-            text = to_text(self%reals(row, column))
-        case (kind_integer)
-            text = to_text(self%integers(row, column))
-        case (kind_long)
-            text = to_text(self%long)
-        case (kind_text)
-            text = quoted(trim(self%text_at(column)))
-        case (kind_logical)
-            text = trim(merge('.true. ', '.false.', self%flag))
-        end select
-    end function element_text
-
     !> The elements of a row as a list, without those that have no value.
     subroutine row_text(self, row, elements, columns)
         class(parameter_t), intent(in) :: self
@@ -250,7 +228,18 @@ contains
             if (.not. self%is_set(row, i)) cycle
             found = found + 1
             columns(found) = i
-            elements(found)%text = element_text(self, row, i)
+            select case (self%kind)
+            case (kind_real)
+                elements(found)%text = to_text(self%reals(row, i))
+            case (kind_integer)
+                elements(found)%text = to_text(self%integers(row, i))
+            case (kind_long)
+                elements(found)%text = to_text(self%long)
+            case (kind_text)
+                elements(found)%text = quoted(trim(self%text_at(i)))
+            case (kind_logical)
+                elements(found)%text = trim(merge('.true. ', '.false.', self%flag))
+            end select
         end do
     end subroutine row_text
 

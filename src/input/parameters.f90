@@ -58,9 +58,8 @@ contains
     !> A real number.
     subroutine add_real(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%reals, [1, 1])
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -69,9 +68,8 @@ contains
     !> Reals; `elements` specifies which must be given together (default: all_elements).
     subroutine add_reals(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, contiguous, intent(inout) :: variable(:)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
@@ -82,9 +80,8 @@ contains
     !> Rows of reals; `elements` specifies which of a row must be given together (default: leading_elements).
     subroutine add_real_rows(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, intent(inout) :: variable(:, :)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
@@ -95,9 +92,8 @@ contains
     !> An integer.
     subroutine add_integer(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer, target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%integers, [1, 1])
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -106,9 +102,8 @@ contains
     !> An integer of 64 bits. It cannot be an axis of a sweep.
     subroutine add_long(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer(int64), target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         parameter%long => variable
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -117,9 +112,8 @@ contains
     !> Integers; `elements` specifies which must be given together (default: all_elements).
     subroutine add_integers(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer, target, contiguous, intent(inout) :: variable(:)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
@@ -130,10 +124,9 @@ contains
     !> A text, or one of the words in `choices` ('a|b|c').
     subroutine add_text(self, name, variable, choices, what, aliases)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         character(*), target, intent(inout) :: variable
         character(*), intent(in), optional :: choices
-        character(*), intent(in) :: what
         character(*), intent(in), optional :: aliases(:) !! `other=own`: another name of one of the choices
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), 1])
@@ -144,10 +137,9 @@ contains
     !> Texts; `elements` specifies which must be given together (default: leading_elements).
     subroutine add_texts(self, name, variable, choices, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         character(*), target, contiguous, intent(inout) :: variable(:)
         character(*), intent(in), optional :: choices
-        character(*), intent(in) :: what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
@@ -158,9 +150,8 @@ contains
     !> A logical value.
     subroutine add_flag(self, name, variable, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         logical, target, intent(inout) :: variable
-        character(*), intent(in) :: what
         type(parameter_t) :: parameter
         parameter%flag => variable
         call append(self, parameter, 0, name, what)

@@ -10,8 +10,7 @@ module spintop_fit_model
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: given, is_set, parameter_table_t
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_scene_keys, only: describe_scene, scene_t

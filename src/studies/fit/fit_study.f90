@@ -12,7 +12,7 @@ module spintop_fit_study
     use spintop_least_squares, only: minimum_t, robust_deviation
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_process, only: seconds

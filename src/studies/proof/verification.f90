@@ -16,7 +16,7 @@ module spintop_verification
     use spintop_job, only: job_t
     use spintop_loaded_table, only: read_table, table_t
     use spintop_principal_axes, only: find_principal_axes
-    use spintop_plan, only: sample_time
+    use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
     use spintop_scene_keys, only: scene_t

@@ -10,7 +10,7 @@ module spintop_sweep_table
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
     use spintop_row_block, only: row_block_t
-    use spintop_scene_words, only: combine_grid
+    use spintop_scene_keys, only: combine_grid
     use spintop_statistics_output, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite

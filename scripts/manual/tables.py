@@ -57,7 +57,7 @@ def _values(entry: Entry) -> str:
 
 
 def _meaning(entry: Entry) -> str:
-    """What a parameter is, with its default in brackets; other defaults stand in the description."""
+    """What a parameter is, with its default in parentheses, as descriptions have theirs."""
     default = f" ({_code(entry['default'])})" if entry["default"] else ""
     return _escape(entry["description"]) + default
 

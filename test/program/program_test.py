@@ -695,6 +695,7 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("t_end = 0.5", "t_end = 0.5\n    theta = 1", ["scene.nml:12:5", "theta", "&initial"]),
         ("t_end = 0.5", "t_end = 0,5", ["scene.nml:11:", "t_end"]),
         ("mass = 1.0", "mass = -1.0", ["scene.nml:2:12", "mass", "> 0"]),
+        ("theta = 0.19634954084936207", "theta = 4", ["scene.nml:7:13", "theta"]),
         ("'rk4'", "'rk5'", ["scene.nml:15:14", "'rk5'", "did you mean 'rk"]),
         ("'lagrange'", "'lagrnge'", ["scene.nml:14:19", "'lagrange'"]),
         ("'theta', 'R4'", "'thetta', 'R4'", ["thetta", "'theta'"]),

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -24,7 +24,14 @@ from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
 from spintop_figures.style.numbers import localised, with_power, write, write_fixed
 from spintop_figures.style.page import head, new_figure
-from spintop_figures.sweeps.maps import Grid, cross, label_axes, make_grid, object_to_grid
+from spintop_figures.sweeps.maps import (
+    Grid,
+    cross,
+    draw_shades,
+    label_axes,
+    make_grid,
+    object_to_grid,
+)
 from spintop_figures.sweeps.quantities import tell_failed
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -135,11 +142,9 @@ def draw_methods(
     """A map of methods, each with its colour and once in the legend."""
     there = [name for name in colours if (names == name).any()]
     codes = {name: float(code) for code, name in enumerate(there)}
-    cells = np.ma.masked_invalid(grid.fill(names.map(codes).to_numpy(float)))
-    norm = BoundaryNorm(np.arange(len(there) + 1) - 0.5, len(there))
     shades = ListedColormap([colours[name] for name in there])
-    look = {"cmap": shades, "norm": norm, "edgecolor": GROUND, "linewidth": 0.5}
-    axes.pcolormesh(*grid.edges(), cells, **look)
+    cells = grid.fill(names.map(codes).to_numpy(float))
+    draw_shades(axes, grid, cells, shades, edgecolor=GROUND, linewidth=0.5)
     handles = [Patch(color=colours[name], label=name.replace(", ", ",\n")) for name in there]
     place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "handlelength": 1.2}
     axes.legend(handles=handles, **place)

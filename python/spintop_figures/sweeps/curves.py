@@ -15,10 +15,11 @@ from spintop_figures.style.page import head, new_figure, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
+    has_log_axis,
     is_wide,
     is_words,
     quantities_of,
-    set_parameter_axis,
+    scale_panels,
     succeeded,
     tell_rest,
 )
@@ -77,7 +78,8 @@ def draw_sweep(table: Table) -> Figure:
         draw_quantity(axes, x, rows, column, table.units.get(column, ""))
     draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
     draw_deviations(panels.flat[5], x, rows)
-    set_parameter_axis(table, 0, *panels.flat)
+    name = table.axes()[0]
+    scale_panels([*panels.flat], "x", table, name, has_log_axis(table, name))
     figure.align_ylabels()
     return figure
 
@@ -169,7 +171,7 @@ def draw_curves(table: Table) -> Figure:
             axes.plot(*place, "x", transform=axes.get_xaxis_transform(), **crosses)
         if threshold:
             axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
-    set_parameter_axis(table, 0, *panels)
+    scale_panels(panels, "x", table, name, has_log_axis(table, name))
     return figure
 
 

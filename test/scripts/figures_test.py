@@ -285,7 +285,7 @@ class FiguresTest(TableCase):
             assert len(whole) >= 4
             for line in whole:
                 assert (line.get_linestyle() == "None") == is_sparse
-            told = [path.get_suptitle(), *texts_of(trace.axes[1])]
+            told = [path.get_suptitle(), *texts_of(trace.axes[0])]
             assert sum(words in text for text in told if words) == 2 * is_sparse
 
     def test_halves(self) -> None:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.methods.known import style_of
-from spintop_figures.methods.precision import few_ticks
+from spintop_figures.style.axes import few_ticks
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
 from spintop_figures.style.page import legend_below, name_outer, panel_figure
 from spintop_figures.tables.names import name_of
@@ -82,7 +82,9 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
         look = {"linestyle": "", "markersize": 9} if method == "exact" else look
         style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
         draw_front(axes, own[own["method"] == method], method, style, handles)
-    few_ticks(axes, 9 // across, 9)
+    few_ticks(axes.xaxis, 9 // across)
+    few_ticks(axes.yaxis, 9)
+    axes.grid(alpha=0.4)
     return handles
 
 

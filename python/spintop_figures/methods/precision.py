@@ -10,11 +10,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.methods.known import family_of, ink_of, look_of, order_of, rank_of, style_of
-from spintop_figures.style.axes import name_axes, name_axis
+from spintop_figures.style.axes import few_ticks, name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, by_width
 from spintop_figures.style.numbers import DASH, write, write_count, write_fixed
 from spintop_figures.style.page import head, is_lowest, legend_below, panel_figure
@@ -142,56 +141,35 @@ def draw_precision_curves(
             style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
             style["color"] = look_of(family_of(curve.method)).colour
             style = style if curve.label in strong else OTHERS
-        if curve.method == EXACT:
-            mark_exact(axes, cost, error)
-        else:
+        if curve.method != EXACT:
             axes.plot(cost, error, **style, label=curve.label)
-    draw_floor(axes, rows)
-    set_limits(axes, rows, x)
+        elif cost[0] > 0:  # a cost that a log axis can show
+            axes.plot(cost, error, **style_of(EXACT) | {"linestyle": "", "markersize": 8})
+            place = {"va": by_width("top", "bottom"), "textcoords": "offset points"}
+            words = "exact solution", (cost[0], error[0]), (6, by_width(-1, 1))
+            axes.annotate(*words, **place, fontsize="small")
+    if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
+        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
+        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
+        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
+        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
+    cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
+    shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
+    if not shown.any():
+        return
+    # with a little room; a method that is lost is not shown
+    axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
+    least = max(error[shown].min(), LEAST_ERROR)
+    axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
+    few_ticks(axes.xaxis, 9)
+    few_ticks(axes.yaxis, 9)
+    axes.grid(alpha=0.4)
 
 
 def points_of(curve: Curve, x: str) -> tuple[np.ndarray, np.ndarray]:
     """Costs of a curve, and its errors as they are drawn."""
     error = curve.rows["error_max"].to_numpy(float)
     return curve.rows[x].to_numpy(float), np.maximum(error, LEAST_ERROR)
-
-
-def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
-    """The exact motion as a point with its name, if it has a cost that a log axis can show."""
-    there = cost > 0
-    axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
-    style = {"textcoords": "offset points", "va": by_width("top", "bottom"), "fontsize": "small"}
-    for place in zip(cost[there][:1], error[there][:1], strict=True):
-        axes.annotate("exact solution", place, (6, by_width(-1, 1)), **style)
-
-
-def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
-    """The band of errors that rounding of the data makes by itself, where it is known."""
-    if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
-        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
-        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
-        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
-        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
-
-
-def set_limits(axes: Axes, rows: pd.DataFrame, x: str) -> None:
-    """From the least to the largest, with a little room; a method that is lost is not shown."""
-    cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
-    shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
-    if not shown.any():
-        return
-    axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
-    least = max(error[shown].min(), LEAST_ERROR)
-    axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
-    few_ticks(axes, 9, 9)
-
-
-def few_ticks(axes: Axes, x: int, y: int) -> None:
-    """So many ticks on log axes at most, and a faint grid."""
-    for axis, count in ((axes.xaxis, x), (axes.yaxis, y)):
-        axis.set_major_locator(LogLocator(numticks=count))
-        axis.set_minor_locator(NullLocator())
-    axes.grid(alpha=0.4)
 
 
 def object_to_precision(table: Table) -> str:

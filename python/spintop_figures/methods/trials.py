@@ -12,11 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.methods.known import Look, families, family_of, ink_of, look_of
-from spintop_figures.style.axes import name_axis
+from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, OURS, WIDTH, by_width
 from spintop_figures.style.numbers import DASH, TIMES, write_count
 from spintop_figures.style.page import new_figure, no_axis
@@ -243,9 +242,6 @@ FACES = {"accurate": 1.0, "drifts": 0.35, "wrong": 0.0}
 
 NAMES = {"accurate": "full: accurate", "drifts": "pale: drifts", "wrong": "empty: wrong"}
 
-RATIO = "ratio"
-"""Evaluations over those of the cheapest accurate method of the case."""
-
 MEDIAN = {"color": INK, "linestyle": "", "marker": "|", "markersize": 11, "markeredgewidth": 1.6}
 
 
@@ -260,17 +256,6 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[rows["verdict"].isin(FACES) & (rows["evaluations"] > 0)]
 
 
-def with_ratio(rows: pd.DataFrame) -> pd.DataFrame:
-    """The trials with their costs over that of the cheapest accurate method of their case.
-
-    A case without one is measured by its cheapest trial.
-    """
-    known = rows["evaluations"].where(rows["verdict"] == "accurate")
-    least = known.groupby(rows["case"]).transform("min")
-    least = least.fillna(rows.groupby("case")["evaluations"].transform("min"))
-    return rows.assign(**{RATIO: rows["evaluations"] / least})
-
-
 @figure(
     needs="orientation_error evaluations inherent_error", objection=object_to_costs, **STABILITY
 )
@@ -279,7 +264,12 @@ def draw_costs(table: Table) -> Figure:
 
     Two panels over the same methods: their cost, and the error that they reach.
     """
-    rows = with_ratio(judged(trials(table)))
+    rows = judged(trials(table))
+    known = rows["evaluations"].where(rows["verdict"] == "accurate")
+    least = known.groupby(rows["case"]).transform("min")
+    # a case without an accurate method is measured by its cheapest trial
+    least = least.fillna(rows.groupby("case")["evaluations"].transform("min"))
+    ratio = rows["evaluations"] / least
     places: dict[str, float] = {}
     for number, entries in enumerate(entries_by_family(rows).values()):
         # families are half a row apart
@@ -291,21 +281,27 @@ def draw_costs(table: Table) -> Figure:
     grid = figure.add_gridspec(2, 2, height_ratios=(height, 0.25))
     cost = figure.add_subplot(grid[0, 0])
     error = figure.add_subplot(grid[0, 1], sharey=cost)
-    draw_trials(cost, rows, places, rows[RATIO])
+    draw_trials(cost, rows, places, ratio)
     draw_trials(error, rows, places, np.maximum(rows["orientation_error"], 1e-16))
     error.tick_params(labelleft=False)
-    error.xaxis.set_major_locator(LogLocator(numticks=by_width(8, 4)))
-    good = rows[rows["verdict"] == "accurate"].groupby("entry")[RATIO].median()
+    few_ticks(error.xaxis, by_width(8, 4))
+    good = ratio[rows["verdict"] == "accurate"].groupby(rows["entry"]).median()
     cost.plot(good, good.index.map(places), **MEDIAN, zorder=4)
-    cost.set_yticks(list(places.values()), labels=list(places))
     family = rows.groupby("entry")["family"].first()
     for label, entry in zip(cost.get_yticklabels(), places, strict=True):
         label.set_color(ink_of(family[entry]))
-    cost.set_ylim(most + 0.75, -0.75)
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
     name_axis(cost.xaxis, "evaluations over those of the cheapest accurate method of the case")
     name_axis(error.xaxis, "largest error of the attitude", "rad")
-    add_legend(no_axis(figure.add_subplot(grid[1, :])), rows)
+    handles = [
+        Line2D([], [], label=NAMES[verdict], **marker(Look("o", GREY), fullness))
+        for verdict, fullness in FACES.items()
+        if (rows["verdict"] == verdict).any()
+    ]
+    handles.append(Line2D([], [], **MEDIAN, label="median of the accurate"))
+    place = {"loc": "center right", "ncols": by_width(4, 2), "borderpad": 0}
+    foot = no_axis(figure.add_subplot(grid[1, :]))
+    foot.legend(handles=handles, **place).set_in_layout(False)
     return figure
 
 
@@ -314,14 +310,11 @@ def draw_trials(
 ) -> None:
     """The trials as dots on the lines of their methods, on a log axis."""
     axes.set_xscale("log")
-    for place in places.values():
-        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
     for (family, verdict), part in rows.groupby(["family", "verdict"]):
         heights = part["entry"].map(places)
         axes.plot(values[part.index], heights, **marker(look_of(family), FACES[verdict]))
-    axes.xaxis.set_major_locator(LogLocator(numticks=7))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.tick_params(axis="y", length=0)
+    few_ticks(axes.xaxis, 7)
+    name_rows(axes, [*places], [*places.values()])
 
 
 def marker(look: Look, fullness: float) -> dict[str, object]:
@@ -334,15 +327,3 @@ def marker(look: Look, fullness: float) -> dict[str, object]:
         "markeredgecolor": look.colour,
         "markeredgewidth": 0.6,
     }
-
-
-def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
-    """What the markers mean, below the panels."""
-    handles = [
-        Line2D([], [], label=NAMES[verdict], **marker(Look("o", GREY), fullness))
-        for verdict, fullness in FACES.items()
-        if (rows["verdict"] == verdict).any()
-    ]
-    handles.append(Line2D([], [], **MEDIAN, label="median of the accurate"))
-    place = {"loc": "center right", "ncols": by_width(4, 2), "borderpad": 0}
-    axes.legend(handles=handles, **place).set_in_layout(False)

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.motion.trajectory import inclination_extremes, sparseness
-from spintop_figures.style.axes import MANY_POINTS, name_axes
+from spintop_figures.style.axes import MANY_POINTS, draw_heads, name_axes
 from spintop_figures.style.look import (
     DOTS,
     FAINT,
@@ -223,7 +223,11 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
     draw_seen(axes, points if joined else thinned(points), *halves_of(joined), view)
     seen = project(*points, view)
     if joined:
-        draw_arrow(axes, *seen, view.window)
+        # one arrow, near the start and before the sphere
+        x, y, towards = seen
+        far = np.hypot(x - x[0], y - y[0])[:-1] > 0.3 * view.window
+        moves = (np.diff(x) != 0) | (np.diff(y) != 0)
+        draw_heads(axes, x, y, np.flatnonzero(far & (towards[:-1] > 0) & moves)[:1] + 1)
     mark_ends(axes, *seen)
     if view.window < 1:
         draw_inset(axes, view)
@@ -234,22 +238,6 @@ def thinned(points: Points) -> Points:
     """Points that are not joined, MOST_DOTS at most."""
     every = -(-len(points[0]) // 1000)  # more would be a cloud
     return tuple(part[::every] for part in points)
-
-
-def draw_arrow(
-    axes: Axes, x: np.ndarray, y: np.ndarray, towards: np.ndarray, window: float
-) -> None:
-    """The direction of a path, near its start and before the sphere."""
-    far = np.hypot(x - x[0], y - y[0]) > 0.3 * window
-    steps = np.hypot(np.diff(x), np.diff(y))
-    for place in np.flatnonzero(far[:-1] & (towards[:-1] > 0) & (steps > 0))[:1]:
-        tip = np.array([x[place], y[place]])
-        ahead = np.array([x[place + 1], y[place + 1]]) - tip
-        arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
-        arrow |= {"shrinkA": 0, "shrinkB": 0}
-        axes.annotate(
-            "", tip, tip - 0.02 * window * ahead / steps[place], arrowprops=arrow, zorder=4
-        )
 
 
 def draw_inset(axes: Axes, view: View) -> None:
@@ -323,21 +311,6 @@ def tell_turn(degrees: float) -> str:
     return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
 
-def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
-    """Panels of spheres of this side, and room for words beside a single one or below them."""
-    if count > 1:
-        across = min(count, by_width(3, 2))
-        down = -(-count // across)
-        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
-        places = [*(grid[place] for place in np.ndindex(down, across)), grid[down, :]]
-    elif by_width(True, False):
-        places = figure.add_gridspec(1, 2, width_ratios=[side, drawn_width() - side])
-    else:
-        places = figure.add_gridspec(2, 1, height_ratios=[side, 2.0])
-    *panels, key = (no_axis(figure.add_subplot(place)) for place in places)
-    return panels, key
-
-
 MOTIONS = {
     "kind": "trajectory",
     "needs": "theta phi",
@@ -348,29 +321,24 @@ MOTIONS = {
 @figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
-    alone, width = len(tables) == 1, drawn_width()
-    across = min(len(tables), by_width(3, 2))
-    side = min(4.6, width) if alone else width / across
-    rows = -(-len(tables) // across) * (1.1 * side + 0.65)  # with the vertical, and words above
-    height = side + by_width(0.8, 3.0) if alone else 0.8 + rows
+    count = len(tables)
+    across = min(count, by_width(3, 2))
+    down = -(-count // across)
+    side = min(4.6, drawn_width() / across)
+    # with the vertical, and words above
+    height = 0.8 + down * (1.1 * side + 0.65)
     figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
-    panels, key = spheres(figure, len(tables), side)
-    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
+    grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
+    places = [*(grid[place] for place in np.ndindex(down, across))][:count]
+    *panels, key = (no_axis(figure.add_subplot(place)) for place in (*places, grid[down, :]))
+    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=True)]
     views, joined, nutates = map(list, zip(*drawn, strict=True))
     handles = path_handles(views, joined)
     if any(nutates):
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
-    if alone:
-        words = "\n".join(textwrap.fill(line, 44) for line in tell_path(tables[0]))
-        key.text(0, by_width(0.8, 1.0), words, va="top", linespacing=1.5)
-        for handle in handles:
-            handle.set_label(textwrap.fill(handle.get_label(), 20))
-        place = {"loc": "lower left", "bbox_to_anchor": (-0.05, by_width(0.1, -0.1))}
-        key.legend(handles=handles, **place, ncols=by_width(1, 2))
-        return figure
-    for axes, table in zip(panels, tables, strict=False):
+    for axes, table in zip(panels, tables, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
-        words = "\n".join([title, *tell_path(table)])
+        words = "\n".join([title] * (count > 1) + tell_path(table))  # one has it below the figure
         axes.set_title(words, loc="center", fontsize="small", pad=2)
     place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
     key.legend(handles=handles, **place, ncols=by_width(5, 2))

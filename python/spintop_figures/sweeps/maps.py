@@ -24,6 +24,7 @@ from matplotlib.patheffects import withStroke
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import GRAVITY
+from spintop_figures.style.axes import letters_of
 from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import head, panel_figure
@@ -52,8 +53,8 @@ OUTLIERS, FAR = 1.0, 0.5
 """Percentage of the values, at either end, that may be beyond the colour bar, which they are where
 they would take more than this of the range of the others."""
 
-LETTER, LINE = 0.085, 0.16
-"""Width of a letter and height of a line of a name in a map, in inches."""
+ROOM = 0.6, 0.35
+"""Letters and lines of names that fit into a map, over the letters along its sides."""
 
 HEIGHTS = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
@@ -161,12 +162,12 @@ def object_to_grid(table: Table) -> str:
     return ""
 
 
-def object_to_maps(table: Table) -> str:
-    """Maps show the quantities of a grid."""
-    return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
-
-
-@figure("sweep", objection=object_to_maps)
+@figure(
+    "sweep",
+    objection=lambda table: (
+        object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
+    ),
+)
 def draw_maps(table: Table) -> Figure:
     """Maps of the quantities of a sweep over a grid of two parameters."""
     grid, quantities = make_grid(table), quantities_of(table)
@@ -185,8 +186,13 @@ def draw_maps(table: Table) -> Figure:
         cross(axes, grid, failed)
     label_axes(table, grid, panels)
     if limit := find_kapitza_limit(table):
+        outline = [withStroke(linewidth=3.5, foreground="white")]
+        style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
+        box = {"frameon": True, "framealpha": 0.85, "facecolor": "white", "edgecolor": "none"}
         for axes in panels:
-            draw_limit(axes, limit)
+            x = np.geomspace(*axes.get_xlim(), 200)
+            axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
+            axes.legend(loc="lower left", labelcolor="black", **box)
     return figure
 
 
@@ -210,16 +216,6 @@ def find_kapitza_limit(table: Table) -> Callable[[np.ndarray], np.ndarray] | Non
         inertia += mass * length**2
     limit = np.sqrt(2 * table.number("top.gravity", GRAVITY) * inertia / (mass * length))
     return (lambda values: limit / values) if np.isfinite(limit) else None
-
-
-def draw_limit(axes: Axes, limit: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Kapitza's limit over a map: the second parameter at each value of the first."""
-    x = np.geomspace(*axes.get_xlim(), 200)
-    outline = [withStroke(linewidth=3.5, foreground="white")]
-    style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
-    axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
-    box = {"frameon": True, "framealpha": 0.85, "facecolor": "white", "edgecolor": "none"}
-    axes.legend(loc="lower left", labelcolor="black", **box)
 
 
 def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) -> None:
@@ -250,18 +246,13 @@ def draw_shades(
     axes.pcolormesh(*grid.edges(), np.ma.masked_invalid(codes), cmap=shades, norm=norm, **look)
 
 
-def room_of(axes: Axes) -> tuple[float, float]:
-    """About how wide and how high a panel is, in inches, before it is laid out."""
-    spot = axes.get_subplotspec()
-    rows, columns = spot.get_gridspec().get_geometry()
-    width, height = axes.figure.get_size_inches()
-    return 0.78 * width * len(spot.colspan) / columns, 0.72 * height / rows
-
-
 def draw_numbers(
     axes: Axes, grid: Grid, quantity: Quantity, numbers: np.ndarray, failed: np.ndarray
 ) -> None:
-    """A map of a number with its colour bar; of both signs, with its zero where continuous."""
+    """A map of a number with its colour bar; of both signs, with its zero where continuous.
+
+    Where it jumps from one sign to the other there is no line, and the heading tells the jumps.
+    """
     none = quantity.is_none(np.where(failed, np.nan, numbers))
     after = f"; white: {quantity.none}" if none.any() else ""
     if none.any():
@@ -275,7 +266,11 @@ def draw_numbers(
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
-        after += draw_zero(axes, grid, whole)
+        cut, size = jumps(whole)
+        smooth = np.ma.masked_where(cut, whole)
+        if smooth.count() and smooth.min() < 0 < smooth.max():
+            axes.contour(grid.x, grid.y, smooth, levels=[0], colors="0.25", linewidths=1.0)
+        after += f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
         filled = np.ma.filled(whole, np.nan)
         signs = np.where(np.isfinite(filled), filled > 0, np.nan)  # for print without colours
         outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
@@ -304,28 +299,16 @@ def name_regions(
 ) -> set[int]:
     """Write the names of classes, by their numbers, where they have room; gives those named."""
     named = set()
-    width, height = room_of(axes)
+    most = [share * letters_of(axes, side) for share, side in zip(ROOM, "xy", strict=True)]
     for spot in spots(codes):
-        text = textwrap.fill(names[spot.code], max(int(spot.width * width / LETTER), 8))
+        text = textwrap.fill(names[spot.code], max(int(spot.width * most[0]), 8))
         lines = text.split("\n")
-        has_width = LETTER * max(map(len, lines)) <= spot.width * width
-        if has_width and LINE * len(lines) <= spot.height * height:
+        has_width = max(map(len, lines)) <= spot.width * most[0]
+        if has_width and len(lines) <= spot.height * most[1]:
             style |= WORDS | {"transform": axes.transAxes, "color": inks[spot.code]}
             axes.text(spot.x, spot.y, text, **style)
             named.add(spot.code)
     return named
-
-
-def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> str:
-    """The line where a field is zero; where it jumps from one sign to the other there is none.
-
-    Gives what the heading says of the jumps.
-    """
-    cut, size = jumps(cells)
-    known = np.ma.masked_where(cut, cells)
-    if known.count() and known.min() < 0 < known.max():
-        axes.contour(grid.x, grid.y, known, levels=[0], colors="0.25", linewidths=1.0)
-    return f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:

@@ -31,7 +31,7 @@ from spintop_figures.style.look import (
     drawn_width,
 )
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import new_figure, no_axis, three_panels
+from spintop_figures.style.page import legend_below, new_figure, no_axis, panel_figure
 from spintop_figures.tables.table import Table
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -190,28 +190,23 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
+    outline = [withStroke(linewidth=2, foreground=WASH)]
+    words = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
         if 0 < count * step < np.pi * (1 - 1e-12):
             circle = on_sphere(np.full_like(around, count * step), around)
             draw_seen(axes, circle, style, view=view)
-            name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
+            x, y, towards = project(*circle, view)
+            inside = (np.hypot(x, y) < 0.97 * view.window) & (towards > 0)
+            if inside.any():  # its number, at its lower right end
+                place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
+                name = f"{write(np.degrees(count * step), 8)}°"
+                axes.text(x[place], y[place], name, path_effects=outline, **words)
     down = np.linspace(low, high, 181)
     apart = GRID if low == 0 or high == np.pi else step / np.sin(middle)
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
     for phi in np.arange(0, 2 * np.pi - apart / 2, apart):
         draw_seen(axes, on_sphere(down, np.full_like(down, phi)), style, view=view)
-
-
-def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:
-    """The number of a circle, at its lower right end in the window."""
-    x, y, towards = project(*circle, view)
-    inside = (np.hypot(x, y) < 0.97 * view.window) & (towards > 0)
-    if not inside.any():
-        return
-    place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
-    outline = [withStroke(linewidth=2, foreground=WASH)]
-    style = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
-    axes.text(x[place], y[place], name, path_effects=outline, **style)
 
 
 def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
@@ -351,8 +346,13 @@ def draw_trace(table: Table) -> Figure:
     return draw_traces([table])
 
 
-HEIGHT = 3.5
-"""Of the figure, in inches."""
+def three_panels(table: Table, title: str) -> tuple[Figure, list[Axes]]:
+    """A figure of three panels in a row, or one below the other on a narrow one, and a legend."""
+    shape = {"share": "", "has_foot": True, "across": by_width(3, 1)}
+    figure, panels = panel_figure(table, title, 3, 3.5, 0, 0.1, **shape)
+    figure.get_layout_engine().set(wspace=0.08)
+    return figure, panels
+
 
 PATH_ROOM = 1.1
 """What is seen, over the extent of the path."""
@@ -364,8 +364,7 @@ def draw_path(table: Table) -> Figure:
     x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
-    figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
-    (space, above, side), key = three_panels(figure)
+    figure, (space, above, side) = three_panels(table, title)
     radius, joined = float(np.nanmedian(np.sqrt(sum(part**2 for part in place)))), not sparse
     if radius > 0:
         draw_path_on(space, tuple(part / radius for part in place), joined)
@@ -380,7 +379,7 @@ def draw_path(table: Table) -> Figure:
     name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
     side.set_title("from $-y$" if is_wide else "from $+x$")
     handles = path_handles([WHOLE], [joined])
-    key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
+    legend_below([space], handles, by_width(len(handles), 2))
     return figure
 
 
@@ -453,8 +452,7 @@ def body_at_start(table: Table) -> np.ndarray:
 def draw_cones(table: Table) -> Figure:
     """Angular velocity in the body and in space (polhode and herpolhode)."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
-    figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
-    (globe, body, space), key = three_panels(figure)
+    figure, (globe, body, space) = three_panels(table, title)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
     draw_cone(globe, body_at_start(table), BODY, BODY | {"color": PALE, "linewidth": 1.1})
@@ -473,7 +471,7 @@ def draw_cones(table: Table) -> Figure:
         Line2D([], [], **TOUCH, label="where they touch"),
         *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
     ]
-    key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
+    legend_below([globe], handles, by_width(5, 2))
     return figure
 
 

@@ -131,15 +131,6 @@ def time_panels(
     return figure, list(panels.flat)
 
 
-def three_panels(figure: Figure) -> tuple[list[Axes], Axes]:
-    """Three panels in a row, or one below the other on a narrow figure; and room for a legend."""
-    figure.get_layout_engine().set(wspace=0.08)
-    rows, columns = by_width((1, 3), (3, 1))
-    grid = figure.add_gridspec(rows + 1, columns, height_ratios=(*[1] * rows, by_width(0.06, 0.2)))
-    panels = [figure.add_subplot(grid[divmod(place, columns)]) for place in range(3)]
-    return panels, no_axis(figure.add_subplot(grid[rows, :]))
-
-
 def no_axis(axes: Axes) -> Axes:
     """Room for a legend or for words."""
     axes.set_axis_off()

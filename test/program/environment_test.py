@@ -21,7 +21,7 @@ DOCUMENTED = (
     " OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT ERROR_BACKTRACE FORMATTED_BUFFER_SIZE"
     " UNFORMATTED_BUFFER_SIZE"
 )
-"""The variables of the manual of gfortran, without their prefix, but for the numbers of standard streams.
+"""The variables of gfortran's manual, without their prefix, but for numbers of standard streams.
 
 Where two of these have the same number the library of gfortran ends the program itself.
 """

@@ -43,9 +43,6 @@ static atomic_int has_journal_thread;
 static atomic_int wanted;
 static const struct itimerval longest_wait = {.it_value = {.tv_usec = 900000}};
 
-// Whether the process was started with SIGHUP ignored, where the program has looked before its libraries were begun.
-int spintop_hangup_is_ignored = 0;
-
 // Signals that end a process from outside and leave it time for a message.
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
@@ -145,8 +142,13 @@ void spintop_begin_process(void) {
     const struct sigaction ending = {.sa_handler = answer, .sa_flags = SA_RESTART};
     const struct sigaction ignored = {.sa_handler = SIG_IGN}, late = {.sa_handler = end_of_wait, .sa_flags = SA_RESTART};
 #ifndef __SANITIZE_ADDRESS__
-    const struct sigaction crash = {.sa_handler = answer_crash, .sa_flags = SA_RESTART};
+    // On a stack of its own: without memory HDF5 reports the error of its report, until the stack is full.
+    static char stack_of_crash[65536];
+    const stack_t other = {.ss_sp = stack_of_crash, .ss_size = sizeof stack_of_crash};
+    const struct sigaction crash = {.sa_handler = answer_crash, .sa_flags = SA_RESTART | SA_ONSTACK};
+    sigaltstack(&other, NULL);
     sigaction(SIGSEGV, &crash, NULL);
+    sigaction(SIGABRT, &crash, NULL); // netCDF and the C library give up so where memory is not as they expect
 #endif
 
     for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);
@@ -155,7 +157,6 @@ void spintop_begin_process(void) {
     // A file that may not grow is an error of write.
     sigaction(SIGXFSZ, &ignored, NULL);
     sigaction(SIGALRM, &late, NULL);
-    if (spintop_hangup_is_ignored) sigaction(SIGHUP, &ignored, NULL);
     for (size_t i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with
         // Open MPI, has one for SIGHUP that does not end the process.

@@ -109,7 +109,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: slope(max_states)
+        real(dp) :: slope(max_states), noise, h
         logical :: is_idle
 
         associate (formulation => self%formulation, stepper => self%method)
@@ -126,14 +126,16 @@ contains
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
             self%follower%formulation => formulation
             if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            self%error_of_step = margin * noise
             if (stepper%controls%steps > 0) then
-                self%error_of_step = margin * noise_of_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
-            else
-                self%error_of_step = margin * noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+                h = stepper%t_end / stepper%controls%steps
+                self%slack = grid_slack * h
+                self%error_of_step = margin * noise_of_step(body, start, h, stepper%order())
+                noise = noise_within_step(body, start, h, stepper%order())
             end if
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
-            if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
             call observe_until(self, 0.0_dp)
             call leave_rest(self)
             call stepper%begin(status)
@@ -144,25 +146,11 @@ contains
             end if
             if (.not. associated(self%search)) return
             if (self%account%is_open) self%path%account => self%account
-            if (stepper%controls%steps > 0) then
-                self%search%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, &
-                    stepper%order())
-            else
-                self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
-            end if
+            self%search%method_noise = noise
             call self%search%begin(body, motion_of_follower(self%follower))
             call self%search%judge(body, start)
         end associate
     end subroutine begin_run
-
-    !> Sets from which time on the steps are examined.
-    pure subroutine set_due(self)
-        type(run_t), intent(inout) :: self
-        self%due = -huge(self%due)
-        if (self%looks_at_steps) return
-        self%due = huge(self%due)
-        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
-    end subroutine set_due
 
     !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
     subroutine end_step(self, status, ends)
@@ -251,7 +239,10 @@ contains
             call walk_to(self%follower, stepper, stepper%t, stepper%y)
             if (self%observer%sees_steps .and. self%shown < stepper%t) call show(self)
         end associate
-        call set_due(self)
+        self%due = -huge(self%due)
+        if (self%looks_at_steps) return
+        self%due = huge(self%due)
+        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
     end subroutine observe_until
 
     !> Passes the remaining samples, and the end, of a run that ends within the last step to the observer.

@@ -281,7 +281,7 @@ contains
     !> step of a fixed-step method, or by a short time before an adaptive one begins.
     subroutine leave_rest(self)
         type(run_t), intent(inout) :: self
-        real(dp) :: h, y(max_states)
+        real(dp) :: h, y(max_states), time, y_then(max_states)
         logical :: departed
 
         if (.not. self%formulation%has_ends) return
@@ -298,7 +298,11 @@ contains
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
-                call observe_departure(self, self%samples(self%next))
+                time = self%samples(self%next)
+                y_then = stepper%y
+                call self%formulation%depart(y_then, time, departed)
+                call go_to(self%follower, time, y_then)
+                call show(self)
                 self%next = self%next + 1
             end do
             stepper%y = y
@@ -307,19 +311,6 @@ contains
             stepper%counts%steps = 1
         end associate
     end subroutine leave_rest
-
-    !> Passes the motion at a time shortly after such a start to the observer.
-    subroutine observe_departure(self, t)
-        type(run_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        real(dp) :: time, y_then(max_states)
-        logical :: unused
-        time = t
-        y_then = self%stepper%y
-        call self%formulation%depart(y_then, time, unused)
-        call go_to(self%follower, t, y_then)
-        call show(self)
-    end subroutine observe_departure
 
     !> Ends a run that is close to the end of its equations: at the turning point, not beyond.
     subroutine check_arrival(self, status)

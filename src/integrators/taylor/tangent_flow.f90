@@ -12,8 +12,8 @@ module spintop_tangent_flow
     use spintop_body, only: body_t
     use spintop_effects, only: effect_lift, effect_rotor
     use spintop_euler_poisson, only: state_units
-    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit, &
-        status_step_too_small, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_step_limit, status_step_too_small, &
+        status_unsuitable
     use spintop_validity, only: body_status
     implicit none
     private

@@ -14,8 +14,8 @@ module spintop_namelist
     use spintop_parameters, only: missing_element, parameter_table_t
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_end, token_equals, &
         token_group, token_open, token_other, token_slash, token_t, token_word, token_string
-    use spintop_suggestions, only: homes_of, suggest_group, suggest_key
-    use spintop_text, only: abbreviate, lower_case, string_t, to_text
+    use spintop_suggestions, only: homes_of, refuse_group, refuse_key
+    use spintop_text, only: lower_case, string_t, to_text
     implicit none
     private
     public :: read_namelist, read_override
@@ -215,7 +215,7 @@ contains
         associate (name => reader%group, table => reader%table, diagnostics => reader%diagnostics)
             i = table%find_group(name)
             if (i == 0) then
-                call diagnostics%error(place, 'unknown group &' // abbreviate(name), suggest_group(table, name))
+                call refuse_group(table, name, place, diagnostics)
             else if (table%groups(i)%count < table%groups(i)%most) then
                 number = table%groups(i)%count + 1
                 table%groups(i)%count = number
@@ -287,8 +287,7 @@ contains
                 call diagnostics%error(token%place, 'key ' // quoted(key) // ' is not in group &' // group, &
                                        'it belongs to ' // homes_of(table, key))
             else
-                call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(reader%scanner%word(token))) // &
-                                       ' in group &' // group, suggest_key(table, group, key))
+                call refuse_key(table, group, key, reader%scanner%word(token), token%place, diagnostics)
             end if
         end associate
     end subroutine find_key
@@ -393,12 +392,11 @@ contains
             group = name(:index(name // '.', '.') - 1)
             key = name(min(len(name), len(group) + 1) + 1:)
             if (table%find_group(group) > 0) then
-                call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // ' in group &' // group, &
-                                       suggest_key(table, group, key))
+                call refuse_key(table, group, key, key, token%place, diagnostics)
             else if (key == '' .and. homes_of(table, name) /= '') then
                 call diagnostics%error(token%place, 'an override names the group too', 'it belongs to ' // homes_of(table, name))
             else
-                call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), suggest_group(table, group))
+                call refuse_group(table, group, token%place, diagnostics)
             end if
             return
         end if

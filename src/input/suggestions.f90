@@ -1,11 +1,12 @@
-!> Suggestions for an unknown group, key or value.
+!> Unknown groups, keys and words: the error, with the most similar one that is known.
 module spintop_suggestions
+    use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_parameter, only: quoted
     use spintop_parameters, only: parameter_table_t, unit_hint
-    use spintop_text, only: join, lower_case, nearest_word, string_t
+    use spintop_text, only: abbreviate, join, lower_case, nearest_word, string_t
     implicit none
     private
-    public :: suggest_group, suggest_key, suggest_word, own_name, homes_of, names_file
+    public :: refuse_group, refuse_key, suggest_word, own_name, homes_of, names_file
 
 contains
 
@@ -21,46 +22,50 @@ contains
         end do
     end function names_file
 
-    !> The most similar group, or the list of all groups.
-    function suggest_group(table, name) result(hint)
+    !> The error of an unknown group, with the most similar one, or the list of all.
+    subroutine refuse_group(table, name, place, diagnostics)
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: name !! the unknown name
-        character(:), allocatable :: hint
+        type(place_t), intent(in) :: place !! where it stands
+        type(diagnostics_t), intent(inout) :: diagnostics !! the error is added
         type(string_t) :: names(size(table%groups))
         integer :: i
         do i = 1, size(names)
             names(i)%text = '&' // table%groups(i)%name
         end do
-        hint = suggest_word('&' // name, names)
-    end function suggest_group
+        call diagnostics%error(place, 'unknown group &' // abbreviate(name), suggest_word('&' // name, names))
+    end subroutine refuse_group
 
-    !> The key that another name stands for, the most similar key of a group, or the list of all its keys.
-    function suggest_key(table, group, key) result(hint)
+    !> The error of an unknown key, with the key that another name stands for, the most similar one, or the list of all.
+    subroutine refuse_key(table, group, key, written, place, diagnostics)
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
-        character(*), intent(in) :: group, key !! group and key as written
-        character(:), allocatable :: hint
+        character(*), intent(in) :: group, key !! group and key in lower case
+        character(*), intent(in) :: written !! the key as it stands in the input
+        type(place_t), intent(in) :: place !! where it stands
+        type(diagnostics_t), intent(inout) :: diagnostics !! the error is added
         type(string_t) :: keys(table%count)
-        character(:), allocatable :: own
+        character(:), allocatable :: hint, own
         integer :: i, found
+
         hint = unit_hint(table, group // '.' // key)
-        if (hint /= '') return
         own = ''
-        if (allocated(table%aliases)) own = own_name(key, table%aliases)
+        if (hint == '' .and. allocated(table%aliases)) own = own_name(key, table%aliases)
         if (own /= '') then
             i = index(own, '.')
             hint = 'did you mean ' // quoted(own(i + 1:))
             if (own(:i - 1) /= group) hint = hint // ' in group &' // own(:i - 1)
             hint = hint // '?'
-            return
+        else if (hint == '') then
+            found = 0
+            do i = 1, size(keys)
+                if (table%parameters(i)%group /= group) cycle
+                found = found + 1
+                keys(found)%text = table%parameters(i)%key
+            end do
+            hint = suggest_word(key, keys(:found))
         end if
-        found = 0
-        do i = 1, size(keys)
-            if (table%parameters(i)%group /= group) cycle
-            found = found + 1
-            keys(found)%text = table%parameters(i)%key
-        end do
-        hint = suggest_word(key, keys(:found))
-    end function suggest_key
+        call diagnostics%error(place, 'unknown key ' // quoted(abbreviate(written)) // ' in group &' // group, hint)
+    end subroutine refuse_key
 
     !> The groups that have a key: '&top or &span', '' if none has.
     function homes_of(table, key) result(homes)

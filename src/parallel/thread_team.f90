@@ -20,7 +20,7 @@ module spintop_thread_team
     use spintop_ranks, only: ranks_t, signed_off
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_table_file, only: journal_entry_t
+    use spintop_journaled_table, only: journal_entry_t
     use spintop_text, only: to_text
     !$ use omp_lib, only: omp_get_max_threads, omp_get_num_threads, omp_get_thread_num
     implicit none

@@ -12,7 +12,7 @@ module spintop_merge
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: is_statistics, read_statistics
     use spintop_table_end, only: check_table, table_check_t
-    use spintop_table_file, only: refuse_to_discard, stem_of, table_file_t
+    use spintop_journaled_table, only: refuse_to_discard, stem_of, table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_netcdf, read_head, read_shard_line, &
         shard_t, value_of
     use spintop_text, only: append, string_t, to_text

@@ -13,7 +13,7 @@ module spintop_statistics_output
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: last_status
     use spintop_table_column, only: column_of_integers, column_of_reals, table_column_t
-    use spintop_table_file, only: stem_of, table_file_t
+    use spintop_journaled_table, only: stem_of, table_file_t
     use spintop_table_head, only: table_head
     use spintop_text, only: replace_all, string_t, to_text
     use spintop_value_counts, only: value_counts_t

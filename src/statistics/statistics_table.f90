@@ -25,7 +25,7 @@ module spintop_statistics_table
     use spintop_statistics_output, only: check_statistics_tables, columns_before, write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_status, only: is_good_end, status_bad_input, status_ok
-    use spintop_table_file, only: journal_entry_t, state_of
+    use spintop_journaled_table, only: journal_entry_t, state_of
     use spintop_table_head, only: read_head
     implicit none
     private

@@ -157,7 +157,7 @@ contains
                 end if
                 if (.not. allocated(error)) then
                     allocate (run%table(1))
-                    table%memory%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
+                    table%memory%frame = study_head(job, table%columns, part=options%shard%line(job%axes%cases))
                     call move_table(table%memory, run%table(1))
                 end if
             else

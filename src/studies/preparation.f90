@@ -28,7 +28,7 @@ module spintop_preparation
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, study_column_t
     use spintop_sweep_result, only: sweep_columns
-    use spintop_table_file, only: refuse_to_discard, stem_of
+    use spintop_journaled_table, only: refuse_to_discard, stem_of
     use spintop_terminal, only: message_width
     use spintop_text, only: append, escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_columns

@@ -209,7 +209,7 @@ contains
                                        &of earlier versions'
     end function problem
 
-    !> Writes a table of which a part (spintop_table_file) has all rows, as they are in memory, behind the header.
+    !> Writes a table of which a part (spintop_journaled_table) has all rows, as they are in memory, behind the header.
     subroutine write_netcdf_table(path, head, columns, layout, part, checksum, error)
         character(*), intent(in) :: path, part !! paths of the table and of the part
         character(*), intent(in) :: head !! as for `create`

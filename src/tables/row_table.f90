@@ -33,7 +33,7 @@ module spintop_row_table
     use spintop_row_block, only: row_block_t
     use spintop_status, only: last_status
     use spintop_table_column, only: status_column, table_column_t
-    use spintop_table_file, only: journal_entry_t, journal_of, part_of, read_journal, refuse_to_discard, &
+    use spintop_journaled_table, only: journal_entry_t, journal_of, part_of, read_journal, refuse_to_discard, &
         remove_journal, state_of, table_file_t, write_journal
     use spintop_table_head, only: comment_lines, compare_heads
     use spintop_text, only: string_t, to_text
@@ -176,7 +176,7 @@ contains
                 self%remark = 'discards an interrupted run of ' // to_text(sum(entry%counts)) // ' rows'
             end if
             ! A journal must never record more bytes than its part has.
-            call remove_journal(path, error)
+            call remove_journal(path, error, is_over=.false.)
             if (.not. allocated(error)) call self%table%begin(head, error)
             if (self%has_journal .and. .not. allocated(error)) then
                 call self%flush_part(entry, error)

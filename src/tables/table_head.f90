@@ -32,7 +32,6 @@ module spintop_table_head
         procedure :: last
         procedure :: suffix
         procedure :: line
-        procedure :: beginning
     end type shard_t
 
 contains
@@ -236,26 +235,19 @@ contains
         if (self%is_part()) suffix = '.' // to_text(self%number) // '-of-' // to_text(self%count)
     end function suffix
 
-    !> The first line of its table.
+    !> The first line of the table of a part; '' if it is the whole.
     pure function line(self, cases)
         class(shard_t), intent(in) :: self
         integer(int64), intent(in) :: cases !! of the whole
         character(:), allocatable :: line
+        line = ''
+        if (.not. self%is_part()) return
         line = 'no cases'
         if (self%last(cases) >= self%first(cases)) then
             line = 'cases ' // to_text(self%first(cases)) // ' to ' // to_text(self%last(cases))
         end if
         line = 'part ' // to_text(self%number) // ' of ' // to_text(self%count) // ': ' // line // ' of ' // to_text(cases)
     end function line
-
-    !> What its table begins with: the first line, or '' if it is the whole.
-    pure function beginning(self, cases) result(text)
-        class(shard_t), intent(in) :: self
-        integer(int64), intent(in) :: cases !! of the whole
-        character(:), allocatable :: text
-        text = ''
-        if (self%is_part()) text = self%line(cases)
-    end function beginning
 
     !> Reads `I/N`.
     subroutine read_shard(text, shard, valid)

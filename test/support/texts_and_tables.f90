@@ -21,7 +21,7 @@ module texts_and_tables
     use spintop_status
     use spintop_table_column
     use spintop_table_end
-    use spintop_table_file
+    use spintop_journaled_table
     use spintop_table_head
     use spintop_text
     use spintop_thread_team, only: none_left, retry_later, row_queue_t

@@ -30,7 +30,7 @@ module spintop_comparison
     use spintop_study, only: study_t
     use spintop_suggestions, only: own_name
     use spintop_summary, only: rounded, summary_t
-    use spintop_table_file, only: table_file_t
+    use spintop_journaled_table, only: table_file_t
     use spintop_text, only: split, string_t, did_you_mean, to_text
     use spintop_trial, only: trial_t
     implicit none
@@ -191,7 +191,7 @@ contains
         axes = 0
         if (allocated(job%axes%axis)) axes = size(job%axes%axis)
         head = study_head(job, [self%columns%column_t, (job%axis_column(i), i=1, axes)], self%remarks(), &
-                          options%shard%beginning(self%count))
+                          options%shard%line(self%count))
         call compare_with_writer(ranks, head, error)
         if (allocated(error)) return
         if (ranks%is_writer()) call file%create(job%files%table, head, error)

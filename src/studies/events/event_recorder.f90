@@ -16,7 +16,7 @@ module spintop_event_recorder
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: near_poles, study_column_t
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: table_file_t
+    use spintop_journaled_table, only: table_file_t
     use spintop_text, only: string_t
     implicit none
     private

@@ -24,7 +24,7 @@ module spintop_fit_study
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_table_column, only: column_t
-    use spintop_table_file, only: stem_of, table_file_t
+    use spintop_journaled_table, only: stem_of, table_file_t
     use spintop_text, only: append, counted, escaped, string_t, to_text
     implicit none
     private

@@ -48,7 +48,7 @@ contains
             if (job%keeps_rows()) with_statistics%result_path = job%files%statistics
             ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
             allocate (columns, source=result_columns(with_statistics%plan))
-            with_statistics%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
+            with_statistics%result_head = study_head(job, columns, part=shard%line(job%axes%cases))
             if (.not. job%keeps_rows()) head = with_statistics%result_head
             call move_alloc(with_statistics, table)
         else
@@ -62,7 +62,7 @@ contains
                 [(netcdf_axis_t(job%axes%axis(i)%name, job%axes%axis(i)%count), i=1, size(job%axes%axis))]
             if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
-        if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
+        if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%line(job%axes%cases))
     end subroutine describe_table
 
     !> What the cells of a row are; `add_rows` has them in this order.

@@ -18,7 +18,7 @@
 !>     rows: 2171 0 12 0 0 0 0 0 0 0 0   (of each status)
 !>     state: 1 BB67AE8584CAA73B         (only where the rows are gathered: a file of what was, and its checksum)
 !>     end: BB67AE8584CAA73B             (checksum of the lines above)
-module spintop_table_file
+module spintop_journaled_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: refuse_if_stopped
     use spintop_checksum, only: checksum_of, checksum_width
@@ -111,7 +111,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         call self%reserve(path, error)
         ! The journal of another kind of run would record more bytes than the part has.
-        if (.not. allocated(error)) call remove_journal(path, error)
+        if (.not. allocated(error)) call remove_journal(path, error, is_over=.false.)
         if (.not. allocated(error)) call self%begin(head, error)
         if (allocated(error)) call self%discard()
     end subroutine create
@@ -360,11 +360,9 @@ contains
     subroutine remove_journal(path, error, is_over)
         character(*), intent(in) :: path !! of the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        logical, intent(in), optional :: is_over !! whether no entry follows: then one that was interrupted goes as well
+        logical, intent(in) :: is_over !! whether no entry follows: then one that was interrupted goes as well
         integer :: i
-        if (present(is_over)) then
-            if (is_over .and. file_exists(journal_of(path) // '.new')) call remove_file(journal_of(path) // '.new', error)
-        end if
+        if (is_over .and. file_exists(journal_of(path) // '.new')) call remove_file(journal_of(path) // '.new', error)
         if (file_exists(journal_of(path)) .and. .not. allocated(error)) then
             call remove_file(journal_of(path), error)
             if (.not. allocated(error)) call sync_folder_of(path, error)
@@ -396,4 +394,4 @@ contains
         text = text // 'end: ' // checksum_of(text) // nl
     end subroutine compose
 
-end module spintop_table_file
+end module spintop_journaled_table

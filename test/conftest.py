@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -377,20 +378,29 @@ def folder(request: pytest.FixtureRequest) -> Iterator[Path]:
 
 
 class Counts:
-    """Counts each test once, as passed or failed; what cannot be collected is a failed test."""
+    """Counts each test once, as passed or failed; what cannot be collected is a failed test.
+
+    It keeps how long each file took at most, by which the next run has its order.
+    """
 
     def __init__(self) -> None:
         self.failed: set[str] = set()
         self.passed: set[str] = set()
         self.reasons: dict[str, None] = {}  # for which tests were skipped, in their order
+        self.times: Counter[str] = Counter()  # s
+
+    def pytest_configure_node(self, node: object) -> None:
+        """Tell a process how long the files took in earlier runs."""
+        node.workerinput["times"] = node.config.cache.get("spintop/times", {})
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Note the outcome of a collection."""
         self.note(report, "collect")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Note the outcome of a phase of a test or of a subtest."""
+        """Note the outcome of a phase of a test or of a subtest, and its time."""
         self.note(report, report.when)
+        self.times[report.nodeid.partition("::")[0]] += report.duration
 
     def note(self, report: pytest.CollectReport | pytest.TestReport, phase: str) -> None:
         """Count it, or keep why something was skipped, which is no expected failure."""
@@ -416,6 +426,8 @@ class Counts:
         yield
         if session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and self.reasons:
             session.exitstatus = pytest.ExitCode.OK
+        cache = session.config.cache
+        cache.set("spintop/times", Counter(cache.get("spintop/times", {})) | self.times)
         terminal = session.config.get_terminal_writer()
         for reason in self.reasons:
             terminal.line(f"  left out: {reason}")
@@ -426,6 +438,21 @@ class Counts:
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option of scripts/test."""
     parser.addoption("--counts", action="store_true", help='end with "N passed, N failed"')
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """The files that took longest come first, so that in the end no processor waits for them.
+
+    Of others those with slow tests come first.
+    """
+    if not hasattr(config, "workerinput"):
+        return
+    times: dict[Path, float] = {}
+    for item in items:
+        known = config.workerinput["times"].get(item.nodeid.partition("::")[0])
+        guess = 60.0 if item.get_closest_marker("slow") else 0.0
+        times[item.path] = max(times.get(item.path, 0.0), guess if known is None else known)
+    items.sort(key=lambda item: -times[item.path])
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -25,7 +25,6 @@ EVENTS = (
     "theta = 0.6", "phi_rate = 1.0 rising", "omega3 = 0", "psi_deg = 45 every turn",
     "axis_z_rate = 0",
 )  # fmt: skip
-EFFECTS = ("friction", "drag", "vibration", "earth", "rotor", "torques")
 CASES = ("slow_top", "pole_upright", "through_hanging", "sleeping_below", "near_steady")
 WORDS = (
     "", "''", "'x'", "1", "-1", "0", "1e308", "-1e-320", "nan", "inf", "1d0", "1.5.2", "2*3", ",",
@@ -181,58 +180,36 @@ class Writer:
         if key != "none" and not (key == "spin_ratio" and not self.symmetric):
             put("initial", **{key: number(-3, 3) * self.random.choice([1, 1, 10])})
 
-    def effects(self) -> None:
-        """One to three effects; the body then has no closed form."""
-        self.general = True
-        for effect in self.random.sample(EFFECTS, self.random.choice((1, 1, 2, 3))):
-            self.put("effects", **getattr(self, effect)())
-
     def vector(self, size: float) -> list[float]:
         """A vector of components up to a size, some of them zero."""
         return [size * self.number(-1, 1) if self.chance(0.7) else 0.0 for _ in range(3)]
 
-    def friction(self) -> dict[str, object]:
-        """Dry friction of the pivot."""
-        chosen: dict[str, object] = {"friction_torque": self.power(-4, -1) * self.scale}
-        if self.chance(0.4):
-            chosen |= {"friction_coefficient": self.number(0, 0.5), "friction_radius": 0.002}
-        if self.chance(0.3):
-            chosen["friction_smoothing"] = self.power(-3, 0)
-        return chosen
+    def effects(self) -> None:
+        """One to three effects; the body then has no closed form."""
+        self.general = True
+        number, power, vector, scale = self.number, self.power, self.vector, self.scale
 
-    def drag(self) -> dict[str, object]:
-        """Drag of the air."""
-        chosen: dict[str, object] = {"drag_force": self.power(-5, -1) * self.scale}
-        if self.chance(0.6):
-            chosen["drag_moment"] = [self.power(-6, -2) * self.scale for _ in range(3)]
-            chosen["drag_exponent"] = self.random.choice([1.0, 1.5, 1.8, 2.0, 3.0])
-        return chosen
+        def maybe(probability: float, **keys: object) -> dict[str, object]:
+            return keys if self.chance(probability) else {}
 
-    def vibration(self) -> dict[str, object]:
-        """A pivot that vibrates."""
-        chosen: dict[str, object] = {
-            "vibration_amplitude": self.vector(0.05),
-            "vibration_rate": self.number(0.5, 60),
-        }
-        if self.chance(0.5):
-            chosen["vibration_phase"] = self.vector(3)
-        return chosen
-
-    def earth(self) -> dict[str, object]:
-        """The rotation of the Earth, or of a turntable."""
-        return {"earth_rate": self.power(-5, 0), "latitude_deg": self.random.choice([-90, 0, 48.5])}
-
-    def rotor(self) -> dict[str, object]:
-        """An internal rotor, and its motor."""
-        chosen: dict[str, object] = {"rotor_momentum": self.vector(3 * self.scale)}
-        if self.chance(0.5):
-            chosen["rotor_torque"] = self.vector(self.scale)
-        return chosen
-
-    def torques(self) -> dict[str, object]:
-        """Constant torques."""
-        axes = self.pick(("body", "space"))
-        return {f"torque_{axes}": self.vector(self.scale)}
+        choices = (
+            {"friction_torque": power(-4, -1) * scale}
+            | maybe(0.4, friction_coefficient=number(0, 0.5), friction_radius=0.002)
+            | maybe(0.3, friction_smoothing=power(-3, 0)),
+            {"drag_force": power(-5, -1) * scale}
+            | maybe(
+                0.6,
+                drag_moment=[power(-6, -2) * scale for _ in range(3)],
+                drag_exponent=self.random.choice([1.0, 1.5, 1.8, 2.0, 3.0]),
+            ),
+            {"vibration_amplitude": vector(0.05), "vibration_rate": number(0.5, 60)}
+            | maybe(0.5, vibration_phase=vector(3)),
+            {"earth_rate": power(-5, 0), "latitude_deg": self.random.choice([-90, 0, 48.5])},
+            {"rotor_momentum": vector(3 * scale)} | maybe(0.5, rotor_torque=vector(scale)),
+            {f"torque_{self.pick(('body', 'space'))}": vector(scale)},
+        )
+        for keys in self.random.sample(choices, self.random.choice((1, 1, 2, 3))):
+            self.put("effects", **keys)
 
     def span(self) -> None:
         """The time span, and what ends it."""
@@ -310,19 +287,14 @@ class Writer:
         """A sweep."""
         self.span()
         self.integration()
-        keys = [
-            "top.mass",
-            "top.gravity",
-            "span.t_end" if "t_end" in self.groups["span"] else "top.gravity",
+        given = [
+            f"{group}.{key}" for group in ("top", "initial", "span") for key in self.groups[group]
         ]
-        keys += [
-            f"initial.{key}" for key in self.groups["initial"] if key not in ("quaternion", "omega")
-        ]
-        if "inertia" in self.groups["top"]:
+        wanted = ("top.mass", "span.t_end", *(key for key in given if key.startswith("initial.")))
+        keys = ["top.gravity", *(key for key in given if key in wanted)]
+        keys = [key for key in keys if key not in ("initial.quaternion", "initial.omega")]
+        if "top.inertia" in given:
             keys.append("top.inertia(3)")
-        keys = [
-            key for key in dict.fromkeys(keys) if key != "top.mass" or "mass" in self.groups["top"]
-        ]
         chosen = self.random.sample(keys, min(len(keys), self.random.randint(1, 3)))
         combine = self.pick(("grid", "zip", "random", "latin_hypercube", "sobol"))
         drawn = combine not in ("grid", "zip")

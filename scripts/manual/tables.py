@@ -56,6 +56,12 @@ def _values(entry: Entry) -> str:
     return ", ".join(map(_code, entry["choices"])) or _escape(entry["range"])
 
 
+def _meaning(entry: Entry) -> str:
+    """What a parameter is, with its default in parentheses, as descriptions have theirs."""
+    default = f" ({_code(entry['default'])})" if entry["default"] else ""
+    return _escape(entry["description"]) + default
+
+
 def _key(entry: Entry) -> str:
     return _code(str(entry["full_name"]).partition(".")[2])
 
@@ -82,8 +88,7 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "parameters": {
         "key": _key,
         "unit": _cell("unit", str),
-        "default": _cell("default", _code),
-        "meaning": _WHAT,
+        "meaning": _meaning,
         "values": _values,
     },
     "benchmarks": {"benchmark": _NAME, "what it is": _WHAT, "source": _cell("source")},
@@ -124,7 +129,8 @@ def _joined(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 
 def _listed(program: Path, topic: str, part: str) -> list[str]:
-    """A table of a topic, or of a part of it, without columns that are empty."""
+    """A table of a topic, or of a part of it, without columns that are empty; a source that is
+    that of the row above stands there once."""
     cells = _TABLES[topic]
     entries = registries(program)[topic]
     if part:
@@ -134,6 +140,11 @@ def _listed(program: Path, topic: str, part: str) -> list[str]:
         for name, cell in cells.items()
         if any(column := [cell(entry) for entry in entries])
     }
+    if sources := filled.get("source"):
+        above = ["", *sources]
+        filled["source"] = [
+            "as above" if source == above[i] else source for i, source in enumerate(sources)
+        ]
     rows = list(zip(*filled.values(), strict=True))
     return _table(tuple(filled), _joined(rows) if topic == "columns" else rows)
 

@@ -11,7 +11,7 @@ module spintop_state_stream
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_checksum, only: add_to_checksum, checksum_t
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: input_file_t, output_file_t
+    use spintop_files, only: file_size, input_file_t, output_file_t
     use spintop_kinds, only: dp
     implicit none
     private
@@ -25,8 +25,6 @@ module spintop_state_stream
         !> Whether it is read from `input`; otherwise it is written to `output`.
         logical :: is_read = .false.
         type(input_file_t) :: input
-        !> Its size, which bounds what a damaged file may ask for.
-        integer(int64) :: size = 0
         type(output_file_t) :: output
         !> Of all that was carried.
         type(checksum_t) :: checksum
@@ -69,7 +67,8 @@ contains
         numbers = n
         call self%carry_numbers(1, numbers)
         if (.not. self%is_read) return
-        if (numbers(1) < 0 .or. numbers(1) > min(self%size / least, int(huge(n), int64))) call self%refuse()
+        ! A damaged file may not ask for more than it can contain.
+        if (numbers(1) < 0 .or. numbers(1) > min(file_size(self%input%path) / least, int(huge(n), int64))) call self%refuse()
         n = 0
         if (.not. allocated(self%error)) n = int(numbers(1))
     end subroutine carry_count

@@ -152,8 +152,6 @@ contains
         if (is_valid .and. size(self%factors) > 0) then
             is_valid = self%has_indices() .and. self%groups >= 1 .and. self%groups <= most_groups
         end if
-        ! A damaged number of bins must not ask for memory without end.
-        if (is_valid) is_valid = self%bytes_of_bins() <= stream%size
         if (.not. is_valid) call stream%refuse()
     end subroutine carry
 

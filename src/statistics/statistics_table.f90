@@ -365,12 +365,15 @@ contains
         call read_head(path, head, error)
         if (allocated(error)) return
         stream%is_read = .true.
-        stream%size = file_size(path)
         call stream%input%open(path, stream%error)
         if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
         call stream%carry_text(line)
         if (line /= first_line) call stream%refuse()
         if (.not. allocated(stream%error)) call plan%carry(stream)
+        if (.not. allocated(stream%error)) then
+            ! A damaged number of bins must not ask for memory without end.
+            if (plan%bytes_of_bins() > file_size(path)) call stream%refuse()
+        end if
         if (.not. allocated(stream%error)) then
             call plan%start(accumulators)
             call accumulators%store_or_restore(stream)

@@ -13,13 +13,6 @@ import pytest
 from conftest import largest
 
 BODY = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0 /\n"
-SPIN_DOWN = (
-    BODY.replace(" /", "  damping = 0, 0, 0.01 /")
-    + "&initial theta = 1  omega = 0, 0, 12 /\n&span t_end = 30 /\n"
-    + "&effects friction_torque = 0.02  friction_coefficient = 0.3  friction_radius = 0.01"
-    + "  drag_moment = 0, 0, 0.003 /\n&integration relative_tolerance = 1e-14 /\n"
-    + "&output columns = 't', 'psi', 'omega3'  events = 'stuck', 'slip' /\n"
-)
 TABLE = "t,m1,m2,m3\n0,0,0,0\n4,0,0,0.4\n12,0,0,-0.4\n"
 DRIVEN = (
     BODY + "&initial omega = 0, 0, 0  theta = 1 /\n&span t_end = 10 {} /\n"
@@ -86,14 +79,6 @@ def test_work_until_events(spin, method, samples):
     assert list(rows.work) == pytest.approx(change, abs=1e-9)
     assert largest(rows.energy_error) < 1e-9
     assert rows.work.abs().max() > 0.1
-
-
-def test_rest_of_a_spin_down(spin):
-    """Where nothing depends on time there is one rest, at the time of the closed form."""
-    (row,) = spin(SPIN_DOWN).table("events").itertuples()
-    assert (row.event, row.number, row.omega3) == ("stuck", 1, 0)
-    assert row.t == pytest.approx(23.86289777879196, rel=1e-13)
-    assert row.psi == pytest.approx(85.16613498183026, rel=1e-12)
 
 
 def test_sweep_that_ends_there(spin):

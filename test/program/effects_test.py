@@ -134,7 +134,8 @@ def test_spin_down(spin):
     effects = "friction_torque = 0.02  friction_coefficient = 0.3  friction_radius = 0.01"
     effects += "  drag_moment = 0, 0, 0.003"
     start, span = "theta = 1  omega = 0, 0, 12", "t_end = 30  samples = 31"
-    motion = move(spin, scene(FREE + "  damping = 0, 0, 0.01", start, span, effects))
+    text = scene(FREE + "  damping = 0, 0, 0.01", start, span, effects)
+    motion = move(spin, text)
     assert motion.rows.omega3[2] == pytest.approx(8.846626858973130, rel=1e-13)
     assert motion.status == "at_rest"
     assert motion.time == pytest.approx(23.86289777879196, rel=1e-13)
@@ -143,6 +144,11 @@ def test_spin_down(spin):
     assert abs(motion.last.energy_error) < 1e-13
     # The dry moment is on the load that the table shows.
     assert motion.rows.force_z[2] == pytest.approx(9.81, rel=1e-14)
+    # Where nothing depends on time there is one rest, which is the event.
+    events = "&output columns = 't', 'psi', 'omega3'  events = 'stuck', 'slip' /\n"
+    (row,) = spin(text + events).table("events").itertuples()
+    assert (row.event, row.number, row.omega3) == ("stuck", 1, 0)
+    assert [row.t, row.psi] == pytest.approx([motion.time, motion.last.psi], rel=1e-13)
 
 
 def test_stop_of_a_coning_body(spin):

@@ -1,6 +1,5 @@
 """Sobol' indices of sweeps: known ones, the same bytes, hostile input, the figure."""
 
-import itertools
 import re
 
 import numpy as np
@@ -244,21 +243,6 @@ def test_check(spin):
     resolved = said[said.index("&study") :]
     assert "indices = 'sobol'" in resolved
     spin(resolved, "--check")
-
-
-def test_damaged_parts(spin):
-    """A part of which the sums or an unfinished group were changed is refused."""
-    for part in (1, 2, 3):
-        compute(spin, VECTOR, f"--shard={part}/3")
-    states = [f"output/scene.{part}-of-3.statistics.state" for part in (1, 2, 3)]
-    whole = (spin.folder / states[1]).read_bytes()
-    begin = whole.index(b"spintop statistics 3")
-    for place in itertools.chain(range(begin, begin + 900, 97), range(-3000, -1, 331)):
-        damage = bytearray(whole)
-        damage[place] ^= 129
-        spin.write(bytes(damage), states[1])
-        spin.call("merge", "output/all.statistics.csv", *states, code=2)
-        assert "output/all.indices.csv" not in spin.produced()
 
 
 FIGURE = next(kind for kind in FIGURES if kind.name == "indices")

@@ -693,17 +693,11 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("mass =", "mas =", ["scene.nml:2:5: error: unknown key 'mas'", "'mass'"]),
         ("&initial", "&intial", ["scene.nml:6:1", "&intial", "'&initial'"]),
         ("t_end = 0.5", "t_end = 0.5\n    theta = 1", ["scene.nml:12:5", "theta", "&initial"]),
-        ("mass = 1.0", "mass = 1.0\n    mass = 2.0", ["scene.nml:3:5", "mass"]),
-        ("mass = 1.0", "mass = 1.0.0", ["scene.nml:2:12", "1.0.0"]),
         ("t_end = 0.5", "t_end = 0,5", ["scene.nml:11:", "t_end"]),
-        ("t_end = 0.5", "t_end = nan", ["scene.nml:11:13", "nan"]),
-        ("t_end = 0.5", "t_end = 1e999", ["scene.nml:11:13"]),
-        ("/\n&span", "&span", ["scene.nml:", "initial", "/"]),
         ("mass = 1.0", "mass = -1.0", ["scene.nml:2:12", "mass", "> 0"]),
         ("theta = 0.19634954084936207", "theta = 4", ["scene.nml:7:13", "theta"]),
         ("'rk4'", "'rk5'", ["scene.nml:15:14", "'rk5'", "did you mean 'rk"]),
         ("'lagrange'", "'lagrnge'", ["scene.nml:14:19", "'lagrange'"]),
-        ("steps = 10", "steps = 10.5", ["scene.nml:16:13", "10.5"]),
         ("'theta', 'R4'", "'thetta', 'R4'", ["thetta", "'theta'"]),
         ("'theta', 'R4'", "'t', 'R4'", ["named twice"]),
         (
@@ -711,16 +705,10 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
             "0.875, 0.875, 2.25",
             ["scene.nml:3:29", "the largest exceeds the sum of the others"],
         ),
-        ("mass = 1.0", "mass = 0", ["scene.nml:2:12", "> 0"]),
-        ("mass = 1.0", "mass = nan", ["scene.nml:2:12", "finite"]),
         ("mass = 1.0", "mass = 1e308", ["&top", "outside the range of numbers"]),
-        ("psi_rate = 1.0", "psi_rate = 1e200", ["&initial", "kinetic energy"]),
         ("mass = 1.0", "mass = 1.0, gravity = -1", ["scene.nml:2:", ">= 0"]),
         ("0.875, 0.875, 0.25", "0.875, 0.875, 0", ["scene.nml:3:"]),
-        ("0.875, 0.875, 0.25", "0.875, 0.875", ["scene.nml:3:", "inertia"]),
         ("psi_rate = 1.0", "psi_rate = 1.0\n    omega3 = 1.0", ["given twice"]),
-        ("psi_rate = 1.0", "theta_deg = 20.0", ["given twice"]),
-        ("t_end = 0.5", "t_end = 0.5, nutations = 1", ["more than once"]),
         ("t_end = 0.5", "", ["the time span is not given"]),
         ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
         ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
@@ -735,7 +723,10 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
     ],
 )
 def test_diagnostics(spin, old, new, parts):
-    """Each kind of mistake: the place, what is wrong, what would be right."""
+    """Mistakes of each stage: the place, what is wrong, what would be right.
+
+    namelist_test and case_test have all that can be wrong with a value or be said twice.
+    """
     assert old in GOOD
     error = spin.refuse(GOOD.replace(old, new, 1))
     for part in [*parts, "error: "]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from conftest import wait_until
+from indices_test import VECTOR
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
 
@@ -208,22 +209,27 @@ def test_rows_and_parts(spin):
     assert not (spin.folder / "one/bare.csv").exists()
 
 
-def test_damaged_parts(spin):
-    """A part that is cut short, changed, twice there or missing is refused."""
-    for part in ("1/2", "2/2"):
-        swept(spin, BARE, f"--shard={part}")
-    states = [f"output/map.{part}-of-2.statistics.state" for part in (1, 2)]
+@pytest.mark.parametrize("text", [BARE, VECTOR])
+def test_damaged_parts(spin, text):
+    """A part that is cut short, changed, twice there or missing is refused, with indices too."""
+    for part in (1, 2, 3):
+        swept(spin, text, f"--shard={part}/3")
+    states = [f"output/map.{part}-of-3.statistics.state" for part in (1, 2, 3)]
     damaged = spin.folder / states[1]
     whole = damaged.read_bytes()
     begin, end = whole.index(b"spintop statistics 3"), len(whole)
     damages = [whole[: begin + 30], whole[:-1], whole[:-40], whole[:begin]]
-    for place in (begin + 25, begin + 60, begin + 200, end // 2 + begin // 2, end - 5):
+    for place in (
+        *range(begin + 25, begin + 900, 97),
+        end // 2 + begin // 2,
+        *range(end - 5, begin, -331),
+    ):
         damages.append(whole[:place] + bytes([whole[place] ^ 64]) + whole[place + 1 :])
     merge = ("merge", "output/all.statistics.csv")
     for damage in damages:
         damaged.write_bytes(damage)
-        assert "map.2-of-2.statistics.state" in spin.call(*merge, *states, code=2).stderr
-        assert not (spin.folder / "output/all.statistics.csv").exists()
+        assert "map.2-of-3.statistics.state" in spin.call(*merge, *states, code=2).stderr
+        assert not list(spin.folder.glob("output/all.*"))
     damaged.write_bytes(whole)
     for parts in ([states[0]], [states[0], states[0]]):
         spin.call(*merge, *parts, code=2)

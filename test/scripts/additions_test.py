@@ -162,7 +162,7 @@ def test_column_is_a_line(name: str) -> None:
 def test_new_columns_have_values(copy: Spin) -> None:
     """Also in another unit, and as a derivative."""
     output = "&output columns = 't', 'omega1', 'omega2', 'omega3', 'speed', 'speed_rpm' /"
-    row = rows(copy, scene(SMOOTH, "", output))[-1]
+    row = rows(copy, scene(SMOOTH, "", output)).iloc[-1]
     omega = np.array([float(row[f"omega{i}"]) for i in (1, 2, 3)])
     assert abs(float(row["speed"]) - np.linalg.norm(omega)) < 1e-14 * np.linalg.norm(omega)
     assert abs(float(row["speed_rpm"]) * math.pi / 30 / float(row["speed"]) - 1) < 1e-14
@@ -170,7 +170,7 @@ def test_new_columns_have_values(copy: Spin) -> None:
         "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega(3)' values(1,:) = 9, 10 /\n"
         "&output columns = 'theta_end', 'gamma3_end', 'gamma3_end__initial.omega(3)' /"
     )
-    for case in rows(copy, scene(SMOOTH, "", sweep)):
+    for _, case in rows(copy, scene(SMOOTH, "", sweep)).iterrows():
         assert abs(float(case["gamma3_end"]) - math.cos(float(case["theta_end"]))) < 1e-15
         assert math.isfinite(float(case["gamma3_end__initial.omega(3)"]))
 

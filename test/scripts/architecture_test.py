@@ -223,7 +223,7 @@ class ArchitectureTest(unittest.TestCase):
         self.assertRegex("status(row)%text == 'ok'", NAMES_COMPARED)
 
     def test_lists_of_texts_are_no_constructors(self) -> None:
-        """gfortran does not free the texts of `[list, string_t(text)]`: `append` and `strings_of` do."""
+        """gfortran does not free the texts of `[list, string_t(text)]`, as `append` does."""
         made = re.compile(r"\[[^][]*\bstring_t\(")
         found = [path.name for path in SOURCES if made.search(path.read_text(encoding="utf-8"))]
         self.assertEqual(found, ["text.f90"])  # which says so

@@ -9,6 +9,7 @@ module runs
     use spintop_integration, only: integrate, outcome_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok
     use spintop_stepper, only: controls_t, counts_t, stepper_t
     use recorder, only: recorder_t
@@ -16,7 +17,7 @@ module runs
     private
     public :: controls_at, make_stepper, observe_motion, set_out, unit_body, run_t, propagate, propagate_from, reference_state
     public :: smooth_body, smooth_start, prepare_smooth
-    public :: attitude_error, observed_order, flow, formulations_for
+    public :: attitude_error, observed_order, flow, formulations_for, total_energy
 
     !> How a run ended.
     type :: run_t
@@ -189,6 +190,13 @@ contains
         motion = formulation%motion(0.0_dp, y, [0.0_dp, 0.0_dp, 0.0_dp])
         error = rotation_angle(motion%quaternion, quaternion)
     end function attitude_error
+
+    !> Kinetic and potential energy, J.
+    pure real(dp) function total_energy(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        total_energy = kinetic_energy(body, motion) + potential_energy(body, motion)
+    end function total_energy
 
     !> The formulations under which a method is tested: all that offer it what it needs, or `lagrange`.
     function formulations_for(stepper) result(names)

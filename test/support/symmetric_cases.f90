@@ -33,54 +33,30 @@ module symmetric_cases
 
 contains
 
+    !> Reads a case, whose numbers stand in the head of its table.
     subroutine read_symmetric_case(name, known)
         character(*), intent(in) :: name
         type(symmetric_case_t), intent(out) :: known
-        real(dp) :: angle(3), rate(3), value
-        character(256) :: line
-        integer :: unit, status, equals
-
-        angle = 0
-        rate = 0
-        open (newunit=unit, file='test/reference/' // trim(name) // '.csv', status='old', &
-              action='read')
-        do
-            read (unit, '(a)') line
-            if (line(1:1) /= '#') exit
-            equals = index(line, ' = ')
-            if (equals == 0) cycle
-            read (line(equals + 3:), *, iostat=status) value
-            if (status /= 0) cycle
-            select case (line(3:equals))
-            case ('I1')
-                known%body%inertia(1:2) = value
-            case ('I3')
-                known%body%inertia(3) = value
-            case ('m')
-                known%body%mass = value
-            case ('g')
-                known%body%gravity = value
-            case ('l')
-                known%body%centre_of_mass(3) = value
-            case ('theta')
-                angle(2) = value
-            case ('phidot')
-                rate(1) = value
-            case ('thetadot')
-                rate(2) = value
-            case ('psidot')
-                rate(3) = value
-            case ('nutation_period')
-                known%period = value
-            case ('precession_per_nutation')
-                known%precession = value
-            case ('spin_per_nutation')
-                known%spin = value
-            end select
-        end do
-        close (unit)
-        known%start = motion_from_angles(0.0_dp, angle, rate)
+        character(*), parameter :: keys(*) = [character(24) :: 'I1', 'I3', 'm', 'g', 'l', 'theta', 'phidot', 'thetadot', &
+            'psidot', 'nutation_period', 'precession_per_nutation', 'spin_per_nutation']
+        real(dp) :: v(size(keys))
+        integer :: k, first, length
         call read_reference(trim(name), known%table)
+        v(:9) = 0
+        v(10:) = huge(v)
+        associate (text => known%table%text)
+            do k = 1, size(keys)
+                first = index(text, '# ' // trim(keys(k)) // ' = ') + len_trim(keys(k)) + 5
+                if (first == len_trim(keys(k)) + 5) cycle
+                length = index(text(first:), new_line(text)) - 1
+                read (text(first:first + length - 1), *) v(k)
+            end do
+        end associate
+        known%body = body_t(mass=v(3), inertia=v([1, 1, 2]), centre_of_mass=[0.0_dp, 0.0_dp, v(5)], gravity=v(4))
+        known%start = motion_from_angles(0.0_dp, [0.0_dp, v(6), 0.0_dp], v(7:9))
+        known%period = v(10)
+        known%precession = v(11)
+        known%spin = v(12)
     end subroutine read_symmetric_case
 
     !> The exact motion of a body, with a rotor on its axis or not, where it must exist.

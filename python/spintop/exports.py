@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spintop.library import InputError
-from spintop.runs import registry
+from spintop.runs import find_column
 
 if TYPE_CHECKING:
     from spintop_figures.tables.table import Table as FileTable
@@ -64,12 +64,8 @@ def export(motion: "Mapping[str, Any] | FileTable", path: str | Path, t: Any = N
 
 def column(motion: Mapping[str, Any], name: str, unit: str) -> np.ndarray | None:
     """A column in its own unit, which the motion may have in another one; None if it has none."""
-    if name in motion:
-        return np.asarray(motion[name], dtype=float)
-    for other in registry("columns")["column_units"] if unit else ():
-        if other["of"] == unit and (named := f"{name}_{other['suffix']}") in motion:
-            return other["size"] * np.asarray(motion[named], dtype=float)
-    return None
+    named, size = find_column(motion, name, unit)
+    return size * np.asarray(motion[named], dtype=float) if named else None
 
 
 def refuse(wrong: np.ndarray, what: str, first: int = 2) -> None:

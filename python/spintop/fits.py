@@ -13,7 +13,7 @@ from spintop.calls import Progress
 from spintop.inputs import check_groups, names_in, numbers, plain, read_input, without_places
 from spintop.library import InputError
 from spintop.results import Result
-from spintop.runs import call_run, registry
+from spintop.runs import call_run, find_column
 
 
 def fit(
@@ -69,12 +69,8 @@ def measurements(data: Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
 
 def time_of(data: Mapping[str, ArrayLike]) -> str:
     """The name of the times: `t`, or `t_ms` and the like."""
-    if "t" in data:
-        return "t"
-    units = registry("columns")["column_units"]
-    for name in (f"t_{unit['suffix']}" for unit in units if unit["of"] == "s"):
-        if name in data:
-            return name
+    if name := find_column(data, "t", "s")[0]:
+        return name
     raise InputError("the measurements have no times: give t, in s from the start", code=2)
 
 

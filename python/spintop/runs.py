@@ -2,7 +2,7 @@
 
 import ctypes
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -145,6 +145,18 @@ def registry(topic: str = "") -> Any:
         return json.loads(ctypes.string_at(text))
     finally:
         free(text)
+
+
+def find_column(there: Container[str], name: str, unit: str) -> tuple[str, float]:
+    """The name of a column with its own unit, or with another one, and the size of that.
+
+    The name is empty if none is there; without a unit a column has no other one.
+    """
+    if name in there:
+        return name, 1.0
+    others = registry("columns")["column_units"] if unit else ()
+    names = {f"{name}_{each['suffix']}": each["size"] for each in others if each["of"] == unit}
+    return next(((known, size) for known, size in names.items() if known in there), ("", 1.0))
 
 
 def free(address: int) -> None:

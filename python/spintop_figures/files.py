@@ -42,8 +42,10 @@ def draw_to(
     alone = isinstance(tables, Table)
     known = [in_own_units(without_overflow(table)) for table in ([tables] if alone else tables)]
     for table in known:
-        if wide := too_large(table, kind.columns):
-            raise TableError(f"{wide}: no {kind.name} figure")
+        for name in filter(table.numeric, kind.columns):
+            if (np.abs(table.column(name)[table.finite(name)]) > LARGEST).any():
+                message = f"has numbers beyond {LARGEST:g} in column {name}"
+                raise TableError(f"{message}: no {kind.name} figure")
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -91,15 +93,6 @@ def without_overflow(table: Table) -> Table:
         if table.numeric(name):
             rows[name] = rows[name].where(~(rows[name].abs() > LARGEST))
     return replace(table, rows=rows)
-
-
-def too_large(table: Table, columns: Sequence[str]) -> str:
-    """Which of the numbers of a table are too large to be drawn; empty if none is."""
-    for name in filter(table.numeric, columns):
-        values = np.abs(table.column(name))
-        if (values[np.isfinite(values)] > LARGEST).any():
-            return f"has numbers beyond {LARGEST:g} in column {name}"
-    return ""
 
 
 def show_path(path: Path) -> None:

@@ -5,12 +5,11 @@ import textwrap
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind
-from spintop_figures.style.axes import draw_line, name_axis, set_degree_ticks
-from spintop_figures.style.look import LINES, Options, drawn_width
+from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
+from spintop_figures.style.look import LINES, Options
 from spintop_figures.style.page import new_figure
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.names import axis_of, name_of
@@ -33,9 +32,6 @@ FIGURES.sort(key=lambda kind: PLACES.index(kind.make.__module__))  # some module
 
 PANEL_HEIGHT, ALONE = 1.9, 3.4
 """Of a panel of several and of a single one, in inches."""
-
-LEGEND_LETTERS, HANDLE = 12.5, 7
-"""Letters of a legend in an inch, and those that a line takes beside its label."""
 
 
 def columns_kind(options: Options) -> FigureKind:
@@ -64,7 +60,7 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
         for line, table in enumerate(tables):
             x, (y, unit) = table.shown(options.x)[0], table.shown(name)
             style = {"marker": "o", "markersize": 3} if len(x) < 60 else {}  # few rows have marks
-            draw_line(axes, x, y, line % len(LINES), label=labels[line], **style)
+            draw_line(axes, x, y, line % len(LINES), **style)
             spread.append(y)
         for axis in options.log:
             axes.set(**{f"{axis}scale": "log"})
@@ -76,19 +72,13 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
         name_axis(axes.yaxis, axis_of(name), unit)
     name_axis(panels[-1].xaxis, axis_of(options.x), tables[0].shown(options.x)[1])
     if len(tables) > 1:
-        add_legend(panels[0])
+        room = letters_of(panels[0], "x") - 7  # without the line beside a label
+        labels = [textwrap.fill(label, room) for label in labels]
+        columns = max(1, min(len(labels), room // max(map(len, labels))))
+        place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": columns}
+        panels[0].legend(labels=labels, **place, borderpad=0.2, handlelength=2.6)
     figure.align_ylabels()
     return figure
-
-
-def add_legend(axes: Axes) -> None:
-    """Which line is which table, in as many columns as fit above the panels."""
-    handles, labels = axes.get_legend_handles_labels()
-    room = LEGEND_LETTERS * 0.85 * drawn_width()
-    columns = max(1, min(len(labels), int(room / (max(map(len, labels)) + HANDLE))))
-    labels = [textwrap.fill(label, int(room) - HANDLE) for label in labels]
-    place = {"loc": "lower left", "bbox_to_anchor": (0, 1)}
-    axes.legend(handles, labels, **place, ncols=columns, borderpad=0.2, handlelength=2.6)
 
 
 def labels_of(tables: Sequence[Table]) -> list[str]:

@@ -103,14 +103,13 @@ contains
         type(c_ptr), intent(in) :: from !! where it is
         character(:), allocatable, intent(out) :: text !! a copy of it
         character(c_char), pointer :: letters(:)
-        integer(c_size_t) :: i
+        integer(c_size_t) :: length, i
 
-        allocate (character(0) :: text)
-        if (.not. c_associated(from)) return
-        call c_f_pointer(from, letters, [c_length(from)])
-        deallocate (text)
-        allocate (character(size(letters, kind=c_size_t)) :: text)
-        do i = 1, size(letters, kind=c_size_t)
+        length = 0
+        if (c_associated(from)) length = c_length(from)
+        if (length > 0) call c_f_pointer(from, letters, [length])
+        allocate (character(length) :: text)
+        do i = 1, length
             text(i:i) = letters(i)
         end do
     end subroutine read_c_text

@@ -64,9 +64,7 @@ contains
             self%texts(1, i)%text = trim(columns(i)%name) // c_null_char
             self%texts(2, i)%text = trim(columns(i)%unit) // c_null_char
             self%texts(3, i)%text = trim(columns(i)%what) // c_null_char
-            self%face(i)%name = c_loc(self%texts(1, i)%text)
-            self%face(i)%unit = c_loc(self%texts(2, i)%text)
-            self%face(i)%what = c_loc(self%texts(3, i)%text)
+            self%face(i) = c_column_t(c_loc(self%texts(1, i)%text), c_loc(self%texts(2, i)%text), c_loc(self%texts(3, i)%text))
         end do
     end subroutine describe
 

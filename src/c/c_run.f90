@@ -16,8 +16,6 @@ module spintop_c_run
     implicit none
     private
 
-    !> Number of the interface: it changes when a program that was linked with an earlier one no longer works.
-    integer(c_int), parameter :: interface_number = 1
     character(c_char), target :: version(len(program_version) + 1) = &
         transfer(program_version // c_null_char, [character(c_char) ::])
     !> Most cases of a sweep from arrays.
@@ -33,9 +31,9 @@ module spintop_c_run
 
 contains
 
-    !> Number of the interface.
+    !> Number of the interface: it changes when a program that was linked with an earlier one no longer works.
     integer(c_int) function interface_version() bind(C, name='spintop_interface')
-        interface_version = interface_number
+        interface_version = 1
     end function interface_version
 
     !> Version of the library, as `0.1.0`.

@@ -223,7 +223,14 @@ contains
         type(default_arithmetic_t) :: arithmetic
         type(top_t), pointer :: top
         type(memory_run_t) :: run
+        type(event_recorder_t), allocatable, target :: recorder
+        type(writer_t) :: writer
+        type(outcome_t) :: outcome
+        type(plan_t) :: plan
         type(error_t), allocatable :: problem
+        real(dp), allocatable :: times(:)
+        character(longest_message) :: message
+        integer :: i
 
         call arithmetic%begin()
         found = c_null_ptr
@@ -233,23 +240,7 @@ contains
         call refuse(.not. allocated(top%prepared), 'the input of the top has no events: name them in output.events', problem)
         if (failed(problem, error)) return
         !$omp critical (library)
-        call record_events(top, run)
-        found = hand_result(run)
-        !$omp end critical (library)
-    end function find_events
-
-    !> Computes the motion up to its end or the event that ends it. Its rows are only those at both ends.
-    subroutine record_events(top, run)
-        type(top_t), target, intent(in) :: top
-        type(memory_run_t), intent(inout) :: run
-        type(event_recorder_t), allocatable, target :: recorder
-        type(writer_t) :: writer
-        type(outcome_t) :: outcome
-        type(plan_t) :: plan
-        real(dp), allocatable :: times(:)
-        character(longest_message) :: message
-        integer :: i
-
+        ! The motion up to its end or the event that ends it. Its rows are only those at both ends.
         associate (job => top%prepared%job)
             plan = job%plan
             plan%samples = 2
@@ -279,7 +270,9 @@ contains
             table%column(1)%values = table%column(1)%values - 1 ! words are counted from 0
             table%column(1)%words = strings_of(recorder%events%name)
         end associate
-    end subroutine record_events
+        found = hand_result(run)
+        !$omp end critical (library)
+    end function find_events
 
     !> Prepares a motion by its plan.
     subroutine prepare_asked(self, case, plan, columns)

@@ -82,7 +82,12 @@ contains
             call c_f_pointer(strides, steps, [given_count])
             request%given%stride = steps
         end if
-        call check(request, problem)
+        call refuse(n < 0 .or. any(request%given%stride < 0), 'the number of tops, or a stride, is negative', problem)
+        call refuse(n > most_elements / max(1_int64, maxval(request%given%stride)), &
+                    'the arrays are larger than the memory of any machine', problem)
+        do i = 1, needed
+            call refuse(all(request%given%place /= i), trim(data_names(i)) // ' is not given', problem)
+        end do
         code = exit_input
         if (failed(problem, error)) return
         code = exit_ok
@@ -97,19 +102,6 @@ contains
         request%wants_end = any(request%wanted%place >= first_of_end)
         call compute_blocks(request, int(threads))
     end function compute_tops
-
-    !> Checks numbers and strides, and that what has no default is given.
-    subroutine check(request, problem)
-        type(request_t), intent(in) :: request
-        type(error_t), allocatable, intent(inout) :: problem
-        integer :: i
-        call refuse(request%n < 0 .or. any(request%given%stride < 0), 'the number of tops, or a stride, is negative', problem)
-        call refuse(request%n > most_elements / max(1_int64, maxval(request%given%stride)), &
-                    'the arrays are larger than the memory of any machine', problem)
-        do i = 1, needed
-            call refuse(all(request%given%place /= i), trim(data_names(i)) // ' is not given', problem)
-        end do
-    end subroutine check
 
     !> Finds arrays by their names among the known ones, each of which may be there once.
     subroutine find_arrays(count, names, known, arrays, problem)
@@ -171,7 +163,6 @@ contains
         type(exact_block_t), target, intent(inout) :: block
         type(block_array_t) :: arrays(size(data_names) + size(quantity_names))
         real(dp), pointer, contiguous :: room(:)
-        integer(int64) :: at
         integer :: i, k
 
         arrays = arrays_of(block)
@@ -181,13 +172,10 @@ contains
             do i = 1, size(request%given)
                 if (request%given(i)%place /= k) cycle
                 associate (stride => request%given(i)%stride, values => request%given(i)%values)
-                    at = first * stride + 1
-                    if (stride == 1) then
-                        room(:block%n) = values(at:at + block%n - 1)
-                    else if (stride == 0) then
+                    if (stride == 0) then
                         room(:block%n) = values(1)
                     else
-                        room(:block%n) = values(at:at + (block%n - 1) * stride:stride)
+                        room(:block%n) = values(first * stride + 1:(first + block%n - 1) * stride + 1:stride)
                     end if
                 end associate
             end do

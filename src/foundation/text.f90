@@ -372,28 +372,17 @@ contains
 
     !> The text as a terminal may show it: a tab becomes a blank; other control characters, and bytes that are
     !> not UTF-8, become '?'; line ends are kept.
-    pure function visible(text) result(shown)
+    pure function visible(text, escapes) result(shown)
         character(*), intent(in) :: text !! any bytes
-        character(:), allocatable :: shown
-        shown = safe(text, .false.)
-    end function visible
-
-    !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
-    !> is not UTF-8 or is a control character as \x and two digits, as shells write it in $'...'.
-    pure function escaped(text) result(shown)
-        character(*), intent(in) :: text !! any bytes
-        character(:), allocatable :: shown
-        shown = safe(text, .true.)
-    end function escaped
-
-    pure function safe(text, is_escaped) result(shown)
-        character(*), intent(in) :: text
-        logical, intent(in) :: is_escaped
+        logical, intent(in), optional :: escapes !! whether it is the text of `escaped`; false by default
         character(:), allocatable :: shown, room
         character(*), parameter :: digits = '0123456789abcdef'
         character(4) :: piece
         integer :: i, n, length, code, next
+        logical :: is_escaped
 
+        is_escaped = .false.
+        if (present(escapes)) is_escaped = escapes
         allocate (character(4 * len(text)) :: room)
         n = 0
         i = 1
@@ -416,7 +405,15 @@ contains
             i = next
         end do
         shown = room(:n)
-    end function safe
+    end function visible
+
+    !> The text on one line, as a terminal may show it: a line end as \n, a tab as \t, and each byte that
+    !> is not UTF-8 or is a control character as \x and two digits, as shells write it in $'...'.
+    pure function escaped(text) result(shown)
+        character(*), intent(in) :: text !! any bytes
+        character(:), allocatable :: shown
+        shown = visible(text, escapes=.true.)
+    end function escaped
 
     !> Whether every program reads a text as a single line: it has no control character, no byte that is not
     !> UTF-8, and none of the two Unicode line separators.

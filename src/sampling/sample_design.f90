@@ -73,14 +73,8 @@ contains
     pure logical function dimensions_fit(kind, dimensions)
         integer, intent(in) :: kind !! one of the constants above
         integer, intent(in) :: dimensions !! number of dimensions
-        select case (kind)
-        case (design_sobol)
-            dimensions_fit = dimensions <= most_sobol_dimensions
-        case (design_saltelli)
-            dimensions_fit = 2 * dimensions <= most_sobol_dimensions
-        case default
-            dimensions_fit = .true.
-        end select
+        dimensions_fit = all(kind /= [design_sobol, design_saltelli]) .or. &
+                         merge(2, 1, kind == design_saltelli) * dimensions <= most_sobol_dimensions
     end function dimensions_fit
 
     !> Prepares a sample. `whole` names the dimensions of lists and whole numbers, `factor` the factor of each
@@ -119,8 +113,9 @@ contains
         class(sample_design_t), intent(in) :: self
         integer(int64), intent(in) :: number !! number of the case, from 1
         real(dp), intent(out) :: fractions(:) !! one coordinate for each dimension
+        type(saltelli_place_t) :: place_in_design
         integer(int64) :: i
-        real(dp) :: place
+        real(dp) :: place, base(2 * self%dimensions)
 
         select case (self%kind)
         case (design_latin_hypercube)
@@ -132,7 +127,10 @@ contains
         case (design_sobol)
             call self%sequence%find_point(number, fractions)
         case (design_saltelli)
-            call find_saltelli(self, number, fractions)
+            place_in_design = place_in_saltelli(number, self%factors)
+            call self%sequence%find_point(place_in_design%base, base)
+            fractions = base(:self%dimensions)
+            where (place_in_design%role == 2 .or. self%factor == place_in_design%role - 2) fractions = base(self%dimensions + 1:)
         case default
             do i = 1, self%dimensions
                 fractions(i) = uniform(self%seed, number, 2 * i)
@@ -165,25 +163,6 @@ contains
         place%base = (number - 1) / (factors + 2) + 1
         place%role = int(mod(number - 1, factors + 2_int64)) + 1
     end function place_in_saltelli
-
-    !> The point of a case of the design of Saltelli.
-    pure subroutine find_saltelli(self, number, fractions)
-        type(sample_design_t), intent(in) :: self
-        integer(int64), intent(in) :: number
-        real(dp), intent(out) :: fractions(:)
-        real(dp) :: base(2 * size(fractions))
-        type(saltelli_place_t) :: place
-        integer :: n
-
-        n = size(fractions)
-        place = place_in_saltelli(number, self%factors)
-        call self%sequence%find_point(place%base, base)
-        if (place%role == 2) then
-            fractions = base(n + 1:)
-        else
-            fractions = merge(base(n + 1:), base(:n), self%factor == place%role - 2)
-        end if
-    end subroutine find_saltelli
 
     !> The permutation of 0, ..., length - 1 for a seed and a stream; length >= 1.
     pure type(permutation_t) function make_permutation(length, seed, stream) result(permutation)

@@ -27,7 +27,6 @@ module spintop_accumulators
         !> place = (x - origin) slope, x being the value or its logarithm.
         real(dp), private :: origin = 0, slope = 0
     contains
-        procedure :: count => count_bins
         procedure :: place
     end type bins_t
 
@@ -93,7 +92,7 @@ contains
         logical, intent(in) :: by_bin         !! whether quantiles of each bin are wanted
         integer :: i
 
-        self%bin_count = product([(int(bins(i)%count(), int64), i=1, size(bins))])
+        self%bin_count = product([(size(bins(i)%value, kind=int64), i=1, size(bins))])
         allocate (self%cases(self%bin_count + 1), self%failed(self%bin_count + 1), source=0_int64)
         allocate (self%words(words, self%bin_count + 1), source=0_int64)
         allocate (self%moments(columns, self%bin_count + 1))
@@ -358,12 +357,6 @@ contains
         bins%edge(n + 1) = values(n) + above
     end function bins_around
 
-    !> Number of bins.
-    pure integer function count_bins(self)
-        class(bins_t), intent(in) :: self
-        count_bins = size(self%value)
-    end function count_bins
-
     !> The bin of a value; 0 where it has none, as NaN has.
     pure integer function place(self, value)
         class(bins_t), intent(in) :: self
@@ -412,7 +405,7 @@ contains
             place = bins(i)%place(values(i))
             if (place == 0) bin = -huge(bin)
             if (bin > 0) bin = bin + (place - 1) * count
-            count = count * bins(i)%count()
+            count = count * size(bins(i)%value)
         end do
         if (bin < 0) bin = count + 1
     end function place_among

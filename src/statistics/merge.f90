@@ -8,7 +8,7 @@ module spintop_merge
     use spintop_netcdf_table, only: head_of_table, netcdf_table_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_statistics_output, only: write_statistics_tables
+    use spintop_statistics_output, only: path_beside, write_statistics_tables
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: is_statistics, read_statistics
     use spintop_table_end, only: check_table, table_check_t
@@ -27,25 +27,6 @@ module spintop_merge
 
 contains
 
-    !> The path of the statistics of a part, beside its table.
-    pure function state_beside(table) result(path)
-        character(*), intent(in) :: table !! path of the table
-        character(:), allocatable :: path
-        path = stem_of(table) // '.statistics.state'
-    end function state_beside
-
-    !> The path of the statistics beside a whole table.
-    pure function statistics_beside(table) result(path)
-        character(*), intent(in) :: table !! path of the table
-        character(:), allocatable :: path
-        path = stem_of(table)
-        if (table == path // '.nc') then
-            path = path // '.statistics.nc'
-        else
-            path = path // '.statistics.csv'
-        end if
-    end function statistics_beside
-
     !> Merges the parts of a sweep, given in any order, into what a single run would have written, byte for byte:
     !> tables with the statistics beside them, if there are any, or the statistics of sweeps without rows.
     subroutine merge_parts(path, parts, cases, error)
@@ -54,9 +35,11 @@ contains
         integer(int64), intent(out) :: cases !! in the whole
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(string_t), allocatable :: states(:)
-        character(:), allocatable :: head
+        character(:), allocatable :: head, other
+        character(*), parameter :: columns_line = '# columns:' // nl ! behind it headers differ
         integer(int64) :: same
         integer :: i
+        logical :: has_statistics
 
         cases = 0
         if (is_statistics(parts(1)%text)) then
@@ -65,37 +48,24 @@ contains
         end if
         allocate (states(size(parts)))
         do i = 1, size(parts)
-            states(i)%text = state_beside(parts(i)%text)
+            states(i)%text = stem_of(parts(i)%text) // '.statistics.state'
         end do
         call head_of_table(parts(1)%text, head, error)
         if (allocated(error)) return
-        if (index(head, '&statistics' // nl) > 0) then
-            call compare_with_table(states(1)%text, parts(1)%text, error)
+        has_statistics = index(head, '&statistics' // nl) > 0
+        if (has_statistics) then
+            ! They are those of the tables: of the same program, build and input.
+            call read_head(states(1)%text, other, error)
             if (allocated(error)) return
+            if (head(:index(head, columns_line)) /= other(:index(other, columns_line))) then
+                error = input_error('cannot merge ' // states(1)%text // ': it is not of the same sweep as ' // parts(1)%text)
+                return
+            end if
         end if
         call merge_tables(path, parts, cases, error)
-        if (allocated(error) .or. index(head, '&statistics' // nl) == 0) return
-        call merge_statistics(statistics_beside(path), states, same, error)
+        if (allocated(error) .or. .not. has_statistics) return
+        call merge_statistics(path_beside(path, 'statistics'), states, same, error)
     end subroutine merge_parts
-
-    !> An error unless statistics are those of the table of a part: both have the same program, build and input.
-    subroutine compare_with_table(state, table, error)
-        character(*), intent(in) :: state, table
-        type(error_t), allocatable, intent(out) :: error
-        character(:), allocatable :: head, other
-        call head_of_table(table, head, error)
-        if (.not. allocated(error)) call read_head(state, other, error)
-        if (allocated(error)) return
-        if (before_columns(head) == before_columns(other)) return
-        error = input_error('cannot merge ' // state // ': it is not of the same sweep as ' // table)
-    end subroutine compare_with_table
-
-    !> A header without its columns.
-    pure function before_columns(head) result(text)
-        character(*), intent(in) :: head
-        character(:), allocatable :: text
-        text = head(:index(head, '# columns:' // nl))
-    end function before_columns
 
     !> Merges statistics of all parts.
     subroutine merge_statistics(path, parts, cases, error)
@@ -211,10 +181,11 @@ contains
         integer, allocatable, intent(out) :: part_at(:) !! where each part stands among the paths
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(shard_t) :: shard
-        character(:), allocatable :: this_head, line, difference
+        character(:), allocatable :: this_head, line, difference, missing
         integer(int64) :: cases_here
         logical :: valid
         integer :: i
+        integer, parameter :: enough = 20 ! parts that are named
 
         cases = 0
         do i = 1, size(parts)
@@ -252,30 +223,14 @@ contains
                 part_at(shard%number) = i
             end associate
         end do
-        if (any(part_at == 0)) then
-            error = input_error('cannot merge into ' // path // ': missing of ' // to_text(size(part_at)) // &
-                                ' parts: ' // missing())
-        end if
-
-    contains
-
-        !> Numbers of the missing parts; the first few if there are many.
-        function missing() result(text)
-            character(:), allocatable :: text
-            integer, parameter :: enough = 20
-            integer :: number, found
-            text = ''
-            found = 0
-            do number = 1, size(part_at)
-                if (part_at(number) > 0) cycle
-                found = found + 1
-                if (found > enough) exit
-                if (found > 1) text = text // ', '
-                text = text // to_text(number)
-            end do
-            if (found > enough) text = text // ', ...'
-        end function missing
-
+        if (all(part_at > 0)) return
+        missing = ''
+        do i = 1, size(part_at)
+            if (part_at(i) > 0) cycle
+            if (count(part_at(:i) == 0) <= enough) missing = missing // ', ' // to_text(i)
+        end do
+        if (count(part_at == 0) > enough) missing = missing // ', ...'
+        error = input_error('cannot merge into ' // path // ': missing of ' // to_text(size(part_at)) // ' parts: ' // missing(3:))
     end subroutine order_parts
 
     !> Adds the rows of a part to the table, and gathers the comment lines after them. A part that was cut or changed is

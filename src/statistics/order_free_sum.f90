@@ -240,8 +240,8 @@ contains
         integer(int64), intent(in) :: n
         integer, intent(in) :: exponent
         logical, intent(in) :: is_negative
-        integer(int64) :: low, middle, high, rest
-        integer :: lowest, shift, highest, i
+        integer(int64) :: low, middle, high, rest, sign
+        integer :: lowest, shift, highest
 
         lowest = limb_of(exponent)
         shift = exponent - width * lowest
@@ -251,17 +251,11 @@ contains
         high = shiftr(rest, width)
         highest = lowest + merge(merge(2, 1, high /= 0), 0, rest /= 0)
         if (highest > self%top) call raise(self, highest)
-        if (is_negative) then
-            low = -low
-            middle = -middle
-            high = -high
-        end if
-        ! The limb of the lowest piece. What is not kept of it are pieces that are zero above the highest limb,
-        ! and those below the lowest.
-        i = self%top - lowest + 1
-        if (i <= limbs) self%limb(i) = self%limb(i) + low
-        if (i > 1 .and. i <= limbs + 1) self%limb(i - 1) = self%limb(i - 1) + middle
-        if (i > 2 .and. i <= limbs + 2) self%limb(i - 2) = self%limb(i - 2) + high
+        ! What is not kept are pieces that are zero above the highest limb, and those below the lowest.
+        sign = merge(-1, 1, is_negative)
+        call add_limb(self, lowest, sign * low)
+        call add_limb(self, lowest + 1, sign * middle)
+        call add_limb(self, lowest + 2, sign * high)
     end subroutine add_integer
 
     !> The limb in which a power of two lies: the exponent over the width, rounded down.

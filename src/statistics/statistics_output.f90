@@ -67,12 +67,15 @@ contains
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
         type(accumulators_t), intent(in) :: accumulators !! the statistics
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        type(table_column_t) :: of_intervals(cells_of_interval), of_indices(cells_of_index)
+        real(dp), allocatable :: rows(:, :)
         integer(int64) :: last
 
-        call write_table(path_beside(path, 'histogram'), head, histogram_columns(plan), plan, error, &
-                         histogram_rows(plan, accumulators))
+        call make_histograms(plan, accumulators, of_intervals, rows)
+        call write_table(path_beside(path, 'histogram'), head, of_intervals, plan, error, rows)
         if (.not. allocated(error) .and. plan%has_indices()) then
-            call write_table(path_beside(path, 'indices'), head, index_columns(plan), plan, error, index_rows(plan, accumulators))
+            call make_indices(plan, accumulators, of_indices, rows)
+            call write_table(path_beside(path, 'indices'), head, of_indices, plan, error, rows)
         end if
         if (allocated(error)) return
         last = merge(plan%bin_count(), 0_int64, size(plan%over) > 0)
@@ -94,15 +97,20 @@ contains
         type(netcdf_table_t) :: netcdf
         type(table_file_t) :: text
         type(row_block_t) :: block
-        type(string_t) :: no_lines(0)
+        type(string_t) :: no_lines(0), meanings(size(columns))
+        character(*), parameter :: mark = '# columns:' // nl
         character(:), allocatable :: head
         integer(int64) :: all, first, k
+        integer :: i
 
-        if (present(rows)) then
-            head = head_of(columns, head_of_bins)
+        head = head_of_bins
+        if (present(rows)) then ! the same provenance, and other columns
+            do i = 1, size(columns)
+                meanings(i)%text = '    ' // trim(columns(i)%name) // ': ' // trim(columns(i)%what)
+            end do
+            head = head(:index(head, mark) - 1) // mark // table_head(meanings, columns%name)
             all = size(rows, 2)
         else
-            head = head_of_bins
             all = last + 1
         end if
         if (plan%is_netcdf) then
@@ -138,15 +146,21 @@ contains
         end if
     end subroutine write_table
 
-    !> The rows of the table of histograms: the intervals of each column.
-    function histogram_rows(plan, accumulators) result(rows)
+    !> The table of histograms, which has a row for each interval of a column.
+    subroutine make_histograms(plan, accumulators, columns, rows)
         type(statistics_plan_t), intent(in) :: plan
         type(accumulators_t), intent(in) :: accumulators
-        real(dp), allocatable :: rows(:, :)
+        type(table_column_t), intent(out) :: columns(cells_of_interval)
+        real(dp), allocatable, intent(out) :: rows(:, :)
         real(dp) :: all(cells_of_interval, most_intervals * size(plan%numbers))
         type(histogram_t) :: histogram
         integer :: i, k, n
 
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
+                   table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
+                   table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
+                   table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
+        call columns(1)%set_words(plan%numbers%name)
         n = 0
         do i = 1, size(plan%numbers)
             call make_histogram(accumulators, i, histogram)
@@ -156,16 +170,30 @@ contains
             end do
         end do
         rows = all(:, :n)
-    end function histogram_rows
+    end subroutine make_histograms
 
-    !> The rows of the table of Sobol' indices: the factors of each column.
-    function index_rows(plan, accumulators) result(rows)
+    !> The table of Sobol' indices, which has a row for each column and factor.
+    subroutine make_indices(plan, accumulators, columns, rows)
         type(statistics_plan_t), intent(in) :: plan
         type(accumulators_t), intent(in) :: accumulators
-        real(dp) :: rows(cells_of_index, size(plan%factors) * size(plan%numbers))
+        type(table_column_t), intent(out) :: columns(cells_of_index)
+        real(dp), allocatable, intent(out) :: rows(:, :)
         type(sobol_index_t) :: index
         integer :: i, k, n
 
+        columns = [table_column_t('column', '', 'the column of the sweep'), &
+                   table_column_t('factor', '', 'the parameter of an axis'), &
+                   table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
+                   table_column_t('first_order_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('first_order_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('total', '', 'share that is due to the factor with all its interactions'), &
+                   table_column_t('total_low', '', 'lower end of its interval of 95 %'), &
+                   table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
+                   table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
+                   table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
+        call columns(1)%set_words(plan%numbers%name)
+        call columns(2)%set_words(plan%factors%name)
+        allocate (rows(size(columns), size(plan%factors) * size(plan%numbers)))
         n = 0
         do i = 1, size(plan%numbers)
             associate (indices => accumulators%groups%indices(i))
@@ -179,21 +207,7 @@ contains
                 end do
             end associate
         end do
-    end function index_rows
-
-    !> The header of a table beside that of the statistics: its provenance, and other columns.
-    function head_of(columns, head) result(text)
-        type(table_column_t), intent(in) :: columns(:)
-        character(*), intent(in) :: head
-        character(:), allocatable :: text
-        character(*), parameter :: mark = '# columns:' // nl
-        type(string_t) :: lines(size(columns))
-        integer :: i
-        do i = 1, size(columns)
-            lines(i)%text = '    ' // trim(columns(i)%name) // ': ' // trim(columns(i)%what)
-        end do
-        text = head(:index(head, mark) - 1) // mark // table_head(lines, columns%name)
-    end function head_of
+    end subroutine make_indices
 
     !> Checks that all tables are complete, and as they were written.
     subroutine check_statistics_tables(path, plan, problem)
@@ -207,35 +221,6 @@ contains
         if (problem == '' .and. plan%has_indices()) call check_whole_table(path_beside(path, 'indices'), problem, no_counts)
     end subroutine check_statistics_tables
 
-    !> The columns of the table of histograms, which has a row for each interval of a column.
-    function histogram_columns(plan) result(columns)
-        type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(table_column_t) :: columns(cells_of_interval)
-        columns = [table_column_t('column', '', 'the column of the sweep'), &
-                   table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
-                   table_column_t('to', '', 'its upper end; intervals without values between two others are left out'), &
-                   table_column_t('cases', '', 'cases with a value in it', column_of_integers)]
-        call columns(1)%set_words(plan%numbers%name)
-    end function histogram_columns
-
-    !> The columns of the table of Sobol' indices, which has a row for each column and factor.
-    function index_columns(plan) result(columns)
-        type(statistics_plan_t), intent(in) :: plan !! what is gathered
-        type(table_column_t) :: columns(cells_of_index)
-        columns = [table_column_t('column', '', 'the column of the sweep'), &
-                   table_column_t('factor', '', 'the parameter of an axis'), &
-                   table_column_t('first_order', '', 'share of the variance that is due to the factor alone'), &
-                   table_column_t('first_order_low', '', 'lower end of its interval of 95 %'), &
-                   table_column_t('first_order_high', '', 'upper end of its interval of 95 %'), &
-                   table_column_t('total', '', 'share that is due to the factor with all its interactions'), &
-                   table_column_t('total_low', '', 'lower end of its interval of 95 %'), &
-                   table_column_t('total_high', '', 'upper end of its interval of 95 %'), &
-                   table_column_t('groups', '', 'groups of cases that have values', column_of_integers), &
-                   table_column_t('left_out', '', 'groups with a case that has no value', column_of_integers)]
-        call columns(1)%set_words(plan%numbers%name)
-        call columns(2)%set_words(plan%factors%name)
-    end function index_columns
-
     !> Number of columns that tell the bin, before those that tell of its cases.
     pure integer function columns_before(plan)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
@@ -246,6 +231,7 @@ contains
     function result_columns(plan) result(columns)
         type(statistics_plan_t), intent(in) :: plan !! what is gathered
         type(table_column_t), allocatable :: columns(:)
+        character(:), allocatable :: name
         integer :: i, k, n
 
         n = columns_before(plan) + columns_of_cases + size(plan%numbers) * (columns_of_number + size(plan%shares)) &
@@ -263,7 +249,21 @@ contains
         call add('cases', '', 'number of cases', column_of_integers)
         call add('failed', '', 'number of those that failed, and are in none of the statistics', column_of_integers)
         do i = 1, size(plan%numbers)
-            call add_number(plan%numbers(i))
+            associate (number => plan%numbers(i))
+                name = trim(number%name)
+                call add(name // '_count', '', 'cases that have a value of ' // name, column_of_integers)
+                call add(name // '_mean', number%unit, 'mean: ' // number%what, column_of_reals)
+                call add(name // '_deviation', number%unit, 'standard deviation of ' // name // ', over n - 1', column_of_reals)
+                call add(name // '_min', number%unit, 'minimum of ' // name, column_of_reals)
+                call add(name // '_min_case', '', 'first case with it; 0 if there is none', column_of_integers)
+                call add(name // '_max', number%unit, 'maximum of ' // name, column_of_reals)
+                call add(name // '_max_case', '', 'first case with it; 0 if there is none', column_of_integers)
+                do k = 1, size(plan%shares)
+                    call add(name // '_q' // to_text(plan%shares(k)), number%unit, 'quantile of ' // name // '; ' &
+                             // trim(merge('relative error below 0.004 ', 'relative error below 0.0002', plan%by_bin)) &
+                             // merge('                   ', ', of all cases only', plan%by_bin), column_of_reals)
+                end do
+            end associate
         end do
         do i = 1, size(plan%categories)
             associate (category => plan%categories(i))
@@ -276,33 +276,11 @@ contains
 
     contains
 
-        subroutine add_number(number)
-            type(table_column_t), intent(in) :: number
-            character(:), allocatable :: name
-            integer :: q
-            name = trim(number%name)
-            call add(name // '_count', '', 'cases that have a value of ' // name, column_of_integers)
-            call add(name // '_mean', number%unit, 'mean: ' // number%what, column_of_reals)
-            call add(name // '_deviation', number%unit, 'standard deviation of ' // name // ', over n - 1', column_of_reals)
-            call add(name // '_min', number%unit, 'minimum of ' // name, column_of_reals)
-            call add(name // '_min_case', '', 'first case with it; 0 if there is none', column_of_integers)
-            call add(name // '_max', number%unit, 'maximum of ' // name, column_of_reals)
-            call add(name // '_max_case', '', 'first case with it; 0 if there is none', column_of_integers)
-            do q = 1, size(plan%shares)
-                call add(name // '_q' // to_text(plan%shares(q)), number%unit, 'quantile of ' // name // '; ' &
-                         // trim(merge('relative error below 0.004 ', 'relative error below 0.0002', plan%by_bin)) &
-                         // merge('                   ', ', of all cases only', plan%by_bin), column_of_reals)
-            end do
-        end subroutine add_number
-
         subroutine add(name, unit, what, kind)
             character(*), intent(in) :: name, unit, what
             integer, intent(in) :: kind
             n = n + 1
-            columns(n)%name = name
-            columns(n)%unit = unit
-            columns(n)%what = what
-            columns(n)%kind = kind
+            columns(n) = table_column_t(name, unit, what, kind)
         end subroutine add
 
     end function result_columns
@@ -326,8 +304,8 @@ contains
                 if (bin == 0) then
                     cells(n + 1:n + columns_of_over) = no_number
                 else
-                    place = int(mod(rest, int(bins%count(), int64))) + 1
-                    rest = rest / bins%count()
+                    place = int(mod(rest, size(bins%value, kind=int64))) + 1
+                    rest = rest / size(bins%value)
                     cells(n + 1:n + columns_of_over) = [bins%value(place), bins%edge(place), bins%edge(place + 1)]
                 end if
             end associate

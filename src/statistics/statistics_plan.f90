@@ -68,10 +68,7 @@ contains
     pure integer(int64) function bin_count(self)
         class(statistics_plan_t), intent(in) :: self
         integer :: i
-        bin_count = 1
-        do i = 1, size(self%over)
-            bin_count = bin_count * self%over(i)%bins%count()
-        end do
+        bin_count = product([(size(self%over(i)%bins%value, kind=int64), i=1, size(self%over))])
     end function bin_count
 
     !> Whether Sobol' indices are computed.
@@ -85,10 +82,7 @@ contains
     pure integer function word_count(self)
         class(statistics_plan_t), intent(in) :: self
         integer :: i
-        word_count = 0
-        do i = 1, size(self%categories)
-            word_count = word_count + size(self%categories(i)%words)
-        end do
+        word_count = sum([(size(self%categories(i)%words), i=1, size(self%categories))])
     end function word_count
 
     !> Memory of the accumulators, about: that of quantiles depends on the values.

@@ -52,6 +52,7 @@ contains
         integer(int64), intent(in) :: bins !! number of bins
         self%bits = bits
         allocate (self%pages_of_first(0:exponents - 1), self%first_of(bins), source=0)
+        allocate (self%bin_of(0), self%exponent_of(0), self%next_of(0), self%counts(2**bits, 0))
         call grow(self)
     end subroutine start
 
@@ -242,22 +243,15 @@ contains
     !> Makes room for twice as many pages.
     subroutine grow(self)
         class(value_counts_t), intent(inout) :: self
-        integer(int64), allocatable :: bins(:), counts(:, :)
-        integer, allocatable :: page_exponents(:), following(:)
-        integer :: room
+        integer(int64), allocatable :: counts(:, :)
+        integer :: more
 
-        room = max(pages_at_first, 2 * self%pages)
-        allocate (bins(room), page_exponents(room), following(room), counts(2**self%bits, room))
-        counts = 0
-        if (self%pages > 0) then
-            bins(:self%pages) = self%bin_of
-            page_exponents(:self%pages) = self%exponent_of
-            following(:self%pages) = self%next_of
-            counts(:, :self%pages) = self%counts
-        end if
-        call move_alloc(bins, self%bin_of)
-        call move_alloc(page_exponents, self%exponent_of)
-        call move_alloc(following, self%next_of)
+        more = max(pages_at_first, self%pages)
+        self%bin_of = [self%bin_of, spread(0_int64, 1, more)]
+        self%exponent_of = [self%exponent_of, spread(0, 1, more)]
+        self%next_of = [self%next_of, spread(0, 1, more)]
+        allocate (counts(2**self%bits, self%pages + more), source=0_int64)
+        counts(:, :self%pages) = self%counts
         call move_alloc(counts, self%counts)
     end subroutine grow
 

@@ -261,8 +261,8 @@ contains
                       // ' columns, about ' // rounded(plan%bytes() / 1.0e6_dp, 3) // ' MB of memory')
         do i = 1, size(plan%over)
             associate (bins => plan%over(i)%bins)
-                call self%add('', trim(plan%over(i)%column%name) // ': ' // to_text(bins%count()) // ' bins from ' &
-                              // to_text(bins%edge(1)) // ' to ' // to_text(bins%edge(bins%count() + 1)))
+                call self%add('', trim(plan%over(i)%column%name) // ': ' // to_text(size(bins%value)) // ' bins from ' &
+                              // to_text(bins%edge(1)) // ' to ' // to_text(bins%edge(size(bins%edge))))
             end associate
         end do
         if (plan%has_indices()) then

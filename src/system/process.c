@@ -43,9 +43,6 @@ static atomic_int has_journal_thread;
 static atomic_int wanted;
 static const struct itimerval longest_wait = {.it_value = {.tv_usec = 900000}};
 
-// Whether the process was started with SIGHUP ignored, where the program has looked before its libraries were begun.
-int spintop_hangup_is_ignored = 0;
-
 // Signals that end a process from outside and leave it time for a message.
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
@@ -155,7 +152,6 @@ void spintop_begin_process(void) {
     // A file that may not grow is an error of write.
     sigaction(SIGXFSZ, &ignored, NULL);
     sigaction(SIGALRM, &late, NULL);
-    if (spintop_hangup_is_ignored) sigaction(SIGHUP, &ignored, NULL);
     for (size_t i = 0; i < sizeof ending_signals / sizeof *ending_signals; ++i) {
         // What the parent has had ignored (nohup) stays so. A library may have set a handler: UCX, which comes with
         // Open MPI, has one for SIGHUP that does not end the process.

@@ -17,11 +17,12 @@ MEASURED = re.compile(
 )
 """Lines of a summary and of a header that differ from run to run."""
 DOCUMENTED = (
-    "STDIN_UNIT STDOUT_UNIT STDERR_UNIT UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS"
+    "UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS"
     " OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT ERROR_BACKTRACE FORMATTED_BUFFER_SIZE"
     " UNFORMATTED_BUFFER_SIZE"
 )
-"""The variables of the manual of gfortran, without their prefix."""
+"""The variables of the manual of gfortran, without their prefix, but for those that give the standard streams a number:
+its library ends the program itself where two of them have the same."""
 CALLS = {
     "trajectory": ("motion.nml",),
     "sweep": ("sweep.nml",),
@@ -38,7 +39,7 @@ def variables():
     library = Path(subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip())
     if library.is_file():  # there may be a static one alone
         found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)(?=\0)", library.read_bytes())
-        names |= {name.decode() for name in found}
+        names |= {name.decode() for name in found if not name.endswith(b"_UNIT")}
     return sorted(names)
 
 

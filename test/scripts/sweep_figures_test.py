@@ -156,7 +156,7 @@ class SweepFiguresTest(TableCase):
         listed = "table = 'cases.csv'"
         even = a_cloud(cases=11, spacing="linear")
         table = self.read(even.replace("combine = 'random'", listed))
-        assert [has_log_axis(table, place) for place in range(3)] == [True, False, False]
+        assert [has_log_axis(table, name) for name in table.axes()] == [True, False, False]
 
     def test_most(self) -> None:
         """Four parameters of five, and the title says so."""

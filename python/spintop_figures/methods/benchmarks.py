@@ -5,11 +5,10 @@ import textwrap
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure, unless
-from spintop_figures.style.axes import name_axis
-from spintop_figures.style.look import FAINT, GREY, LINES, by_width
+from spintop_figures.style.axes import few_ticks, name_axis, name_rows
+from spintop_figures.style.look import GREY, LINES, by_width
 from spintop_figures.style.numbers import with_power, write
 from spintop_figures.style.page import new_figure
 from spintop_figures.tables.table import Table
@@ -49,7 +48,6 @@ def draw_benchmarks(table: Table) -> Figure:
     )
     beside = {"xycoords": axes.get_yaxis_transform(), "va": "center", "fontsize": "small"}
     for place, (_, part) in enumerate(groups):
-        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
         for column, label, look in looks:
             errors = np.maximum(part[column].dropna().to_numpy(float), LEAST)
             style = look | {"linestyle": "", "markersize": 5, "alpha": 0.8}
@@ -58,11 +56,8 @@ def draw_benchmarks(table: Table) -> Figure:
         time = f"{write(longest, 2)} µs" if np.isfinite(longest) else ""  # else not computed
         axes.annotate(time, (1.01, place), **beside, color=GREY)
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(numticks=by_width(9, 4)))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_yticks(range(len(groups)), labels=[describe(*map(str, key)) for key, _ in groups])
-    axes.tick_params(axis="y", length=0)
-    axes.set_ylim(len(groups) - 0.5, -0.5)
+    few_ticks(axes.xaxis, by_width(9, 4))
+    name_rows(axes, [describe(*map(str, key)) for key, _ in groups])
     name_axis(axes.xaxis, by_width("error of a quantity, in its unit", "error, in its unit"))
     if by_width(True, False):
         figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3)

@@ -9,10 +9,9 @@ from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.methods.known import style_of
-from spintop_figures.methods.precision import few_ticks
-from spintop_figures.style.axes import name_axis
+from spintop_figures.style.axes import few_ticks
 from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
-from spintop_figures.style.page import is_left, is_lowest, panel_figure
+from spintop_figures.style.page import legend_below, name_outer, panel_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
@@ -51,20 +50,18 @@ def draw_peers(table: Table) -> Figure:
     problems = list(table.rows["problem"].unique())
     alone = len(problems) == 1
     title = "Error against time" + (f": {name_of(problems[0])}" if alone else "")
-    figure, panels = panel_figure(table, title, len(problems), 4.2 if alone else 2.9, 0, 1.9)
+    figure, panels = panel_figure(
+        table, title, len(problems), 4.2 if alone else 2.9, 0, 2.1, has_foot=True
+    )
     handles: dict[str, object] = {}
     for name, axes in zip(problems, panels, strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
         handles |= draw_problem(axes, rows, min(len(problems), 2))
         axes.set_title("" if alone else name_of(name))
-        if is_left(axes):
-            name_axis(axes.yaxis, "error of the attitude at the end", "rad")
-        if is_lowest(axes):
-            name_axis(axes.xaxis, "time", "s")
+    name_outer(panels, ("time", "s"), ("error of the attitude at the end", "rad"))
     order = [*OWN_METHODS, "exact", *PEER_MARKERS, "floor"]
     known = [handles[name] for name in order if name in handles]
-    place, columns = by_width("right center", "lower center"), by_width(1, 2)
-    figure.legend(handles=known, loc=f"outside {place}", ncols=columns, handlelength=2.6)
+    legend_below(panels, known, by_width(4, 2))
     return figure
 
 
@@ -85,7 +82,9 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
         look = {"linestyle": "", "markersize": 9} if method == "exact" else look
         style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
         draw_front(axes, own[own["method"] == method], method, style, handles)
-    few_ticks(axes, 9 // across, 9)
+    few_ticks(axes.xaxis, 9 // across)
+    few_ticks(axes.yaxis, 9)
+    axes.grid(alpha=0.4)
     return handles
 
 

@@ -1,22 +1,22 @@
 """The curves of a work-precision study: errors of a method against its cost; which are named."""
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.methods.known import family_of, ink_of, look_of, order_of, rank_of, style_of
-from spintop_figures.style.axes import name_axes, name_axis
-from spintop_figures.style.look import FAINT, GREY, GROUND, by_width
+from spintop_figures.style.axes import few_ticks, name_axes, name_axis
+from spintop_figures.style.look import FAINT, GREY, by_width
 from spintop_figures.style.numbers import DASH, write, write_count, write_fixed
-from spintop_figures.style.page import head, is_lowest, new_figure
+from spintop_figures.style.page import head, is_lowest, legend_below, panel_figure
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
@@ -26,14 +26,6 @@ EXACT = "exact"
 
 TARGET, GOAL = 1e-9, "10\u207b\u2079 rad"
 """The error by whose cost methods are compared, rad, and how it is written."""
-
-APART, APART_ON_TOP = 0.06, 0.05
-"""Distance of names at a side over the height of a panel, and above it over the width."""
-
-SIDE, TOP, SLOPE = 1.045, 1.015, 32
-"""Where names stand beside a panel and above it, over its size, and how they rise, in degrees."""
-
-Point = tuple[float, float]
 
 
 class Curve(NamedTuple):
@@ -109,71 +101,6 @@ def best_of_families(rows: pd.DataFrame, cost: str) -> list[Curve]:
     return [curve for _, curve in best.values()]
 
 
-def lead(axes: Axes, colour: object, place: Point, point: Point) -> None:
-    """A faint line from a name beside a panel, at a place in it, to a point of data."""
-    line = {"arrowstyle": "-", "color": colour, "lw": 0.6, "ls": ":", "shrinkA": 0, "shrinkB": 0}
-    places = {"xycoords": "axes fraction", "textcoords": "data", "annotation_clip": False}
-    axes.annotate("", place, point, arrowprops=line, **places)
-
-
-def name_at_the_side(
-    axes: Axes, named: Sequence[tuple[Curve, Point]], words: Callable[[Curve], str]
-) -> None:
-    """The words for curves at the right of a panel, each joined to a point of its curve.
-
-    The points are in data, on log axes that have their limits.
-    """
-    low, high = np.log10(axes.get_ylim())
-    heights = [(np.log10(point[1]) - low) / (high - low) for _, point in named]
-    spots = spread(np.sort(heights), APART)
-    style = {"transform": axes.transAxes, "fontsize": "small", "va": "center_baseline"}
-    for place, height in zip(np.argsort(heights), spots, strict=True):
-        curve, point = named[place]
-        colour = ink_of(family_of(curve.method))
-        lead(axes, colour, (SIDE - 0.01, height), point)
-        axes.text(SIDE, height, words(curve), color=colour, clip_on=False, **style)
-
-
-def name_at_the_top(axes: Axes, named: Sequence[tuple[Curve, Point]]) -> None:
-    """The names of curves above a panel, over their upper ends; at those that are far below it.
-
-    The points are in data, on log axes that have their limits.
-    """
-    to_panel = axes.transData + axes.transAxes.inverted()
-    ends = [to_panel.transform(point) for _, point in named]
-    # others begin far below, and have their names there
-    high = sorted((i for i, end in enumerate(ends) if 1 - end[1] < 0.3), key=lambda i: ends[i][0])
-    spots = dict(zip(high, spread(np.array([ends[i][0] for i in high]), APART_ON_TOP), strict=True))
-    for i, (curve, point) in enumerate(named):
-        colour = ink_of(family_of(curve.method))
-        style = {"fontweight": "bold", "color": colour, "fontsize": "small", "zorder": 6}
-        if i in spots:
-            lead(axes, colour, (spots[i], 1.0), point)
-            style |= {"rotation": SLOPE, "rotation_mode": "anchor", "clip_on": False}
-            axes.text(spots[i], TOP, curve.label, transform=axes.transAxes, **style)
-        else:
-            style["path_effects"] = [withStroke(linewidth=2.5, foreground=GROUND)]
-            place = {"textcoords": "offset points", "ha": "center"}
-            axes.annotate(curve.label, point, (0, 7), **place, **style)
-
-
-def spread(heights: np.ndarray, apart: float = APART) -> np.ndarray:
-    """Heights in rising order moved as little as needed to be apart, between 0 and 1."""
-    count = len(heights)
-    if not count:
-        return heights
-    apart = min(apart, 1 / count)
-    offsets = apart * np.arange(count)
-    # equal distances taken off, what remains has only to rise: by means over neighbours
-    sums = np.cumsum([0.0, *(np.clip(heights, 0.02, 0.98) - offsets)]).tolist()
-    ends = range(1, count + 1)
-    level = [
-        max(min((sums[k] - sums[j]) / (k - j) for k in ends[i:]) for j in range(i + 1))
-        for i in range(count)
-    ]
-    return np.clip(level, 0.02, max(0.98 - offsets[-1], 0.02)) + offsets
-
-
 PRECISION = {"kind": "work_precision", "words": "problem method formulation setting status"}
 """What figures of a work-precision study ask."""
 
@@ -183,8 +110,8 @@ LEAST_ERROR, MOST_ERROR = 1e-16, 4.0
 MOST_PROBLEMS = 6
 """Panels that fit a page."""
 
-PANEL_HEIGHT, NAMES_HEIGHT = 3.4, 0.8
-"""Of a panel, and of the names above it, in inches."""
+PANEL_HEIGHT = 3.4
+"""In inches."""
 
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
@@ -198,7 +125,7 @@ ERROR = "largest error of the attitude", "rad"
 
 
 def draw_precision_curves(
-    axes: Axes, rows: pd.DataFrame, x: str, strong: Sequence[Curve] | None = None
+    axes: Axes, rows: pd.DataFrame, x: str, strong: Collection[str] | None = None
 ) -> None:
     """The curves of a problem on log axes: the error of each method over its cost `x`.
 
@@ -213,57 +140,36 @@ def draw_precision_curves(
         if strong is not None:
             style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
             style["color"] = look_of(family_of(curve.method)).colour
-            style = style if any(curve.label == other.label for other in strong) else OTHERS
-        if curve.method == EXACT:
-            mark_exact(axes, cost, error)
-        else:
+            style = style if curve.label in strong else OTHERS
+        if curve.method != EXACT:
             axes.plot(cost, error, **style, label=curve.label)
-    draw_floor(axes, rows)
-    set_limits(axes, rows, x)
+        elif cost[0] > 0:  # a cost that a log axis can show
+            axes.plot(cost, error, **style_of(EXACT) | {"linestyle": "", "markersize": 8})
+            place = {"va": by_width("top", "bottom"), "textcoords": "offset points"}
+            words = "exact solution", (cost[0], error[0]), (6, by_width(-1, 1))
+            axes.annotate(*words, **place, fontsize="small")
+    if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
+        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
+        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
+        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
+        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
+    cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
+    shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
+    if not shown.any():
+        return
+    # with a little room; a method that is lost is not shown
+    axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
+    least = max(error[shown].min(), LEAST_ERROR)
+    axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
+    few_ticks(axes.xaxis, 9)
+    few_ticks(axes.yaxis, 9)
+    axes.grid(alpha=0.4)
 
 
 def points_of(curve: Curve, x: str) -> tuple[np.ndarray, np.ndarray]:
     """Costs of a curve, and its errors as they are drawn."""
     error = curve.rows["error_max"].to_numpy(float)
     return curve.rows[x].to_numpy(float), np.maximum(error, LEAST_ERROR)
-
-
-def mark_exact(axes: Axes, cost: np.ndarray, error: np.ndarray) -> None:
-    """The exact motion as a point with its name, if it has a cost that a log axis can show."""
-    there = cost > 0
-    axes.plot(cost[there], error[there], **style_of(EXACT) | {"linestyle": "", "markersize": 8})
-    style = {"textcoords": "offset points", "va": by_width("top", "bottom"), "fontsize": "small"}
-    for place in zip(cost[there][:1], error[there][:1], strict=True):
-        axes.annotate("exact solution", place, (6, by_width(-1, 1)), **style)
-
-
-def draw_floor(axes: Axes, rows: pd.DataFrame) -> None:
-    """The band of errors that rounding of the data makes by itself, where it is known."""
-    if "inherent_error" in rows and np.isfinite(floor := rows["inherent_error"].max()):
-        axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
-        style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
-        style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
-        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
-
-
-def set_limits(axes: Axes, rows: pd.DataFrame, x: str) -> None:
-    """From the least to the largest, with a little room; a method that is lost is not shown."""
-    cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
-    shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
-    if not shown.any():
-        return
-    axes.set_xlim(cost[shown].min() / 2, cost[shown].max() * 2)
-    least = max(error[shown].min(), LEAST_ERROR)
-    axes.set_ylim(least / 15, min(error[shown].max() * 5, 2 * MOST_ERROR))
-    few_ticks(axes, 9, 9)
-
-
-def few_ticks(axes: Axes, x: int, y: int) -> None:
-    """So many ticks on log axes at most, and a faint grid."""
-    for axis, count in ((axes.xaxis, x), (axes.yaxis, y)):
-        axis.set_major_locator(LogLocator(numticks=count))
-        axis.set_minor_locator(NullLocator())
-    axes.grid(alpha=0.4)
 
 
 def object_to_precision(table: Table) -> str:
@@ -282,12 +188,12 @@ def stepping(rows: pd.DataFrame) -> pd.Series:
 
 
 def problem_panels(
-    table: Table, title: str, rows: pd.DataFrame, above: float = 0.0
+    table: Table, title: str, rows: pd.DataFrame, above: float = 1.0, has_foot: bool = False
 ) -> tuple[Figure, dict[str, Axes]]:
-    """A figure with a panel a problem, one below the other, with so many inches above each."""
+    """A figure with a panel a problem, one below the other."""
     problems = list(dict.fromkeys(rows["problem"]))
-    figure = new_figure(table, title, 1.0 + (PANEL_HEIGHT + above) * len(problems))
-    panels = figure.subplots(len(problems), 1, squeeze=False)[:, 0]
+    shape = {"share": "", "has_foot": has_foot, "across": 1}
+    figure, panels = panel_figure(table, title, len(problems), PANEL_HEIGHT, 0, above, **shape)
     if len(problems) > 1:
         for problem, axes in zip(problems, panels, strict=True):
             head(axes, name_of(problem))
@@ -299,20 +205,20 @@ def draw_over(
 ) -> tuple[Figure, dict[str, Axes]]:
     """Error against a cost, one panel per problem: the best of each family, the others grey."""
     title = f"Error against {words.partition(' (')[0]}{tell_lead(table, cost, less)}"
-    figure, panels = problem_panels(table, title, table.rows, NAMES_HEIGHT)
+    figure, panels = problem_panels(table, title, table.rows, by_width(1.6, 2.1), has_foot=True)
+    named: dict[str, tuple[tuple, Artist]] = {}
     for problem, axes in panels.items():
         rows = table.rows[table.rows["problem"] == problem]
-        best = best_of_families(rows, cost)
+        best = {curve.label: rank_of(curve.method) for curve in best_of_families(rows, cost)}
         draw_precision_curves(axes, rows, cost, best)
-        named = []
-        for curve in best:
-            x, y = points_of(curve, cost)
-            place = int(np.argmax(y <= MOST_ERROR))  # no turn is beyond
-            named.append((curve, (float(x[place]), min(float(y[place]), MOST_ERROR))))
-        name_at_the_top(axes, named)
-        name_axes(axes, (words, unit, f"\n{NOTE}"), ERROR)
+        lines = {line.get_label(): line for line in axes.lines}
+        named |= {label: (rank, lines[label]) for label, rank in best.items()}
+        name_axis(axes.yaxis, *ERROR)
+        name_axis(axes.xaxis, words, unit, f"\n{NOTE}")
         if not is_lowest(axes):
             axes.set_xlabel("")
+    handles = [line for _, line in sorted(named.values(), key=lambda pair: pair[0])]
+    legend_below(list(panels.values()), handles, by_width(4, 2))
     return figure, panels
 
 
@@ -427,11 +333,14 @@ def draw_orders(table: Table) -> Figure:
         part = rows[rows["problem"] == problem]
         draw_precision_curves(axes, part, STEP)
         curves = curves_of(part, (STEP, "error_max"))
-        ends = [[float(x) for x in curve.rows[[STEP, "error_max"]].iloc[0]] for curve in curves]
-        places = [(step, min(max(error, LEAST_ERROR), MOST_ERROR)) for step, error in ends]
-        name_at_the_side(axes, list(zip(curves, places, strict=True)), with_order)
+        curves.sort(key=lambda curve: -curve.rows["error_max"].iloc[0])  # as they end at the right
+        labels = {curve.label: with_order(curve) for curve in curves}
+        lines = {line.get_label(): line for line in axes.lines}
+        inks = [ink_of(family_of(curve.method)) for curve in curves]
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "labelcolor": inks}
+        axes.legend(map(lines.get, labels), labels.values(), **place)
         name_axes(axes, y=ERROR)
-        if any(DASH in text.get_text() for text in axes.texts) and "\n" not in words:
+        if any(DASH in label for label in labels.values()) and "\n" not in words:
             words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
         name_axis(axes.xaxis, "")
     name_axis(axes.xaxis, words)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -20,11 +20,18 @@ from spintop_figures.methods.precision import (
     problems_of,
     time_to,
 )
-from spintop_figures.style.axes import name_axis
+from spintop_figures.style.axes import letters_of, name_axis, name_rows
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
 from spintop_figures.style.numbers import localised, with_power, write, write_fixed
 from spintop_figures.style.page import head, new_figure
-from spintop_figures.sweeps.maps import Grid, cross, label_axes, make_grid, object_to_grid
+from spintop_figures.sweeps.maps import (
+    Grid,
+    cross,
+    draw_shades,
+    label_axes,
+    make_grid,
+    object_to_grid,
+)
 from spintop_figures.sweeps.quantities import tell_failed
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -44,10 +51,6 @@ UNITS = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 PANEL_HEIGHT = 2.9
 """In inches."""
-
-ROOM, LETTER, LINE = (5.2, 2.2), 0.075, 0.15
-"""About how wide and how high a map is, the width of a letter and the height of a line in a cell,
-in inches."""
 
 
 def cheapest(rows: pd.DataFrame) -> list[tuple[float, str]]:
@@ -135,11 +138,9 @@ def draw_methods(
     """A map of methods, each with its colour and once in the legend."""
     there = [name for name in colours if (names == name).any()]
     codes = {name: float(code) for code, name in enumerate(there)}
-    cells = np.ma.masked_invalid(grid.fill(names.map(codes).to_numpy(float)))
-    norm = BoundaryNorm(np.arange(len(there) + 1) - 0.5, len(there))
     shades = ListedColormap([colours[name] for name in there])
-    look = {"cmap": shades, "norm": norm, "edgecolor": GROUND, "linewidth": 0.5}
-    axes.pcolormesh(*grid.edges(), cells, **look)
+    cells = grid.fill(names.map(codes).to_numpy(float))
+    draw_shades(axes, grid, cells, shades, edgecolor=GROUND, linewidth=0.5)
     handles = [Patch(color=colours[name], label=name.replace(", ", ",\n")) for name in there]
     place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "handlelength": 1.2}
     axes.legend(handles=handles, **place)
@@ -148,8 +149,8 @@ def draw_methods(
 def write_numbers(axes: Axes, grid: Grid, values: np.ndarray) -> None:
     """The number of each cell in it, if the cells are large enough."""
     texts = [tell(value) for value in values]
-    width, height = ROOM[0] / grid.x.size, ROOM[1] / grid.y.size
-    if LETTER * max(map(len, texts)) > width or height < LINE:
+    across, up = (0.6 * letters_of(axes, side) for side in "xy")  # a line is as high as two letters
+    if grid.x.size * max(map(len, texts)) > across or 2 * grid.y.size > up:
         return
     column, line = np.divmod(grid.place, grid.y.size)
     style = {"ha": "center", "va": "center_baseline", "fontsize": "small", "in_layout": False}
@@ -244,10 +245,7 @@ def draw_choice(table: Table) -> Figure:
     ticks = ratios_below(edge)
     axes.set_xticks(ticks, labels=map(write, ticks))
     axes.set_xticks([], minor=True)
-    axes.set_ylim(len(targets) - 0.5, -0.5)
-    labels = [f"{with_power('1', round(np.log10(target)))} rad" for target in targets]
-    axes.set_yticks(range(len(targets)), labels=labels)
-    axes.tick_params(axis="y", length=0)
+    name_rows(axes, [f"{with_power('1', round(np.log10(target)))} rad" for target in targets])
     axes.set_ylabel("error")
     return figure
 
@@ -264,7 +262,6 @@ def ratios_below(edge: float) -> list[float]:
 
 def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> None:
     """The comparisons for a target; those in which the choice misses it are at the right edge."""
-    axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
     heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
     for choice, height in zip(choices, heights, strict=True):
         look = look_of(family_of(choice.cheapest))

@@ -3,6 +3,7 @@
 import math
 import string
 import textwrap
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.methods.known import Look, families, family_of, ink_of, look_of
-from spintop_figures.style.axes import name_axis
+from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, OURS, WIDTH, by_width
 from spintop_figures.style.numbers import DASH, TIMES, write_count
 from spintop_figures.style.page import new_figure, no_axis
@@ -76,12 +76,6 @@ def trials(table: Table) -> pd.DataFrame:
     return rows
 
 
-def cases_by_reference(rows: pd.DataFrame) -> dict[str, list[str]]:
-    """The cases by what they are compared with, else in the order of the table."""
-    groups = rows.groupby("reference", sort=False)["case"]
-    return {str(reference): list(cases.unique()) for reference, cases in groups}
-
-
 def entries_by_family(rows: pd.DataFrame) -> dict[str, list[str]]:
     """The methods by family, in the order of the registry."""
     found = {name: list(rows.loc[rows["family"] == name, "entry"].unique()) for name in families()}
@@ -97,32 +91,21 @@ def object_to_trials(table: Table) -> str:
     return "" if twice.empty else f"tries {twice['entry'].iloc[0]} twice on {twice['case'].iloc[0]}"
 
 
-CELL = 0.158
-"""Side of a cell in inches; lengths below are in cells."""
+CELL, LETTER, LINE, BAR = 0.165, 0.36, 1.2, 3.4
+"""Side of a cell in inches; in cells the width of a letter of a label, the height of a line of the
+legend, and the length of a bar of counts."""
 
-LETTER = 0.38
-"""Width of a letter of a label."""
-
-BAR = 3.4
-"""Length of a bar of counts."""
-
-HEAD, GAP, LINE = 1.0, 0.7, 1.15
-"""Height of a family's name above its methods, distance of cases with different references and of
-the matrix and the bars, and of the lines of the legend."""
-
-SMALL = "x-small"
+SMALL = {"fontsize": "x-small"}
 """Of what stands in cells, and of labels."""
 
 
-class Layout(NamedTuple):
-    """Where the cases stand from left to right, and the methods from top to bottom."""
-
-    x: dict[str, float]
-    y: dict[str, float]
-    references: dict[str, list[str]]
-    families: dict[str, list[str]]
-    width: float
-    height: float
+def places_of(groups: Iterable[Iterable[str]]) -> dict[str, float]:
+    """Places of rows or columns in cells, with an empty one before each group."""
+    places: dict[str, float] = {}
+    for number, names in enumerate(groups, start=1):
+        for name in names:
+            places.setdefault(name, len(places) + number)
+    return places
 
 
 @figure(needs="orientation_error", objection=object_to_trials, **STABILITY)
@@ -132,49 +115,50 @@ def draw_verdicts(table: Table) -> Figure:
     Verdict and digits of every method on every case, counts at the edges, and a legend.
     """
     rows = trials(table)
-    layout, letters = lay_out(rows), letters_of(rows)
-    legend = legend_lines(table, rows, letters)
-    left = LETTER * max(map(len, layout.y)) + 0.6
-    top, right = BAR + GAP + 1.6, layout.width + GAP + BAR + 1.6
-    bottom = layout.height + LETTER * max(map(len, layout.x)) + 1.2
-    end = bottom + LINE * (len(legend) + 0.5)
-    width = max(WIDTH, CELL * (left + right) + 0.2)
-    title = "Verdicts on the methods in hard cases"
-    figure = new_figure(table, title, 0.8 + CELL * (top + end), width)
-    axes = no_axis(figure.add_subplot())
-    axes.set(xlim=(-left, max(right, width / CELL - left - 1)), ylim=(end, -top))
-    axes.set_aspect("equal", anchor="NW")
+    references, families = rows.groupby("reference", sort=False)["case"], entries_by_family(rows)
+    x, y = places_of(references.unique()), places_of(families.values())
+    letters = letters_of(rows)
+    legend = legend_of(table, rows, letters)
+    across, down = max(x.values()) + 0.5, max(y.values()) + 0.5
+    beside, below = (LETTER * max(map(len, map(name_of, names))) for names in (y, x))
+    page = max(WIDTH / CELL, beside + across + BAR + 5)
+    height = 1.2 + CELL * (BAR + 2 + down + below + LINE * len(legend))
+    figure = new_figure(table, "Verdicts on the methods in hard cases", height, CELL * page)
+    widths = across, BAR, page - beside - across - BAR - 4
+    grid = figure.add_gridspec(3, 3, width_ratios=widths, height_ratios=(BAR, down, 0.01))
+    cells = figure.add_subplot(grid[1, 0])
+    bars = {
+        "case": figure.add_subplot(grid[0, 0], sharex=cells),
+        "entry": figure.add_subplot(grid[1, 1], sharey=cells),
+    }
     for row in rows.itertuples():
-        verdict, place = VERDICTS[row.verdict], (layout.x[row.case], layout.y[row.entry])
+        verdict, place = VERDICTS[row.verdict], (x[row.case], y[row.entry])
         why = letters.get(row.status, "")
         mark = verdict.mark.format(digits=digits_of(row.orientation_error), why=why)
-        draw_cell(axes, *place, verdict, mark)
-    draw_labels(axes, layout)
-    draw_counts(axes, rows, layout)
-    for number, (verdict, mark, text) in enumerate(legend):
-        x, y = 0.2 - left, bottom + LINE * number
-        x += 1.4 if mark.isalpha() and verdict and verdict.name == "failed" else 0
-        if verdict:
-            draw_cell(axes, x, y, verdict, mark)
-        axes.text(x + 1.4, y + 0.5, text, va="center", fontsize=SMALL)
+        edge = FAINT if verdict.name in NO_TRIAL else GROUND
+        look = {"facecolor": verdict.face, "edgecolor": edge, "linewidth": 0.5}
+        cells.add_patch(Rectangle(np.subtract(place, 0.47), 0.94, 0.94, **look))
+        style = {"color": verdict.ink, "ha": "center", "va": "center_baseline"}
+        cells.text(*place, mark, **style, **SMALL, in_layout=False)
+    draw_counts(rows, {"case": x, "entry": y}, bars)
+    for panel in (cells, *bars.values()):
+        panel.spines[:].set_visible(False)
+        panel.tick_params(length=0, labelsize="x-small", labelbottom=panel is cells)
+    cells.set_xticks([*x.values()], labels=map(name_of, x), rotation=90)
+    heads = [y[entries[0]] - 1 for entries in families.values()]
+    cells.set_yticks([*heads, *y.values()], labels=[*families, *y])
+    for label in cells.get_yticklabels()[: len(heads)]:
+        label.set(style="italic", color=GREY)
+    cells.set(xlim=(0.5, across), ylim=(down, -0.5))
+    for reference, cases in references:
+        ends = x[cases.iloc[0]] - 0.4, x[cases.iloc[-1]] + 0.4
+        bars["case"].plot(ends, [1.1, 1.1], color=GREY, linewidth=0.8, clip_on=False)
+        name = textwrap.fill(f"against {reference}", max(10, int(np.ptp(ends) / LETTER)))
+        bars["case"].text(np.mean(ends), 1.15, name, ha="center", va="bottom", color=GREY, **SMALL)
+    foot = no_axis(figure.add_subplot(grid[2, :]))
+    handles, labels = zip(*legend, strict=True)
+    foot.legend(handles, labels, loc="upper left", **SMALL, handlelength=1.2, labelspacing=0.4)
     return figure
-
-
-def lay_out(rows: pd.DataFrame) -> Layout:
-    """Cases by reference, else in the order of the table; methods by family."""
-    x: dict[str, float] = {}
-    y: dict[str, float] = {}
-    width = height = 0.0
-    references, groups = cases_by_reference(rows), entries_by_family(rows)
-    for cases in references.values():
-        width += GAP if x else 0
-        x |= {case: width + number for number, case in enumerate(cases)}
-        width += len(cases)
-    for entries in groups.values():
-        height += HEAD
-        y |= {entry: height + number for number, entry in enumerate(entries)}
-        height += len(entries)
-    return Layout(x, y, references, groups, width, height)
 
 
 def letters_of(rows: pd.DataFrame) -> dict[str, str]:
@@ -192,98 +176,71 @@ def digits_of(error: float) -> int:
     return min(16, max(0, math.floor(-math.log10(error)))) if error > 0 else 16
 
 
-def draw_cell(axes: Axes, x: float, y: float, verdict: Verdict, mark: str) -> None:
-    """A cell with its upper left corner at x, y."""
-    edge = FAINT if verdict.name in NO_TRIAL else GROUND
-    axes.add_patch(Rectangle((x + 0.03, y + 0.03), 0.94, 0.94, fc=verdict.face, ec=edge, lw=0.5))
-    style = {"color": verdict.ink, "fontsize": SMALL, "ha": "center", "va": "center_baseline"}
-    axes.text(x + 0.5, y + 0.5, mark, **style, in_layout=False)
+def draw_counts(
+    rows: pd.DataFrame, places: dict[str, dict[str, float]], bars: dict[str, Axes]
+) -> None:
+    """Bars with the shares of the verdicts, above the cases and beside the methods."""
+    tried = rows[~rows["verdict"].isin(NO_TRIAL)]
+    style = {"edgecolor": GROUND, "linewidth": 0.5}
+    for by, axes in bars.items():
+        shares = pd.crosstab(tried[by], tried["verdict"], normalize="index")
+        there, begin = [places[by][name] for name in shares.index], 0.0
+        for name in filter(shares.columns.__contains__, VERDICTS):
+            share, colour = shares[name], VERDICTS[name].face
+            if by == "case":
+                axes.bar(there, share, 0.7, begin, color=colour, **style)
+            else:
+                axes.barh(there, share, 0.7, begin, color=colour, **style)
+            begin = begin + share
+    for entry, verdicts in tried.groupby("entry")["verdict"]:
+        words = f"{(verdicts == 'accurate').sum()}/{len(verdicts)}"
+        bars["entry"].text(1.05, places["entry"][entry], words, va="center", **SMALL)
+    bars["case"].set_yticks([0.5], labels=["verdicts on\neach case"], color=GREY)
+    bars["case"].set_ylim(0, 1)
+    bars["entry"].set(xlim=(0, 1), xticks=[])
+    bars["entry"].tick_params(labelleft=False)
+    bars["entry"].text(0, 0.4, "accurate of\nthose tried", va="bottom", color=GREY, **SMALL)
 
 
-def draw_labels(axes: Axes, layout: Layout) -> None:
-    """Names of methods, families, cases and references."""
-    small, grey = {"fontsize": SMALL}, {"fontsize": SMALL, "color": GREY, "va": "bottom"}
-    for entry, y in layout.y.items():
-        axes.text(-0.25, y + 0.5, entry, ha="right", va="center", **small)
-    for family, entries in layout.families.items():
-        axes.text(0, layout.y[entries[0]] - 0.12, family, fontstyle="italic", **grey)
-    for case, x in layout.x.items():
-        style = {"ha": "center", "va": "top", "rotation": 90}
-        axes.text(x + 0.5, layout.height + 0.25, name_of(case), **style, **small)
-    for reference, cases in layout.references.items():
-        begin, end = layout.x[cases[0]], layout.x[cases[-1]] + 1
-        y = -BAR - GAP - 0.2
-        axes.plot([begin, end], [y, y], color=GREY, linewidth=0.8)
-        name = textwrap.fill(f"against {reference}", max(10, int((end - begin) / LETTER)))
-        axes.text((begin + end) / 2, y - 0.2, name, ha="center", **grey)
-
-
-def draw_counts(axes: Axes, rows: pd.DataFrame, layout: Layout) -> None:
-    """Bars with the shares of the verdicts, beside the methods and above the cases."""
-    x = layout.width + GAP
-    for entry, place in layout.y.items():
-        counts, done = count(rows[rows["entry"] == entry])
-        for begin, share, verdict in counts:
-            add_bar(axes, x + BAR * begin, place + 0.15, BAR * share, 0.7, verdict)
-        axes.text(x + BAR + 0.2, place + 0.5, done, va="center", fontsize=SMALL)
-    for case, place in layout.x.items():
-        for begin, share, verdict in count(rows[rows["case"] == case])[0]:
-            add_bar(axes, place + 0.15, -BAR * (begin + share), 0.7, BAR * share, verdict)
-    style = {"fontsize": SMALL, "color": GREY}
-    axes.text(x, 0.1, "accurate of\nthose tried", va="bottom", **style)
-    axes.text(-0.25, -BAR / 2, "verdicts on\neach case", ha="right", va="center", **style)
-
-
-def count(rows: pd.DataFrame) -> tuple[list[tuple[float, float, Verdict]], str]:
-    """Begins and shares of the verdicts, and how many are accurate of those that had a trial."""
-    number = rows["verdict"].value_counts()
-    tried = len(rows) - sum(number.get(name, 0) for name in NO_TRIAL)
-    begin, shares = 0.0, []
-    for verdict in VERDICTS.values():
-        if verdict.name not in NO_TRIAL and verdict.name in number:
-            share = number[verdict.name] / tried
-            shares.append((begin, share, verdict))
-            begin += share
-    return shares, f"{number.get('accurate', 0)}/{tried}"
-
-
-def add_bar(axes: Axes, x: float, y: float, width: float, height: float, verdict: Verdict) -> None:
-    """A part of a bar."""
-    axes.add_patch(Rectangle((x, y), width, height, fc=verdict.face, ec=GROUND, lw=0.5))
-
-
-def legend_lines(
+def legend_of(
     table: Table, rows: pd.DataFrame, letters: dict[str, str]
-) -> list[tuple[Verdict | None, str, str]]:
-    """Verdict, mark and text of each line."""
-    lines: list[tuple[Verdict | None, str, str]] = []
+) -> list[tuple[object, str]]:
+    """Handle and text of each line of the legend."""
+    lines: list[tuple[object, str]] = []
     for verdict in VERDICTS.values():
         number = int((rows["verdict"] == verdict.name).sum())
         if verdict.name == "no_reference" and not number:
             continue
         meaning = table.header.get(f"verdict {verdict.name}", "")
-        text = ": ".join(
-            filter(None, (f"{name_of(verdict.name)} ({write_count(number)})", meaning))
-        )
-        lines.append((verdict, verdict.mark.format(digits="n", why=""), text))
+        words = f"{name_of(verdict.name)} ({write_count(number)})"
+        mark = verdict.mark.format(digits="n", why="")
+        lines.append((square(verdict, mark), ": ".join(filter(None, (words, meaning)))))
         for status, letter in letters.items() if verdict.name == "failed" else ():
             chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
             text = f"{write_count(len(chosen))} by {name_of(status)}: {reason}"
-            lines.append((verdict, letter, text))
+            lines.append((square(verdict, letter), text))
+    nothing = Line2D([], [], linestyle="")
     if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):
-        lines.append((None, "", f"empty ({empty}): not tried"))
-    lines.append((None, "", "n: digits, for a largest error of the attitude of 10\u207b\u207f rad"))
-    return lines
+        lines.append((nothing, f"empty ({empty}): not tried"))
+    digits = "n: digits, for a largest error of the attitude of 10\u207b\u207f rad"
+    return [*lines, (nothing, digits)]
+
+
+def square(verdict: Verdict, mark: str) -> tuple[Line2D, ...]:
+    """A cell with a mark, as a legend has it."""
+    edge = FAINT if verdict.name in NO_TRIAL else GROUND
+    looks = {"s": {"markersize": 10, "markerfacecolor": verdict.face, "markeredgecolor": edge}}
+    if mark:
+        mark = rf"$\mathdefault{{{mark.replace('~', chr(92) + 'sim ')}}}$"
+        looks[mark] = {"markersize": 5, "color": verdict.ink, "markeredgewidth": 0}
+    return tuple(Line2D([], [], linestyle="", marker=each, **looks[each]) for each in looks)
 
 
 FACES = {"accurate": 1.0, "drifts": 0.35, "wrong": 0.0}
 """How full the marker of a verdict is; the other verdicts have none."""
 
 NAMES = {"accurate": "full: accurate", "drifts": "pale: drifts", "wrong": "empty: wrong"}
-
-RATIO = "ratio"
-"""Evaluations over those of the cheapest accurate method of the case."""
 
 MEDIAN = {"color": INK, "linestyle": "", "marker": "|", "markersize": 11, "markeredgewidth": 1.6}
 
@@ -299,17 +256,6 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
     return rows[rows["verdict"].isin(FACES) & (rows["evaluations"] > 0)]
 
 
-def with_ratio(rows: pd.DataFrame) -> pd.DataFrame:
-    """The trials with their costs over that of the cheapest accurate method of their case.
-
-    A case without one is measured by its cheapest trial.
-    """
-    known = rows["evaluations"].where(rows["verdict"] == "accurate")
-    least = known.groupby(rows["case"]).transform("min")
-    least = least.fillna(rows.groupby("case")["evaluations"].transform("min"))
-    return rows.assign(**{RATIO: rows["evaluations"] / least})
-
-
 @figure(
     needs="orientation_error evaluations inherent_error", objection=object_to_costs, **STABILITY
 )
@@ -318,7 +264,12 @@ def draw_costs(table: Table) -> Figure:
 
     Two panels over the same methods: their cost, and the error that they reach.
     """
-    rows = with_ratio(judged(trials(table)))
+    rows = judged(trials(table))
+    known = rows["evaluations"].where(rows["verdict"] == "accurate")
+    least = known.groupby(rows["case"]).transform("min")
+    # a case without an accurate method is measured by its cheapest trial
+    least = least.fillna(rows.groupby("case")["evaluations"].transform("min"))
+    ratio = rows["evaluations"] / least
     places: dict[str, float] = {}
     for number, entries in enumerate(entries_by_family(rows).values()):
         # families are half a row apart
@@ -330,21 +281,27 @@ def draw_costs(table: Table) -> Figure:
     grid = figure.add_gridspec(2, 2, height_ratios=(height, 0.25))
     cost = figure.add_subplot(grid[0, 0])
     error = figure.add_subplot(grid[0, 1], sharey=cost)
-    draw_trials(cost, rows, places, rows[RATIO])
+    draw_trials(cost, rows, places, ratio)
     draw_trials(error, rows, places, np.maximum(rows["orientation_error"], 1e-16))
     error.tick_params(labelleft=False)
-    error.xaxis.set_major_locator(LogLocator(numticks=by_width(8, 4)))
-    good = rows[rows["verdict"] == "accurate"].groupby("entry")[RATIO].median()
+    few_ticks(error.xaxis, by_width(8, 4))
+    good = ratio[rows["verdict"] == "accurate"].groupby(rows["entry"]).median()
     cost.plot(good, good.index.map(places), **MEDIAN, zorder=4)
-    cost.set_yticks(list(places.values()), labels=list(places))
     family = rows.groupby("entry")["family"].first()
     for label, entry in zip(cost.get_yticklabels(), places, strict=True):
         label.set_color(ink_of(family[entry]))
-    cost.set_ylim(most + 0.75, -0.75)
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
     name_axis(cost.xaxis, "evaluations over those of the cheapest accurate method of the case")
     name_axis(error.xaxis, "largest error of the attitude", "rad")
-    add_legend(no_axis(figure.add_subplot(grid[1, :])), rows)
+    handles = [
+        Line2D([], [], label=NAMES[verdict], **marker(Look("o", GREY), fullness))
+        for verdict, fullness in FACES.items()
+        if (rows["verdict"] == verdict).any()
+    ]
+    handles.append(Line2D([], [], **MEDIAN, label="median of the accurate"))
+    place = {"loc": "center right", "ncols": by_width(4, 2), "borderpad": 0}
+    foot = no_axis(figure.add_subplot(grid[1, :]))
+    foot.legend(handles=handles, **place).set_in_layout(False)
     return figure
 
 
@@ -353,14 +310,11 @@ def draw_trials(
 ) -> None:
     """The trials as dots on the lines of their methods, on a log axis."""
     axes.set_xscale("log")
-    for place in places.values():
-        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
     for (family, verdict), part in rows.groupby(["family", "verdict"]):
         heights = part["entry"].map(places)
         axes.plot(values[part.index], heights, **marker(look_of(family), FACES[verdict]))
-    axes.xaxis.set_major_locator(LogLocator(numticks=7))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.tick_params(axis="y", length=0)
+    few_ticks(axes.xaxis, 7)
+    name_rows(axes, [*places], [*places.values()])
 
 
 def marker(look: Look, fullness: float) -> dict[str, object]:
@@ -373,15 +327,3 @@ def marker(look: Look, fullness: float) -> dict[str, object]:
         "markeredgecolor": look.colour,
         "markeredgewidth": 0.6,
     }
-
-
-def add_legend(axes: Axes, rows: pd.DataFrame) -> None:
-    """What the markers mean, below the panels."""
-    handles = [
-        Line2D([], [], label=NAMES[verdict], **marker(Look("o", GREY), fullness))
-        for verdict, fullness in FACES.items()
-        if (rows["verdict"] == verdict).any()
-    ]
-    handles.append(Line2D([], [], **MEDIAN, label="median of the accurate"))
-    place = {"loc": "center right", "ncols": by_width(4, 2), "borderpad": 0}
-    axes.legend(handles=handles, **place).set_in_layout(False)

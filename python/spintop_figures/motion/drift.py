@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 from spintop_figures.kinds import figure, unless
 from spintop_figures.methods.known import rank_of, style_of
 from spintop_figures.moving.assumptions import CONSERVED, broken, symmetric
-from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import GREY, by_width
-from spintop_figures.style.page import TIME, head, is_lowest, no_axis, panel_figure
+from spintop_figures.style.page import TIME, head, legend_below, name_outer, panel_figure
 from spintop_figures.style.provenance import describe_run
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -38,22 +37,9 @@ def running_maximum(table: Table, column: str) -> tuple[np.ndarray, np.ndarray]:
     return t[1:], np.fmax.accumulate(off[1:])
 
 
-def is_drawn(table: Table, column: str) -> bool:
-    """Whether a table has a constant, of a body for which it is one."""
-    lacks = table.missing([column]) or table.empty([column])
-    return not (lacks or broken(ASSUMES.get(column, ()), table))
-
-
 def method_of(table: Table) -> tuple[str, str]:
     """The method of a run and its formulation."""
     return table.model_and_method[::-1]
-
-
-def label_of(table: Table, tables: Sequence[Table]) -> str:
-    """The method, or all of the run where the method is there twice."""
-    method = method_of(table)[0]
-    alone = [method_of(other)[0] for other in tables].count(method) == 1
-    return name_of(method) if alone else describe_run(table).replace(", ", "\n")
 
 
 @figure(
@@ -71,7 +57,12 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
 
     The running maximum of each constant's error against time, with guide lines.
     """
-    there = [name for name in CONSTANTS if all(is_drawn(table, name) for table in tables)]
+
+    def lacks(table: Table, name: str) -> object:
+        return table.missing([name]) or table.empty([name]) or broken(ASSUMES.get(name, ()), table)
+
+    there = [name for name in CONSTANTS if not any(lacks(table, name) for table in tables)]
+    methods = [method_of(table)[0] for table in tables]
     title = "Drift of the first integrals"
     figure, panels = panel_figure(tables, title, len(there), 2.6, 0, 1.9, "x", has_foot=True)
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
@@ -80,18 +71,17 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
         for table in ordered:
             t, off = running_maximum(table, column)
             style = style_of(*method_of(table)) | {"markevery": (0.05, 0.12)}
-            off = np.where(off > LEAST, off, np.nan)
-            axes.plot(t, off, **style, label=label_of(table, tables))
+            method = method_of(table)[0]
+            twice = methods.count(method) > 1  # then all of the run tells them apart
+            label = describe_run(table).replace(", ", "\n") if twice else name_of(method)
+            axes.plot(t, np.where(off > LEAST, off, np.nan), **style, label=label)
         draw_guides(axes)
         words, unit = CONSTANTS[column]
         head(axes, words, axes.yaxis, unit)
-        axes.tick_params(labelbottom=is_lowest(axes))
-        if is_lowest(axes):
-            name_axis(axes.xaxis, *TIME)
+    name_outer(panels, TIME)
     handles, labels = panels[0].get_legend_handles_labels()
     columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
-    below = no_axis(figure.add_subplot(panels[0].get_gridspec()[-1, :]))
-    below.legend(handles, labels, loc="upper center", ncols=columns, handlelength=3)
+    legend_below(panels, handles, columns)
     return figure
 
 

@@ -9,7 +9,7 @@ from spintop_figures.kinds import figure, unless
 from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
-from spintop_figures.style.page import TIME, is_left, is_lowest, new_figure, panel_figure
+from spintop_figures.style.page import TIME, name_outer, new_figure, panel_figure
 from spintop_figures.tables.names import axis_of, name_of, sign_of
 from spintop_figures.tables.own_units import converted
 from spintop_figures.tables.table import Table
@@ -99,9 +99,5 @@ def draw_sections(table: Table) -> Figure:
         style = {"color": COLOUR, "markersize": size, "rasterized": len(rows) > MANY_POINTS}
         axes.plot(np.degrees(rows["theta"]), rows["theta_rate"], ".", **style)
         axes.set_title(f"{describe_event(name)} ({write_count(len(rows))})", parse_math=False)
-        axes.tick_params(labelleft=is_left(axes), labelbottom=is_lowest(axes))
-        if is_left(axes):
-            name_axis(axes.yaxis, axis_of("theta_rate"), "rad/s")
-        if is_lowest(axes):
-            name_axis(axes.xaxis, axis_of("theta"), "degrees")
+    name_outer(panels, (axis_of("theta"), "degrees"), (axis_of("theta_rate"), "rad/s"))
     return figure

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from spintop_figures.kinds import figure, unless
@@ -90,7 +91,19 @@ def draw_fit(table: Table) -> Figure:
         below.tick_params(labelbottom=is_lowest)
         if is_lowest:
             name_axis(below.xaxis, *TIME)
-    draw_side(no_axis(figure.add_subplot(side)), lines)
+    axes = no_axis(figure.add_subplot(side))
+    handles = [
+        Line2D([], [], **MEASURED, label="measured"),
+        Line2D([], [], **MOTION),
+        Patch(**BAND, label="twice the root mean square"),
+    ]
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.03), borderpad=0)
+    style = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top"}
+    style |= {"fontsize": "small", "parse_math": False}
+    for number, (line, is_name) in enumerate(lines, start=4):
+        shift = 0, -72 * LINE * scale_of_letters() * number
+        weight = "bold" if is_name else "normal"
+        axes.annotate(line, (0.0, 1.0), shift, **style, fontweight=weight)
     return figure
 
 
@@ -142,19 +155,3 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
         lines.append((f"{told[0]}{factor} {unit}".strip(), False))
         lines += [(f"95 %: {told[1]} to {told[2]}", False), ("", False)]
     return lines
-
-
-def draw_side(axes: Axes, lines: list[tuple[str, bool]]) -> None:
-    """The fitted values, and what the lines and the bands are."""
-    handles = [
-        axes.plot([], [], **MEASURED, label="measured")[0],
-        axes.plot([], [], **MOTION)[0],
-        Patch(**BAND, label="twice the root mean square"),
-    ]
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.03), borderpad=0)
-    style = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top"}
-    style |= {"fontsize": "small", "parse_math": False}
-    for number, (line, is_name) in enumerate(lines):
-        shift = 0, -72 * LINE * scale_of_letters() * (number + 4)
-        weight = "bold" if is_name else "normal"
-        axes.annotate(line, (0.0, 1.0), shift, **style, fontweight=weight)

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
 from spintop_figures.moving.body import GRAVITY, read_body
-from spintop_figures.style.axes import name_axes, name_axis
+from spintop_figures.style.axes import draw_heads, name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import legend_above, new_figure
@@ -194,24 +194,15 @@ def draw_portrait(table: Table) -> Figure:
     joined = np.nanmax(steps) < 0.1  # rows that are near each other
     dots = {} if joined else {"linestyle": "", "marker": "o", "markersize": 2.5}
     axes.plot(np.degrees(theta), rate, **LINES[0] | {"linewidth": 1.8} | dots, label="the motion")
-    draw_arrows(axes, np.degrees(theta), rate)
+    # where it is fastest, to the right where the rate is positive
+    places = [max(int(np.nanargmax(sign * rate)), 1) for sign in (1, -1)]
+    draw_heads(axes, np.degrees(theta), rate, [i for i in places if theta[i] != theta[i - 1]])
     middle = np.degrees(reduced.resting_point())
     axes.plot(middle, 0, "+", color=INK, markersize=9, label="equilibrium")
     axes.set(xlim=np.degrees((low, high)), ylim=(-1.4 * fastest, 1.4 * fastest))
     name_axes(axes, INCLINATION, (axis_of("theta_rate"), "rad/s"))
     legend_above(axes, 4)
     return figure
-
-
-def draw_arrows(axes: Axes, theta: np.ndarray, rate: np.ndarray) -> None:
-    """The direction of the motion where it is fastest: to the right where the rate is positive."""
-    look = {"arrowstyle": "-|>", "color": LINES[0]["color"], "lw": 0, "mutation_scale": 16}
-    look |= {"shrinkA": 0, "shrinkB": 0}
-    for sign in (1, -1):
-        place = max(int(np.nanargmax(sign * rate)), 1)
-        if sign * rate[place] > 0 and theta[place] != theta[place - 1]:
-            tail, tip = ((theta[i], rate[i]) for i in (place - 1, place))
-            axes.annotate("", tip, tail, arrowprops=look, zorder=4)
 
 
 def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest: float) -> None:

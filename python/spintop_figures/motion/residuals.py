@@ -3,12 +3,11 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.motion.trajectory import draw_column, panels, share_limits
 from spintop_figures.moving.assumptions import CONSERVED
-from spintop_figures.style.axes import Powers, draw_sizes, has_wide_range, name_axis
+from spintop_figures.style.axes import Powers, draw_sizes, few_ticks, has_wide_range, name_axis
 from spintop_figures.style.look import GREY, LINES
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import head, time_panels
@@ -38,27 +37,22 @@ def draw_error(table: Table) -> Figure:
     name_axis(axes[0].yaxis, "orientation error", "rad")
     degrees = axes[0].secondary_yaxis("right", functions=(np.degrees, np.radians))
     degrees.set_ylabel("(degrees)")
-    degrees.yaxis.set_major_locator(LogLocator(numticks=7))
+    few_ticks(degrees.yaxis, 7)
     degrees.yaxis.set_major_formatter(Powers())
-    degrees.yaxis.set_minor_locator(NullLocator())
-    mark_largest(axes[0], t, error)
+    # a dot at the largest, with its size in radians and in degrees
+    place = int(np.nanargmax(np.where(np.isfinite(error), error, np.nan)))
+    low, high = axes[0].get_ylim()
+    axes[0].set_ylim(low, high * (high / low) ** 0.12)  # room for the words
+    style = {"color": LINES[1]["color"]}
+    axes[0].plot(t[place], error[place], "o", markersize=4.5, zorder=4, **style)
+    words = f"largest: {write(error[place], 2)} rad = {write(np.degrees(error[place]), 2)}°"
+    side = "right" if t[place] > (t[0] + t[-1]) / 2 else "left"
+    style |= {"textcoords": "offset points", "ha": side, "fontsize": "small"}
+    axes[0].annotate(words, (t[place], error[place]), (0, 6), **style)
     if has_energy:
         draw_sizes(axes[1], t, table.column("R4"))
         name_axis(axes[1].yaxis, "change of energy\n$|R_4|$", table.units.get("R4", "J"))
     return figure
-
-
-def mark_largest(axes: Axes, t: np.ndarray, error: np.ndarray) -> None:
-    """A dot at the largest orientation error, with its size in radians and in degrees."""
-    place = int(np.nanargmax(np.where(np.isfinite(error), error, np.nan)))
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (high / low) ** 0.12)  # room for the words
-    style = {"color": LINES[1]["color"]}
-    axes.plot(t[place], error[place], "o", markersize=4.5, zorder=4, **style)
-    words = f"largest: {write(error[place], 2)} rad = {write(np.degrees(error[place]), 2)}°"
-    side = "right" if t[place] > (t[0] + t[-1]) / 2 else "left"
-    style |= {"textcoords": "offset points", "ha": side, "fontsize": "small"}
-    axes.annotate(words, (t[place], error[place]), (0, 6), **style)
 
 
 @figure(

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure, unless
 from spintop_figures.motion.trajectory import inclination_extremes, sparseness
-from spintop_figures.style.axes import MANY_POINTS, name_axes
+from spintop_figures.style.axes import MANY_POINTS, draw_heads, name_axes
 from spintop_figures.style.look import (
     DOTS,
     FAINT,
@@ -31,7 +31,7 @@ from spintop_figures.style.look import (
     drawn_width,
 )
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import new_figure, no_axis, three_panels
+from spintop_figures.style.page import legend_below, new_figure, no_axis, panel_figure
 from spintop_figures.tables.table import Table
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -190,28 +190,23 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
+    outline = [withStroke(linewidth=2, foreground=WASH)]
+    words = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
         if 0 < count * step < np.pi * (1 - 1e-12):
             circle = on_sphere(np.full_like(around, count * step), around)
             draw_seen(axes, circle, style, view=view)
-            name_circle(axes, circle, f"{write(np.degrees(count * step), 8)}°", view)
+            x, y, towards = project(*circle, view)
+            inside = (np.hypot(x, y) < 0.97 * view.window) & (towards > 0)
+            if inside.any():  # its number, at its lower right end
+                place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
+                name = f"{write(np.degrees(count * step), 8)}°"
+                axes.text(x[place], y[place], name, path_effects=outline, **words)
     down = np.linspace(low, high, 181)
     apart = GRID if low == 0 or high == np.pi else step / np.sin(middle)
     apart = 2 * np.pi / max(round(2 * np.pi / apart), 12)
     for phi in np.arange(0, 2 * np.pi - apart / 2, apart):
         draw_seen(axes, on_sphere(down, np.full_like(down, phi)), style, view=view)
-
-
-def name_circle(axes: Axes, circle: Points, name: str, view: View) -> None:
-    """The number of a circle, at its lower right end in the window."""
-    x, y, towards = project(*circle, view)
-    inside = (np.hypot(x, y) < 0.97 * view.window) & (towards > 0)
-    if not inside.any():
-        return
-    place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
-    outline = [withStroke(linewidth=2, foreground=WASH)]
-    style = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
-    axes.text(x[place], y[place], name, path_effects=outline, **style)
 
 
 def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
@@ -223,7 +218,11 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
     draw_seen(axes, points if joined else thinned(points), *halves_of(joined), view)
     seen = project(*points, view)
     if joined:
-        draw_arrow(axes, *seen, view.window)
+        # one arrow, near the start and before the sphere
+        x, y, towards = seen
+        far = np.hypot(x - x[0], y - y[0])[:-1] > 0.3 * view.window
+        moves = (np.diff(x) != 0) | (np.diff(y) != 0)
+        draw_heads(axes, x, y, np.flatnonzero(far & (towards[:-1] > 0) & moves)[:1] + 1)
     mark_ends(axes, *seen)
     if view.window < 1:
         draw_inset(axes, view)
@@ -234,22 +233,6 @@ def thinned(points: Points) -> Points:
     """Points that are not joined, MOST_DOTS at most."""
     every = -(-len(points[0]) // 1000)  # more would be a cloud
     return tuple(part[::every] for part in points)
-
-
-def draw_arrow(
-    axes: Axes, x: np.ndarray, y: np.ndarray, towards: np.ndarray, window: float
-) -> None:
-    """The direction of a path, near its start and before the sphere."""
-    far = np.hypot(x - x[0], y - y[0]) > 0.3 * window
-    steps = np.hypot(np.diff(x), np.diff(y))
-    for place in np.flatnonzero(far[:-1] & (towards[:-1] > 0) & (steps > 0))[:1]:
-        tip = np.array([x[place], y[place]])
-        ahead = np.array([x[place + 1], y[place + 1]]) - tip
-        arrow = {"arrowstyle": "-|>", "color": FRONT["color"], "lw": 0, "mutation_scale": 15}
-        arrow |= {"shrinkA": 0, "shrinkB": 0}
-        axes.annotate(
-            "", tip, tip - 0.02 * window * ahead / steps[place], arrowprops=arrow, zorder=4
-        )
 
 
 def draw_inset(axes: Axes, view: View) -> None:
@@ -323,21 +306,6 @@ def tell_turn(degrees: float) -> str:
     return f"{sign}{write(degrees / 360)} turns" if many else f"{sign}{write(degrees)}°"
 
 
-def spheres(figure: Figure, count: int, side: float) -> tuple[list[Axes], Axes]:
-    """Panels of spheres of this side, and room for words beside a single one or below them."""
-    if count > 1:
-        across = min(count, by_width(3, 2))
-        down = -(-count // across)
-        grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
-        places = [*(grid[place] for place in np.ndindex(down, across)), grid[down, :]]
-    elif by_width(True, False):
-        places = figure.add_gridspec(1, 2, width_ratios=[side, drawn_width() - side])
-    else:
-        places = figure.add_gridspec(2, 1, height_ratios=[side, 2.0])
-    *panels, key = (no_axis(figure.add_subplot(place)) for place in places)
-    return panels, key
-
-
 MOTIONS = {
     "kind": "trajectory",
     "needs": "theta phi",
@@ -348,29 +316,24 @@ MOTIONS = {
 @figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
-    alone, width = len(tables) == 1, drawn_width()
-    across = min(len(tables), by_width(3, 2))
-    side = min(4.6, width) if alone else width / across
-    rows = -(-len(tables) // across) * (1.1 * side + 0.65)  # with the vertical, and words above
-    height = side + by_width(0.8, 3.0) if alone else 0.8 + rows
+    count = len(tables)
+    across = min(count, by_width(3, 2))
+    down = -(-count // across)
+    side = min(4.6, drawn_width() / across)
+    # with the vertical, and words above
+    height = 0.8 + down * (1.1 * side + 0.65)
     figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
-    panels, key = spheres(figure, len(tables), side)
-    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=False)]
+    grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
+    places = [*(grid[place] for place in np.ndindex(down, across))][:count]
+    *panels, key = (no_axis(figure.add_subplot(place)) for place in (*places, grid[down, :]))
+    drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=True)]
     views, joined, nutates = map(list, zip(*drawn, strict=True))
     handles = path_handles(views, joined)
     if any(nutates):
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
-    if alone:
-        words = "\n".join(textwrap.fill(line, 44) for line in tell_path(tables[0]))
-        key.text(0, by_width(0.8, 1.0), words, va="top", linespacing=1.5)
-        for handle in handles:
-            handle.set_label(textwrap.fill(handle.get_label(), 20))
-        place = {"loc": "lower left", "bbox_to_anchor": (-0.05, by_width(0.1, -0.1))}
-        key.legend(handles=handles, **place, ncols=by_width(1, 2))
-        return figure
-    for axes, table in zip(panels, tables, strict=False):
+    for axes, table in zip(panels, tables, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
-        words = "\n".join([title, *tell_path(table)])
+        words = "\n".join([title] * (count > 1) + tell_path(table))  # one has it below the figure
         axes.set_title(words, loc="center", fontsize="small", pad=2)
     place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
     key.legend(handles=handles, **place, ncols=by_width(5, 2))
@@ -383,8 +346,13 @@ def draw_trace(table: Table) -> Figure:
     return draw_traces([table])
 
 
-HEIGHT = 3.5
-"""Of the figure, in inches."""
+def three_panels(table: Table, title: str) -> tuple[Figure, list[Axes]]:
+    """A figure of three panels in a row, or one below the other on a narrow one, and a legend."""
+    shape = {"share": "", "has_foot": True, "across": by_width(3, 1)}
+    figure, panels = panel_figure(table, title, 3, 3.5, 0, 0.1, **shape)
+    figure.get_layout_engine().set(wspace=0.08)
+    return figure, panels
+
 
 PATH_ROOM = 1.1
 """What is seen, over the extent of the path."""
@@ -396,8 +364,7 @@ def draw_path(table: Table) -> Figure:
     x, y, z = place = tuple(table.column(f"com_{name}") for name in "xyz")
     sparse = sparseness(*place)
     title = "Path of the centre of mass" + (f" ({sparse})" if sparse else "")
-    figure = new_figure(table, title, height=by_width(HEIGHT, 3 * HEIGHT))
-    (space, above, side), key = three_panels(figure)
+    figure, (space, above, side) = three_panels(table, title)
     radius, joined = float(np.nanmedian(np.sqrt(sum(part**2 for part in place)))), not sparse
     if radius > 0:
         draw_path_on(space, tuple(part / radius for part in place), joined)
@@ -412,7 +379,7 @@ def draw_path(table: Table) -> Figure:
     name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
     side.set_title("from $-y$" if is_wide else "from $+x$")
     handles = path_handles([WHOLE], [joined])
-    key.legend(handles=handles, loc="center", ncols=by_width(len(handles), 2), borderpad=0)
+    legend_below([space], handles, by_width(len(handles), 2))
     return figure
 
 
@@ -485,8 +452,7 @@ def body_at_start(table: Table) -> np.ndarray:
 def draw_cones(table: Table) -> Figure:
     """Angular velocity in the body and in space (polhode and herpolhode)."""
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
-    figure = new_figure(table, title, by_width(HEIGHT + 0.2, 3 * HEIGHT))
-    (globe, body, space), key = three_panels(figure)
+    figure, (globe, body, space) = three_panels(table, title)
     draw_globe(globe)
     draw_cone(globe, in_space(table), FRONT, BACK)
     draw_cone(globe, body_at_start(table), BODY, BODY | {"color": PALE, "linewidth": 1.1})
@@ -505,7 +471,7 @@ def draw_cones(table: Table) -> Figure:
         Line2D([], [], **TOUCH, label="where they touch"),
         *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
     ]
-    key.legend(handles=handles, loc="center", ncols=by_width(5, 2), borderpad=0, columnspacing=1.2)
+    legend_below([globe], handles, by_width(5, 2))
     return figure
 
 

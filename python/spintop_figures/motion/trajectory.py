@@ -79,20 +79,13 @@ def height_extremes(table: Table) -> tuple[Extreme, Extreme]:
     return min(ends), max(ends)
 
 
-def largest_arc(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> float:
-    """The largest angle between the directions of successive points, rad."""
-    points = np.array([x, y, z])
-    points = points[:, np.isfinite(points).all(axis=0)]
-    if points.shape[1] < 2:
-        return 0.0
-    unit = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
-    chords = np.linalg.norm(np.diff(unit, axis=1), axis=0)
-    return float(2 * np.arcsin(min(chords.max() / 2, 1.0)))
-
-
 def sparseness(*path: np.ndarray) -> str:
     """Why the points of a path are not joined; empty if they are."""
-    arc = largest_arc(*path)
+    points = np.array(path)
+    points = points[:, np.isfinite(points).all(axis=0)]
+    unit = points / np.maximum(np.linalg.norm(points, axis=0), 1e-300)
+    chords = np.linalg.norm(np.diff(unit, axis=1), axis=0)
+    arc = 2 * np.arcsin(min(chords.max(initial=0.0) / 2, 1.0))
     if arc <= np.radians(15):  # else a line would be a guess
         return ""
     return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
@@ -259,7 +252,9 @@ def draw_account(table: Table) -> Figure:
     t, works = table.column("t"), works_of(table)
     draw_column(theta, table, "theta", axis_of("theta", between="\n"))
     draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
-    (draw_budget if is_spent(works) else draw_works)(energy, table, t, works)
+    largest = max(np.nanmax(np.abs(work)) for work in works.values())
+    is_spent = all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
+    (draw_budget if is_spent else draw_works)(energy, table, t, works)
     draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
     name_axis(error.yaxis, "error of the\nbalance (relative)")
     return figure
@@ -272,12 +267,6 @@ def works_of(table: Table) -> dict[str, np.ndarray]:
     acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
     works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
     return works or {"effects": table.column("work")}
-
-
-def is_spent(works: dict[str, np.ndarray]) -> bool:
-    """Whether all works only take energy, so that what they took are parts of a whole."""
-    largest = max(np.nanmax(np.abs(work)) for work in works.values())
-    return all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
 
 
 def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:

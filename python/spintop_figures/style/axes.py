@@ -8,6 +8,7 @@ import itertools
 import math
 import re
 import textwrap
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +22,10 @@ from matplotlib.ticker import (
     LogLocator,
     MaxNLocator,
     MultipleLocator,
+    NullLocator,
 )
 
-from spintop_figures.style.look import GREY, LINES
+from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import COMMA, PLAIN, localised, with_comma, with_power, write
 from spintop_figures.tables.names import with_unit
@@ -248,6 +250,15 @@ def draw_line(axes: Axes, x: np.ndarray, y: np.ndarray, line: int = 0, **options
     axes.plot(x, finite, **LINES[line] | {"rasterized": len(y) > MANY_POINTS} | options)
 
 
+def draw_heads(axes: Axes, x: np.ndarray, y: np.ndarray, places: Iterable[int]) -> None:
+    """Heads of arrows along a curve of the first colour, at the steps to these rows."""
+    look = {"arrowstyle": "-|>", "color": LINES[0]["color"], "lw": 0, "mutation_scale": 15}
+    look |= {"shrinkA": 0, "shrinkB": 0}
+    for place in places:
+        tail, tip = ((x[i], y[i]) for i in (place - 1, place))
+        axes.annotate("", tip, tail, arrowprops=look, zorder=4)
+
+
 def has_wide_range(y: np.ndarray) -> bool:
     """Whether a linear axis would show nothing but the largest values."""
     sizes = np.abs(y[np.isfinite(y) & (y != 0)])
@@ -277,6 +288,22 @@ def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
         style["label"] = f"exactly zero ({count} row{'s' * (count > 1)})"
         axes.plot(x[zero], np.full(count, 0.03), rasterized=count > MANY_POINTS, **style)
         axes.legend(loc="upper right", borderpad=0.1, handletextpad=0.2)
+
+
+def few_ticks(axis: Axis, count: int) -> None:
+    """So many ticks on a log axis at most."""
+    axis.set_major_locator(LogLocator(numticks=count))
+    axis.set_minor_locator(NullLocator())
+
+
+def name_rows(axes: Axes, labels: Sequence[str], places: Sequence[float] = ()) -> None:
+    """Name the rows of a figure from the top, each on a faint line."""
+    places = places or range(len(labels))
+    for place in places:
+        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
+    axes.set_yticks(places, labels=labels)
+    axes.tick_params(axis="y", length=0)
+    axes.set_ylim(places[-1] + 0.5, -0.5)
 
 
 def set_degree_ticks(axis: Axis, degrees: np.ndarray, most: int = 5) -> None:

@@ -5,6 +5,7 @@ import textwrap
 from collections.abc import Sequence
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
@@ -31,6 +32,9 @@ TITLE_LETTERS, CAPTION_LETTERS = 10.3, 15
 """Letters in an inch of titles and captions."""
 
 TIME = "time t", "s"
+
+LABELS = {"x": "labelbottom", "y": "labelleft"}
+"""The settings of the numbers at the ticks of an axis."""
 
 
 class Page(Figure):
@@ -93,13 +97,14 @@ def panel_figure(
     above: float = 1.2,
     share: str = "xy",
     has_foot: bool = False,
+    across: int | None = None,
 ) -> tuple[Page, list[Axes]]:
     """A figure of panels that share axes, all of one size, two in a row on a page.
 
     Heights, in inches: of a row, of all rows at least, and of what is above and below them. A foot
     is a last row of the grid for a legend.
     """
-    across = min(count, by_width(2, 1))
+    across = min(count, across or by_width(2, 1))
     down = -(-count // across)
     figure = new_figure(tables, title, above + max(height * down, least))
     ratios = [1.0] * down + [0.01] * has_foot
@@ -126,15 +131,6 @@ def time_panels(
     return figure, list(panels.flat)
 
 
-def three_panels(figure: Figure) -> tuple[list[Axes], Axes]:
-    """Three panels in a row, or one below the other on a narrow figure; and room for a legend."""
-    figure.get_layout_engine().set(wspace=0.08)
-    rows, columns = by_width((1, 3), (3, 1))
-    grid = figure.add_gridspec(rows + 1, columns, height_ratios=(*[1] * rows, by_width(0.06, 0.2)))
-    panels = [figure.add_subplot(grid[divmod(place, columns)]) for place in range(3)]
-    return panels, no_axis(figure.add_subplot(grid[rows, :]))
-
-
 def no_axis(axes: Axes) -> Axes:
     """Room for a legend or for words."""
     axes.set_axis_off()
@@ -142,20 +138,33 @@ def no_axis(axes: Axes) -> Axes:
 
 
 def is_lowest(axes: Axes) -> bool:
-    """Whether no panel is below another one of its grid."""
+    """Whether no panel is below another one of its grid, of which the last row may not be full."""
     spot = axes.get_subplotspec()
-    others = [other.get_subplotspec() for other in axes.figure.axes if other.get_subplotspec()]
-    return not any(
-        other.get_gridspec() is spot.get_gridspec()
-        and other.rowspan.start >= spot.rowspan.stop
-        and other.colspan.start <= spot.colspan.start < other.colspan.stop
-        for other in others
-    )
+    spots = filter(None, (other.get_subplotspec() for other in axes.figure.axes))
+    same = [other for other in spots if other.get_gridspec() is spot.get_gridspec()]
+    below = [other for other in same if other.rowspan.start >= spot.rowspan.stop]
+    return not any(other.colspan == spot.colspan for other in below)
 
 
 def is_left(axes: Axes) -> bool:
     """Whether a panel is at the left of its grid."""
     return axes.get_subplotspec().is_first_col()
+
+
+def name_outer(panels: Sequence[Axes], x: Sequence[str] = (), y: Sequence[str] = ()) -> None:
+    """Name the axes of panels, by words and a unit, at the left and at the lowest panels only."""
+    for axes in panels:
+        for name, axis, is_named in ((x, axes.xaxis, is_lowest), (y, axes.yaxis, is_left)):
+            if name:
+                axis.set_tick_params(**{LABELS[axis.axis_name]: is_named(axes)})
+            if name and is_named(axes):
+                name_axis(axis, *name)
+
+
+def legend_below(panels: Sequence[Axes], handles: Sequence[Artist], columns: int) -> None:
+    """A legend in the foot of the grid of panels."""
+    below = no_axis(panels[0].figure.add_subplot(panels[0].get_gridspec()[-1, :]))
+    below.legend(handles=handles, loc="upper center", ncols=columns, handlelength=3)
 
 
 def head(

@@ -10,10 +10,14 @@ from spintop_figures.tables.words import is_good_end
 
 
 def provenance_of(tables: Sequence[Table]) -> dict[str, str]:
-    """The title, the run, the program and the files of tables, each once, for metadata."""
+    """The title, the run, the program and the files of tables, each once, for metadata.
+
+    A run is how a table was computed, and how that ended if not well.
+    """
+    runs = (joined((describe_run(table), warning_of(table))) for table in tables)
     return {
         "Title": joined(table.title for table in tables),
-        "Description": joined(run_of(table) for table in tables),
+        "Description": joined(run[0].upper() + run[1:] for run in runs),
         "Software": joined(
             f"{table.header['program']}, revision {table.header.get('revision', 'unknown')}"
             for table in tables
@@ -58,12 +62,6 @@ def describe_end(status: str) -> str:
         return f"{name_of(word)}{at}{write(float(time), 6)} s" if at else name_of(word)
     except ValueError:
         return status
-
-
-def run_of(table: Table) -> str:
-    """How a table was computed, and how that ended if not well."""
-    run = joined((describe_run(table), warning_of(table)))
-    return run[0].upper() + run[1:]
 
 
 def describe_run(table: Table) -> str:

@@ -4,7 +4,6 @@ import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 from matplotlib.backend_bases import FigureCanvasBase
@@ -96,14 +95,17 @@ def save_as(
     return targets
 
 
-def reduce_colours(png: Path | BinaryIO) -> Image.Image:
-    """A PNG picture with few colours, a third as large when it is saved.
+def save_small(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG file of few colours, with its metadata: a third as large.
 
     The palette covers the colours of small marks, too, which a median cut would mix with others. It
     would tint large areas: the most frequent colours get their places in it unchanged.
     """
-    with Image.open(png) as file:
-        picture = file.convert("RGB")
+    save(figure, path)
+    with Image.open(path) as file:
+        texts, picture = PngInfo(), file.convert("RGB")
+        for key, text in file.text.items():
+            texts.add_itxt(key, text)
     small = picture.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     palette, pixels, places = small.getpalette(), np.asarray(picture), np.asarray(small)
     counted = sorted(picture.getcolors(picture.width * picture.height), reverse=True)
@@ -111,14 +113,4 @@ def reduce_colours(png: Path | BinaryIO) -> Image.Image:
         place = int(places[(pixels == colour).all(axis=2)][0])
         palette[3 * place : 3 * place + 3] = colour
     small.putpalette(palette)
-    return small
-
-
-def save_small(figure: Figure, path: Path) -> None:
-    """Write a figure to a PNG file of few colours, with its metadata."""
-    save(figure, path)
-    with Image.open(path) as picture:
-        texts = PngInfo()
-        for key, text in picture.text.items():
-            texts.add_itxt(key, text)
-    reduce_colours(path).save(path, optimize=True, pnginfo=texts)
+    small.save(path, optimize=True, pnginfo=texts)

@@ -15,10 +15,11 @@ from spintop_figures.style.page import head, new_figure, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
+    has_log_axis,
     is_wide,
     is_words,
     quantities_of,
-    set_parameter_axis,
+    scale_panels,
     succeeded,
     tell_rest,
 )
@@ -75,9 +76,19 @@ def draw_sweep(table: Table) -> Figure:
     x = rows[table.axes()[0]].to_numpy(float)
     for column, axes in zip(EQUATIONS, panels.flat, strict=False):
         draw_quantity(axes, x, rows, column, table.units.get(column, ""))
-    draw_azimuth(panels.flat[4], x, rows[AZIMUTH].to_numpy(float))
+    axes, azimuth = panels.flat[4], rows[AZIMUTH].to_numpy(float)
+    axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
+    known = np.isfinite(azimuth).any()
+    label = "computed by the run" if known else "not computed: no row at $T_p$"
+    axes.plot(x, azimuth, **marks(x, "o", markersize=3) | LINES[0], label=label)
+    low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
+    axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
+    name_axis(axes.yaxis, "azimuth after $T_p$", "degrees")
+    axes.legend(loc="upper left")
     draw_deviations(panels.flat[5], x, rows)
-    set_parameter_axis(table, 0, *panels.flat)
+    name = table.axes()[0]
+    scale_panels([*panels.flat], "x", table, name, has_log_axis(table, name))
     figure.align_ylabels()
     return figure
 
@@ -99,19 +110,6 @@ def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, un
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
     name_axis(axes.yaxis, axis_of(column), unit)
     axes.legend()
-
-
-def draw_azimuth(axes: Axes, x: np.ndarray, azimuth: np.ndarray) -> None:
-    """The azimuth after T_p, which the paper's Eq 32 makes a full turn."""
-    axes.plot(x, np.full_like(x, 360), **LINES[1], label="paper's Eq 32: a full turn")
-    known = np.isfinite(azimuth).any()
-    label = "computed by the run" if known else "not computed: no row at $T_p$"
-    axes.plot(x, azimuth, **marks(x, "o", markersize=3) | LINES[0], label=label)
-    low, high = np.nanmin([0, *azimuth]), np.nanmax([360, *azimuth])
-    axes.set_ylim(low - 0.06 * (high - low), high + 0.45 * (high - low))  # the legend is above
-    axes.yaxis.set_major_locator(MultipleLocator(90 * max(1, round((high - low) / 450))))
-    name_axis(axes.yaxis, "azimuth after $T_p$", "degrees")
-    axes.legend(loc="upper left")
 
 
 def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
@@ -169,7 +167,7 @@ def draw_curves(table: Table) -> Figure:
             axes.plot(*place, "x", transform=axes.get_xaxis_transform(), **crosses)
         if threshold:
             axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
-    set_parameter_axis(table, 0, *panels)
+    scale_panels(panels, "x", table, name, has_log_axis(table, name))
     return figure
 
 

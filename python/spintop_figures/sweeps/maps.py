@@ -24,6 +24,7 @@ from matplotlib.patheffects import withStroke
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import GRAVITY
+from spintop_figures.style.axes import letters_of
 from spintop_figures.style.look import FAULT, lightness
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import head, panel_figure
@@ -33,7 +34,7 @@ from spintop_figures.sweeps.quantities import (
     is_words,
     order_classes,
     quantities_of,
-    set_parameter_axis,
+    scale_panels,
     tell_rest,
 )
 from spintop_figures.tables.names import name_of
@@ -52,8 +53,8 @@ OUTLIERS, FAR = 1.0, 0.5
 """Percentage of the values, at either end, that may be beyond the colour bar, which they are where
 they would take more than this of the range of the others."""
 
-LETTER, LINE = 0.085, 0.16
-"""Width of a letter and height of a line of a name in a map, in inches."""
+ROOM = 0.6, 0.35
+"""Letters and lines of names that fit into a map, over the letters along its sides."""
 
 HEIGHTS = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
@@ -61,7 +62,7 @@ HEIGHTS = 2.6, 4.0
 BLANK = {"facecolor": "white", "edgecolor": "0.7", "hatch": "////"}
 """Of a map where there is no value."""
 
-WORDS = {"ha": "center", "va": "center", "fontsize": "small"}
+WORDS = {"ha": "center", "va": "center", "fontsize": "small", "parse_math": False}
 """Of a name in a map, whose colours are the same on dark ground."""
 
 RATE, AMPLITUDE = "effects.vibration_rate", "effects.vibration_amplitude(3)"
@@ -144,7 +145,8 @@ def make_grid(table: Table) -> Grid:
     (x, column), (y, line) = (
         np.unique(table.column(name), return_inverse=True) for name in table.axes()
     )
-    return Grid(x, y, column * y.size + line, (has_log_axis(table, 0), has_log_axis(table, 1)))
+    logs = tuple(has_log_axis(table, name) for name in table.axes())
+    return Grid(x, y, column * y.size + line, logs)
 
 
 def object_to_grid(table: Table) -> str:
@@ -160,12 +162,12 @@ def object_to_grid(table: Table) -> str:
     return ""
 
 
-def object_to_maps(table: Table) -> str:
-    """Maps show the quantities of a grid."""
-    return object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
-
-
-@figure("sweep", objection=object_to_maps)
+@figure(
+    "sweep",
+    objection=lambda table: (
+        object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
+    ),
+)
 def draw_maps(table: Table) -> Figure:
     """Maps of the quantities of a sweep over a grid of two parameters."""
     grid, quantities = make_grid(table), quantities_of(table)
@@ -184,8 +186,13 @@ def draw_maps(table: Table) -> Figure:
         cross(axes, grid, failed)
     label_axes(table, grid, panels)
     if limit := find_kapitza_limit(table):
+        outline = [withStroke(linewidth=3.5, foreground="white")]
+        style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
+        box = {"frameon": True, "framealpha": 0.85, "facecolor": "white", "edgecolor": "none"}
         for axes in panels:
-            draw_limit(axes, limit)
+            x = np.geomspace(*axes.get_xlim(), 200)
+            axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
+            axes.legend(loc="lower left", labelcolor="black", **box)
     return figure
 
 
@@ -211,53 +218,41 @@ def find_kapitza_limit(table: Table) -> Callable[[np.ndarray], np.ndarray] | Non
     return (lambda values: limit / values) if np.isfinite(limit) else None
 
 
-def draw_limit(axes: Axes, limit: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Kapitza's limit over a map: the second parameter at each value of the first."""
-    x = np.geomspace(*axes.get_xlim(), 200)
-    outline = [withStroke(linewidth=3.5, foreground="white")]
-    style = {"color": "black", "linewidth": 1.4, "scalex": False, "scaley": False}
-    axes.plot(x, limit(x), **style, path_effects=outline, label=KAPITZA)
-    box = {"frameon": True, "framealpha": 0.85, "facecolor": "white", "edgecolor": "none"}
-    axes.legend(loc="lower left", labelcolor="black", **box)
-
-
 def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) -> None:
     """A map of classes, each with its name in it; those without room for it are in a legend."""
     classes = order_classes(values[~failed])
-    codes = {name: float(code) for code, name in enumerate(classes)}
     shades = ListedColormap(COLOURS(np.linspace(0.05, 0.95, len(classes))))
-    norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
-    cells = grid.fill(np.where(failed, np.nan, values.map(codes).to_numpy(float)))
-    look = {"cmap": shades, "norm": norm, "rasterized": True}
-    axes.pcolormesh(*grid.edges(), np.ma.masked_invalid(cells), **look)
-    names, named = [*map(name_of, classes)], set()
-    width, height = room_of(axes)
-    for spot in spots(cells):
-        name = names[spot.code]
-        if spot.width * width >= LETTER * len(name) and spot.height * height >= LINE:
-            named.add(name)
-            ink = "black" if lightness(shades(spot.code)) > 0.45 else "white"
-            style = WORDS | {"transform": axes.transAxes, "color": ink}
-            axes.text(spot.x, spot.y, name, parse_math=False, **style)
-    rest = [(code, name) for code, name in enumerate(names) if name not in named]
-    if rest:
-        handles = [Patch(color=shades(code), label=name) for code, name in rest]
+    codes = values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
+    cells = grid.fill(np.where(failed, np.nan, codes))
+    draw_shades(axes, grid, cells, shades, rasterized=True)
+    names = [*map(name_of, classes)]
+    inks = ["black" if lightness(shade) > 0.45 else "white" for shade in shades.colors]
+    named = name_regions(axes, cells, names, inks)
+    handles = [
+        Patch(color=shades(code), label=name)
+        for code, name in enumerate(names)
+        if code not in named
+    ]
+    if handles:
         place = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "ncols": 3}
         axes.legend(handles=handles, **place, handlelength=1, columnspacing=0.8, borderpad=0.2)
 
 
-def room_of(axes: Axes) -> tuple[float, float]:
-    """About how wide and how high a panel is, in inches, before it is laid out."""
-    spot = axes.get_subplotspec()
-    rows, columns = spot.get_gridspec().get_geometry()
-    width, height = axes.figure.get_size_inches()
-    return 0.78 * width * len(spot.colspan) / columns, 0.72 * height / rows
+def draw_shades(
+    axes: Axes, grid: Grid, codes: np.ndarray, shades: ListedColormap, **look: object
+) -> None:
+    """Cells in the colours of their classes, which have numbers from 0; nan is left out."""
+    norm = BoundaryNorm(np.arange(shades.N + 1) - 0.5, shades.N)
+    axes.pcolormesh(*grid.edges(), np.ma.masked_invalid(codes), cmap=shades, norm=norm, **look)
 
 
 def draw_numbers(
     axes: Axes, grid: Grid, quantity: Quantity, numbers: np.ndarray, failed: np.ndarray
 ) -> None:
-    """A map of a number with its colour bar; of both signs, with its zero where continuous."""
+    """A map of a number with its colour bar; of both signs, with its zero where continuous.
+
+    Where it jumps from one sign to the other there is no line, and the heading tells the jumps.
+    """
     none = quantity.is_none(np.where(failed, np.nan, numbers))
     after = f"; white: {quantity.none}" if none.any() else ""
     if none.any():
@@ -271,11 +266,19 @@ def draw_numbers(
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
-        after += draw_zero(axes, grid, whole)
-        name_signs(axes, whole)
+        cut, size = jumps(whole)
+        smooth = np.ma.masked_where(cut, whole)
+        if smooth.count() and smooth.min() < 0 < smooth.max():
+            axes.contour(grid.x, grid.y, smooth, levels=[0], colors="0.25", linewidths=1.0)
+        after += f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
+        filled = np.ma.filled(whole, np.nan)
+        signs = np.where(np.isfinite(filled), filled > 0, np.nan)  # for print without colours
+        outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
+        name_regions(axes, signs, ("< 0", "> 0"), 2 * ["0.1"], path_effects=outline)
     head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)
     if quantity.most and whole.count():
-        name_regions(axes, np.ma.filled(whole == whole.max(), False), quantity.most)
+        is_most = np.ma.filled(whole == whole.max(), False)
+        name_regions(axes, np.where(is_most, 0, np.nan), [quantity.most], ["0.1"])
 
 
 def draw_cells(
@@ -291,36 +294,21 @@ def draw_cells(
     return axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
 
 
-def name_regions(axes: Axes, there: np.ndarray, name: str) -> None:
-    """A name in each large region of some cells."""
-    width, height = room_of(axes)
-    for spot in spots(np.where(there, 0.0, np.nan)):
-        lines = textwrap.fill(name, max(int(spot.width * width / LETTER), 8))
-        if spot.height * height > LINE * (lines.count("\n") + 1):
-            axes.text(spot.x, spot.y, lines, transform=axes.transAxes, color="0.1", **WORDS)
-
-
-def name_signs(axes: Axes, cells: np.ma.MaskedArray) -> None:
-    """The sign of each large region in it, for print without colours."""
-    width, height = room_of(axes)
-    filled = np.ma.filled(cells, np.nan)
-    outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
-    style = WORDS | {"color": "0.1", "path_effects": outline, "transform": axes.transAxes}
-    for spot in spots(np.where(np.isfinite(filled), filled > 0, np.nan)):
-        if spot.width * width > 3 * LETTER and spot.height * height > LINE:
-            axes.text(spot.x, spot.y, "> 0" if spot.code else "< 0", **style)
-
-
-def draw_zero(axes: Axes, grid: Grid, cells: np.ma.MaskedArray) -> str:
-    """The line where a field is zero; where it jumps from one sign to the other there is none.
-
-    Gives what the heading says of the jumps.
-    """
-    cut, size = jumps(cells)
-    known = np.ma.masked_where(cut, cells)
-    if known.count() and known.min() < 0 < known.max():
-        axes.contour(grid.x, grid.y, known, levels=[0], colors="0.25", linewidths=1.0)
-    return f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
+def name_regions(
+    axes: Axes, codes: np.ndarray, names: Sequence[str], inks: Sequence[str], **style: object
+) -> set[int]:
+    """Write the names of classes, by their numbers, where they have room; gives those named."""
+    named = set()
+    most = [share * letters_of(axes, side) for share, side in zip(ROOM, "xy", strict=True)]
+    for spot in spots(codes):
+        text = textwrap.fill(names[spot.code], max(int(spot.width * most[0]), 8))
+        lines = text.split("\n")
+        has_width = max(map(len, lines)) <= spot.width * most[0]
+        if has_width and len(lines) <= spot.height * most[1]:
+            style |= WORDS | {"transform": axes.transAxes, "color": inks[spot.code]}
+            axes.text(spot.x, spot.y, text, **style)
+            named.add(spot.code)
+    return named
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
@@ -336,8 +324,8 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     """Scales and labels of the parameters; labels at the left and lowest panels only."""
     x_edges, y_edges = grid.edges()
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
-    set_parameter_axis(table, 0, *panels)
-    set_parameter_axis(table, 1, *panels, which="y")
+    for which, name, is_log in zip("xy", table.axes(), grid.logs, strict=True):
+        scale_panels(panels, which, table, name, is_log)
 
 
 class Spot(NamedTuple):
@@ -374,62 +362,26 @@ def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:
     return beside, float(np.median(sizes)) if sizes else float("nan")
 
 
-def regions(codes: np.ndarray) -> list[np.ndarray]:
-    """The connected regions of cells with the same code, the largest first; nan belongs to none."""
-    left = np.isfinite(codes)
-    found = []
-    while left.any():
-        seed = np.unravel_index(np.argmax(left), left.shape)
-        same = left & (codes == codes[seed])
-        region = np.zeros_like(left)
-        region[seed] = True
-        size = 0
-        while size != (size := int(region.sum())):
-            for axis in (0, 1):
-                for step in (1, -1):
-                    moved = np.roll(region, step, axis)
-                    edge = [slice(None)] * 2
-                    edge[axis] = 0 if step == 1 else -1
-                    moved[tuple(edge)] = False
-                    region |= moved & same
-        found.append(region)
-        left &= ~region
-    return sorted(found, key=lambda region: -int(region.sum()))
-
-
 def spots(codes: np.ndarray) -> list[Spot]:
-    """Where the regions of a field of classes have room for a name.
-
-    The room is that of the largest rectangle, of cells, about the cell that is furthest inside.
-    """
+    """Where classes have room for a name: about the cell that is furthest inside of each."""
     strides = [max(1, size // COARSE) for size in codes.shape]
     coarse = codes[:: strides[0], :: strides[1]]
-    down, across = coarse.shape
     found = []
-    for region in regions(coarse):
-        if region.sum() < 0.02 * region.size:  # too small for a name
-            break
-        depth, inside = 0, region
+    for code in np.unique(coarse[np.isfinite(coarse)]):
+        same = inside = coarse == code
+        if same.sum() < 0.02 * same.size:  # too small for a name
+            continue
+        beyond = "edge"  # a class goes on beyond the edge of a map
         while inside.any():
-            depth, deepest = depth + 1, inside
-            padded = np.pad(inside, 1, mode="edge" if depth == 1 else "constant")
-            inside = (
-                inside & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
-            )
-        lines, columns = np.nonzero(deepest)
-        middle = np.argmin((lines - lines.mean()) ** 2 + (columns - columns.mean()) ** 2)
-        y, x = int(lines[middle]), int(columns[middle])
-        left, right = reach(region[y], x)
-        low, high = reach(region[:, x], y)
-        found.append(
-            Spot(
-                int(coarse[y, x]),
-                (left + right + 1) / 2 / across,
-                (y + 0.5) / down,
-                (right - left + 1) / across,
-                (high - low + 1) / down,
-            )
-        )
+            deepest, near = inside, np.pad(inside, 1, mode=beyond)
+            inside = inside & near[:-2, 1:-1] & near[2:, 1:-1] & near[1:-1, :-2] & near[1:-1, 2:]
+            beyond = "constant"
+        places = np.argwhere(deepest)
+        y, x = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
+        (left, right), (low, high) = reach(same[y], x), reach(same[:, x], y)
+        down, across = same.shape
+        middle = (left + right + 1) / 2 / across, (y + 0.5) / down
+        found.append(Spot(int(code), *middle, (right - left + 1) / across, (high - low + 1) / down))
     return found
 
 

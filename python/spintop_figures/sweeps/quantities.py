@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.style.axes import name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
@@ -55,10 +56,9 @@ class Quantity(NamedTuple):
         """Values as they are drawn: what is below rounding stands there."""
         return np.maximum(values, self.floor) if self.floor else values
 
-    def is_rounding(self, values: np.ndarray) -> bool:
+    def is_noise(self, values: pd.Series) -> bool:
         """Whether all values are about as small as rounding errors."""
-        finite = values[np.isfinite(values)]
-        return bool(self.floor and finite.size and finite.max() <= MARGIN * self.floor)
+        return bool(self.floor and values.max() <= MARGIN * self.floor)
 
     def is_none(self, values: np.ndarray) -> np.ndarray:
         """Which values are nothing but rounding, where that has a name."""
@@ -124,62 +124,42 @@ def known_quantities(table: Table) -> list[Quantity]:
         if name not in shown and name in table.rows:
             known.append(column_shown(table, name))
     known.sort(key=lambda quantity: quantity.columns == COSTS)
-    return [quantity for quantity in known if has_values(table, quantity)]
+    good = succeeded(table).replace([np.inf, -np.inf], np.nan)
+    return [quantity for quantity in known if quantity.values(good).notna().any()]
 
 
 def quantities_of(table: Table) -> list[Quantity]:
     """The quantities that a figure shows: not those that are constant or rounding, unless all."""
-    there = known_quantities(table)
-    varying = [quantity for quantity in there if not is_constant(table, quantity)] or there
-    return [quantity for quantity in varying if not is_noise(table, quantity)] or varying
+    there, good = known_quantities(table), succeeded(table)
+    varying = [each for each in there if not is_constant(each.values(good))] or there
+    return [each for each in varying if not each.is_noise(each.values(good))] or varying
 
 
-def is_constant(table: Table, quantity: Quantity) -> bool:
-    """Whether a quantity has the same value in all cases that succeeded, of several."""
-    values = quantity.values(succeeded(table))
+def is_constant(values: pd.Series) -> bool:
+    """Whether a quantity has the same value in all of several cases."""
     if is_words(values):
         return values.nunique() == 1 < len(values)
-    numbers = values.to_numpy(float)
-    finite = numbers[np.isfinite(numbers)]
+    finite = values[np.isfinite(values)]
     # a smaller range is rounding
     return bool(finite.size > 1 and np.ptp(finite) <= 1e-9 * np.abs(finite).max())
 
 
-def tell_constants(table: Table) -> str:
-    """The quantities that are not drawn because they are constant, and their values."""
+def tell_hidden(table: Table) -> str:
+    """The quantities that are not drawn: constants, with their values, and rounding."""
     shown = [quantity.columns for quantity in quantities_of(table)]
-    words = []
+    constant, noise = [], []
     for quantity in known_quantities(table):
-        if quantity.columns in shown or not is_constant(table, quantity):
+        values = quantity.values(succeeded(table))
+        if quantity.columns in shown:
             continue
-        value = quantity.values(succeeded(table)).dropna().iloc[0]
-        if quantity.columns != COSTS or value:
-            text = value if isinstance(value, str) else f"{write(value)} {quantity.unit}".strip()
-            words.append(f"{quantity.label}: {text}")
-    return f" (in all cases {'; '.join(words)})" if words else ""
-
-
-def is_noise(table: Table, quantity: Quantity) -> bool:
-    """Whether a quantity is nothing but rounding in all cases."""
-    values = quantity.values(succeeded(table))
-    return bool(quantity.floor and quantity.is_rounding(values.to_numpy(float)))
-
-
-def tell_noise(table: Table) -> str:
-    """Which errors are not drawn because they are rounding."""
-    shown = [quantity.columns for quantity in quantities_of(table)]
-    words = [
-        f"{quantity.label} at rounding, {write(quantity.values(succeeded(table)).max(), 2)} at most"
-        for quantity in known_quantities(table)
-        if is_noise(table, quantity) and quantity.columns not in shown
-    ]
-    return f" ({'; '.join(words)})" if words else ""
-
-
-def has_values(table: Table, quantity: Quantity) -> bool:
-    """Whether a quantity has a value in any case that succeeded."""
-    values = quantity.values(succeeded(table))
-    return bool((is_words(values) and len(values)) or np.isfinite(values.to_numpy(float)).any())
+        if quantity.is_noise(values):
+            noise.append(f"{quantity.label} at rounding, {write(values.max(), 2)} at most")
+        elif quantity.columns != COSTS or values.any():
+            value = values.dropna().iloc[0]
+            text = value if is_words(values) else f"{write(value)} {quantity.unit}".strip()
+            constant.append(f"{quantity.label}: {text}")
+    words = (f"in all cases {'; '.join(constant)}" if constant else "", "; ".join(noise))
+    return "".join(f" ({each})" for each in words if each)
 
 
 def is_words(values: pd.Series) -> bool:
@@ -211,36 +191,20 @@ def is_wide(values: np.ndarray, ratio: float = 12) -> bool:
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > ratio * finite.min())
 
 
-def has_log_axis(table: Table, place: int) -> bool:
-    """Whether parameter number `place` from 0 is spaced by ratios, or listed over a wide range."""
-    axis = table.axes()[place]
+def has_log_axis(table: Table, name: str) -> bool:
+    """Whether a swept parameter is spaced by ratios, or listed over a wide range."""
     parameters = table.settings.get("sweep.parameter", [])
-    vector = axis.partition("(")[0]
-    number = next((i for i, name in enumerate(parameters, 1) if name in (axis, vector)), place + 1)
+    own = {name, name.partition("(")[0]}  # of a vector all elements are swept alike
+    place = table.axes().index(name) + 1
+    number = next((i for i, each in enumerate(parameters, 1) if each in own), place)
     if {f"sweep.values({number},:)", "sweep.table"} & table.settings.keys():
-        return is_wide(table.rows[axis].to_numpy(float))
-    if element(table, "sweep.distribution", number) == "lognormal":
-        return True
-    return element(table, "sweep.spacing", number) == "log"
+        return is_wide(table.rows[name].to_numpy(float))
 
+    def element(key: str) -> str:
+        listed = table.settings.get(key, [])  # in which one may stand alone, as `spacing(2)`
+        return listed[number - 1] if number <= len(listed) else table.setting(f"{key}({number})")
 
-def element(table: Table, key: str, number: int) -> str:
-    """Element `number` of a list of the resolved input, which may stand alone: `spacing(2)`."""
-    listed = table.settings.get(key, [])
-    alone = table.settings.get(f"{key}({number})", [""])
-    return listed[number - 1] if number <= len(listed) else alone[0]
-
-
-def name_parameter(table: Table, place: int) -> tuple[str, str]:
-    """Parameter number `place` from 0 as an axis names it, and its unit."""
-    name = table.axes()[place]
-    return axis_of(name), table.units.get(name, "")
-
-
-def set_parameter_axis(table: Table, place: int, *panels: Axes, which: str = "x") -> None:
-    """The scale of parameter number `place` from 0, and its name where panels are at the edge."""
-    name = table.axes()[place]
-    scale_panels(panels, which, table, name, table.column(name), has_log_axis(table, place))
+    return element("sweep.distribution") == "lognormal" or element("sweep.spacing") == "log"
 
 
 def scale_panels(
@@ -248,23 +212,33 @@ def scale_panels(
     which: str,
     table: Table,
     name: str,
-    values: np.ndarray,
     is_log: bool,
-    ends: tuple[float, float] | None = None,
+    ends: Sequence[float] | None = None,
     letters: int = 0,
+    steps: int = 0,
 ) -> None:
-    """The scale of a column along x or y of panels, and its name where they are at the edge."""
+    """The scale of a column along x or y of panels, and its name where they are at the edge.
+
+    It has these ends, if any, and so many steps between its ticks at most.
+    """
     unit = table.units.get(name, "")
     for axes in panels:
         axes.set(**{f"{which}scale": "log" if is_log else "linear"})
-        if ends:
-            axes.set(**{f"{which}lim": ends})
+        if ends is not None:
+            axes.set(**{f"{which}lim": tuple(ends)})
     for axes in panels:
         axis = axes.xaxis if which == "x" else axes.yaxis
-        if which == "y" and unit == "deg":
-            set_degree_ticks(axis, values)
-        if is_lowest(axes) if which == "x" else is_left(axes):
+        if steps and not is_log:
+            axis.set_major_locator(MaxNLocator(steps))
+        elif which == "y" and unit == "deg":
+            set_degree_ticks(axis, table.column(name))
+        is_named = is_lowest(axes) if which == "x" else is_left(axes) or steps
+        if is_named:
             name_axis(axis, axis_of(name), unit, plain=True, letters=letters)
+        if steps and is_log:
+            axis.set_minor_formatter("")
+        if steps and which == "x":
+            axes.tick_params(which="both", labelbottom=is_named)
 
 
 def tell_failed(table: Table) -> str:
@@ -278,4 +252,4 @@ def tell_failed(table: Table) -> str:
 
 def tell_rest(table: Table) -> str:
     """What a title says of cases and quantities that are not drawn as the others."""
-    return tell_failed(table) + tell_constants(table) + tell_noise(table)
+    return tell_failed(table) + tell_hidden(table)

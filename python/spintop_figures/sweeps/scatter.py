@@ -2,7 +2,7 @@
 
 import itertools
 import textwrap
-from collections.abc import Iterable, Sized
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,13 +26,13 @@ from spintop_figures.sweeps.quantities import (
     draw_class_ticks,
     has_log_axis,
     is_words,
-    name_parameter,
     order_classes,
     quantities_of,
+    scale_panels,
     succeeded,
-    tell_noise,
+    tell_hidden,
 )
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import count_failures
 
@@ -70,24 +70,11 @@ class Cloud(NamedTuple):
 
     layers: list[Layer]
     """Those that succeeded, the most numerous below."""
+    rows: pd.DataFrame
+    """All of these."""
     failed: pd.DataFrame
     rasterized: bool
     """Whether an SVG stores them as pixels."""
-
-    @property
-    def rows(self) -> pd.DataFrame:
-        """Those that succeeded."""
-        return pd.concat([layer.rows for layer in self.layers])
-
-    @property
-    def count(self) -> int:
-        """How many there are in all."""
-        return len(self.rows) + len(self.failed)
-
-    @property
-    def is_dense(self) -> bool:
-        """Whether the cases would hide each other as points."""
-        return len(self.layers) == 1 and len(self.rows) > 1500  # points would hide each other
 
     @property
     def area(self) -> float:
@@ -96,30 +83,28 @@ class Cloud(NamedTuple):
 
 
 def make_cloud(table: Table, panels: int) -> Cloud:
-    """The cases that are drawn in so many panels, by class where the table has classes."""
+    """The cases that are drawn in so many panels, by class where the table has classes.
+
+    Of many cases they are a random sample, the same one each time; rare groups are complete.
+    """
     good = succeeded(table)
     words = good["motion_class"] if "motion_class" in good else pd.Series("", good.index)
     classes = order_classes(words)
-    groups = [good[words == name] for name in classes]
-    *chosen, failed = thin([*groups, table.rows.drop(good.index)])
+    groups = [*(good[words == name] for name in classes), table.rows.drop(good.index)]
+    share = min(1.0, MOST_CASES / len(table.rows))
+    counts = [min(len(group), max(round(share * len(group)), LEAST_CASES)) for group in groups]
+    *chosen, failed = (
+        group.sample(count, random_state=0).sort_index()
+        for group, count in zip(groups, counts, strict=True)
+    )
     looks = [(f"{OURS}class{number}", marker) for number, marker in enumerate(MARKERS, start=1)]
     layers = [
         Layer(name, rows, len(group), *look)
         for name, rows, group, look in zip(classes, chosen, groups, itertools.cycle(looks))
     ]
     layers.sort(key=lambda layer: -layer.count)
-    drawn = sum(map(len, chosen)) + len(failed)
-    return Cloud(layers, failed, drawn * panels > MANY_POINTS)
-
-
-def thin(groups: list[pd.DataFrame]) -> list[pd.DataFrame]:
-    """A random sample of many cases, the same one each time; rare groups are complete."""
-    share = min(1.0, MOST_CASES / sum(map(len, groups)))
-    thinned = []
-    for group in groups:
-        count = min(len(group), max(round(share * len(group)), LEAST_CASES))
-        thinned.append(group.sample(count, random_state=0).sort_index())
-    return thinned
+    rows = pd.concat([layer.rows for layer in layers])
+    return Cloud(layers, rows, failed, (len(rows) + len(failed)) * panels > MANY_POINTS)
 
 
 class Tint(NamedTuple):
@@ -131,9 +116,9 @@ class Tint(NamedTuple):
     shades: Colormap = SHADES
 
 
-def varying(table: Table) -> list[int]:
-    """The places of the swept parameters that have several values."""
-    return [i for i, name in enumerate(table.axes()) if table.rows[name].nunique() > 1]
+def varying(table: Table) -> list[str]:
+    """The swept parameters that have several values."""
+    return [name for name in table.axes() if table.rows[name].nunique() > 1]
 
 
 def telling(table: Table) -> list[Quantity]:
@@ -156,34 +141,48 @@ def object_to_scatter(table: Table) -> str:
 @figure("sweep", objection=object_to_scatter)
 def draw_scatter(table: Table) -> Figure:
     """Points of a sweep over several parameters that is not a grid of two."""
-    places, quantities = varying(table), telling(table)
-    shown = places[: by_width(4, 2)]
-    told = quantities[:6]
-    has_plane = len(places) == by_width(2, 0)
+    names, quantities = varying(table), telling(table)
+    shown, told = names[: by_width(4, 2)], quantities[:6]
+    has_plane = len(names) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
-    counts = ((table.rows, cloud.count, "random cases"), (places, len(shown), "parameters"))
-    title = "Cases over " + ", ".join(name_of(table.axes()[place]) for place in shown)
-    title += tell_left_out((*counts, (quantities, len(told), "quantities"))) + tell_noise(table)
+    title = "Cases over " + ", ".join(map(name_of, shown))
+    parts = [
+        f"{write_count(drawn)} of {write_count(count)} {what}"
+        for drawn, count, what in (
+            (len(cloud.rows) + len(cloud.failed), len(table.rows), "random cases"),
+            (len(shown), len(names), "parameters"),
+            (len(told), len(quantities), "quantities"),
+        )
+        if drawn < count
+    ]
+    title += (f" ({'; '.join(parts)})" if parts else "") + tell_hidden(table)
     figure = new_figure(table, title, 1.9 + max(1.45 * len(told), 3.0))
     key, field = figure.add_gridspec(2, 1, height_ratios=[0.2, len(told)])
     panels = field.subgridspec(len(told), across).subplots(squeeze=False)
-    tint = None if len(cloud.layers) > 1 else tint_by_parameter(table, places[0], cloud)
-    densities = []
+    is_dense = len(cloud.layers) == 1 and len(cloud.rows) > 1500  # points would hide each other
+    tint, densities = None, []
+    if len(cloud.layers) == 1:  # no classes are to be told apart
+        values, is_log = table.rows[names[0]], has_log_axis(table, names[0])
+        norm = (LogNorm if is_log else Normalize)(values.min(), values.max())
+        label = axis_of(names[0]), table.units.get(names[0], "")
+        tint = Tint(cloud.rows[names[0]], norm, label)
     for row, quantity in zip(panels, told, strict=True):
         heights = heights_of(quantity, cloud.rows)
-        for axes, place in zip(row, shown, strict=False):
-            name = table.axes()[place]
-            if cloud.is_dense:
-                logs = has_log_axis(table, place), quantity.has_log_scale(heights.to_numpy())
+        for axes, name in zip(row, shown, strict=False):
+            if is_dense:
+                logs = has_log_axis(table, name), quantity.has_log_scale(heights.to_numpy())
                 densities.append(draw_density(axes, cloud.rows[name], heights, logs))
             else:
                 draw_points(axes, cloud, name, heights, tint)
             mark_failed(axes, cloud.failed[name].to_numpy(float))
             scale_heights(axes, quantity, cloud.rows, heights, axes is row[0])
         if has_plane:
-            draw_plane(row[-1], table, shown, cloud, quantity)
-    set_parameter_axes(panels, table, shown, has_plane)
+            draw_plane(row[-1], shown, cloud, quantity)
+    for column, name in zip(panels.T, shown + shown[:has_plane], strict=True):
+        scale_parameter(column, "x", table, name)
+    if has_plane:
+        scale_parameter(panels[:, -1], "y", table, shown[1])
     if densities:
         norm = LogNorm(1, max(max(cells.get_array()) for cells in densities))
         for cells in densities:
@@ -192,16 +191,6 @@ def draw_scatter(table: Table) -> Figure:
     add_key(no_axis(figure.add_subplot(key)), cloud, table, tint)
     figure.align_ylabels(panels[:, 0])
     return figure
-
-
-def tell_left_out(counts: Iterable[tuple[Sized, int, str]]) -> str:
-    """Of what not all is drawn, and how much is."""
-    parts = [
-        f"{write_count(drawn)} of {write_count(len(things))} {what}"
-        for things, drawn, what in counts
-        if drawn < len(things)
-    ]
-    return f" ({'; '.join(parts)})" if parts else ""
 
 
 def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
@@ -282,11 +271,9 @@ def scale_heights(
         name_axis(axes.yaxis, quantity.label, quantity.unit, after, letters=LABEL_LETTERS)
 
 
-def draw_plane(
-    axes: Axes, table: Table, places: list[int], cloud: Cloud, quantity: Quantity
-) -> None:
+def draw_plane(axes: Axes, names: list[str], cloud: Cloud, quantity: Quantity) -> None:
     """The plane of two parameters: points coloured by a quantity, failed cases crossed."""
-    x, y = (table.axes()[place] for place in places)
+    x, y = names
     tint = None
     if not is_words(quantity.values(cloud.rows)):
         numbers = heights_of(quantity, cloud.rows)
@@ -300,41 +287,14 @@ def draw_plane(
     axes.plot(cloud.failed[x], cloud.failed[y], "x", rasterized=cloud.rasterized, **style)
 
 
-def set_parameter_axes(
-    panels: np.ndarray, table: Table, places: list[int], has_plane: bool
-) -> None:
-    """Scales, limits and labels of the parameters: those below at the lowest panels only."""
-    for column, place in enumerate([*places, places[0]] if has_plane else places):
-        for axes in panels[:, column]:
-            set_parameter_axis(axes, "x", table, place, axes is panels[-1, column])
-            axes.tick_params(which="both", labelbottom=axes is panels[-1, column])
-    for axes in panels[:, -1] if has_plane else ():
-        set_parameter_axis(axes, "y", table, places[1], True)
-
-
-def set_parameter_axis(axes: Axes, which: str, table: Table, place: int, is_named: bool) -> None:
+def scale_parameter(panels: Sequence[Axes], which: str, table: Table, name: str) -> None:
     """The same scale and limits wherever a parameter is on an axis, with room at the ends."""
-    values, is_log = table.column(table.axes()[place]), has_log_axis(table, place)
+    values, is_log = table.column(name), has_log_axis(table, name)
     ends = np.array([values.min(), values.max()])
     ends = np.log(ends) if is_log else ends
     ends += 0.04 * np.ptp(ends) * np.array([-1, 1])
-    axes.set(**{f"{which}scale": "log" if is_log else "linear"})
-    axes.set(**{f"{which}lim": tuple(np.exp(ends) if is_log else ends)})
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    if not is_log:
-        axis.set_major_locator(MaxNLocator(4))
-    if is_named:
-        name_axis(axis, *name_parameter(table, place), plain=True, letters=NARROW_LETTERS)
-    if is_log:
-        axis.set_minor_formatter("")
-
-
-def tint_by_parameter(table: Table, place: int, cloud: Cloud) -> Tint:
-    """The colours of a parameter, where no classes are to be told apart."""
-    name = table.axes()[place]
-    values = table.rows[name]
-    norm = (LogNorm if has_log_axis(table, place) else Normalize)(values.min(), values.max())
-    return Tint(cloud.rows[name], norm, name_parameter(table, place))
+    ends = np.exp(ends) if is_log else ends
+    scale_panels(panels, which, table, name, is_log, ends, NARROW_LETTERS, steps=4)
 
 
 def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:

@@ -10,10 +10,10 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure, unless
-from spintop_figures.style.axes import letters_of, name_axis, set_degree_ticks
+from spintop_figures.style.axes import letters_of, name_axis, name_rows, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
 from spintop_figures.style.numbers import MINUS, write, write_count
-from spintop_figures.style.page import head, is_left, is_lowest, panel_figure
+from spintop_figures.style.page import head, is_left, name_outer, panel_figure
 from spintop_figures.sweeps.maps import (
     BLANK,
     COLOURS,
@@ -142,7 +142,7 @@ def draw_means(table: Table) -> Figure:
             draw_curve(axes, table, bins[0], rows, name)
     for bin_, which in zip(bins, "xy", strict=False):
         ends = bin_.edges[0], bin_.edges[-1]
-        scale_panels(panels, which, table, bin_.column, bin_.edges, bin_.is_log, ends)
+        scale_panels(panels, which, table, bin_.column, bin_.is_log, ends)
     return figure
 
 
@@ -302,18 +302,15 @@ def draw_indices(table: Table) -> Figure:
     figure.legend(handles, labels, loc="outside upper right", ncols=2, borderpad=0)
     for axes in panels:
         axes.tick_params(labelleft=is_left(axes), left=False)
-        if is_lowest(axes):
-            name_axis(axes.xaxis, "share of the variance")
+    name_outer(panels, ["share of the variance"])
     return figure
 
 
 def draw_dots(axes: Axes, rows: pd.DataFrame) -> None:
     """The indices of a column as dots with intervals; a column without indices says so."""
     places = np.arange(len(rows))
-    axes.set_yticks(places, [name_of(factor) for factor in rows["factor"]])
+    name_rows(axes, [*map(name_of, rows["factor"])])
     axes.axvline(0, color=GREY, linewidth=0.6, zorder=0)
-    for place in places:
-        axes.axhline(place, color=FAINT, linewidth=0.5, zorder=0)
     for index, (shift, colour, look) in zip(INDICES, LOOKS, strict=True):
         values, low, high = (rows[index + end].to_numpy(float) for end in ("", "_low", "_high"))
         there = places + shift

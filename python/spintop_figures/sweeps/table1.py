@@ -86,7 +86,16 @@ def draw_table1(table: Table) -> Figure:
     figure = new_figure(table, title, lines * ROW_HEIGHT + 1.2, PAGE_WIDTH)
     axes = no_axis(figure.subplots())
     axes.set(xlim=(0, PAGE_WIDTH), ylim=(lines, 0))
-    write_heads(axes)
+    axes.axhline(0.2, color=INK, linewidth=1.2)
+    for group, members in itertools.groupby(COLUMNS, key=lambda column: column.group):
+        edges = [RIGHT_EDGES[column] for column in members]
+        left, right = edges[0] - 0.85, edges[-1]
+        axes.text((left + right) / 2, 1.4, group, ha="center", va="center")
+        if len(edges) > 1:
+            axes.plot([left, right], [2.4, 2.4], color=INK, linewidth=0.6)
+    for column in COLUMNS:
+        axes.text(RIGHT_EDGES[column], 3.2, column.head, ha="right", va="center")
+    axes.axhline(HEADS, color=INK, linewidth=0.8)
     failed = ~ended_well(table.rows).to_numpy()
     for column in COLUMNS:
         write_column(axes, column, table.column(column.column), failed)
@@ -95,21 +104,6 @@ def draw_table1(table: Table) -> Figure:
         style = {"va": "center", "parse_math": False, "fontsize": "small"}
         axes.text(0.1, bottom + 0.8 + number, note, **style)
     return figure
-
-
-def write_heads(axes: Axes) -> None:
-    """Two lines of heads between rules; a group's head stands over its columns."""
-    axes.axhline(0.2, color=INK, linewidth=1.2)
-    for group, members in itertools.groupby(COLUMNS, key=lambda column: column.group):
-        first, *rest = members
-        right = RIGHT_EDGES[[first, *rest][-1]]
-        left = RIGHT_EDGES[first] - 0.85
-        axes.text((left + right) / 2, 1.4, group, ha="center", va="center")
-        if rest:
-            axes.plot([left, right], [2.4, 2.4], color=INK, linewidth=0.6)
-    for column in COLUMNS:
-        axes.text(RIGHT_EDGES[column], 3.2, column.head, ha="right", va="center")
-    axes.axhline(HEADS, color=INK, linewidth=0.8)
 
 
 def write_column(axes: Axes, column: Column, values: np.ndarray, failed: np.ndarray) -> None:

@@ -6,7 +6,7 @@ module spintop_column_choice
     use spintop_problems, only: problems_t
     use spintop_sensitivity, only: is_sensitivity, split_name
     use spintop_studies, only: create_study, listed_studies
-    use spintop_study, only: study_info_t, study_t
+    use spintop_study, only: study_t
     use spintop_study_column, only: by_default, categorical, compares, find_column, is_end, needs_effects, needs_exact, &
         proof_group, study_column_t
     use spintop_text, only: append, join, string_t, to_text
@@ -25,7 +25,13 @@ contains
         type(study_column_t), allocatable :: chosen(:)
         integer :: i
 
-        if (job%input%scene%certified) call check_certified(study%info, problems)
+        if (job%input%scene%certified) then
+            if (.not. study%info%takes_columns) then
+                call problems%add('output.certified', study%info%phrase // ' has no certified numbers', 'omit it')
+            else if (.not. has_balls()) then
+                call problems%add('output.certified', balls_missing, balls_hint)
+            end if
+        end if
         if (allocated(job%axes%axis)) then
             if (job%axes%varies('uncertainty')) call problems%add('sweep', 'radii are the same in all cases', &
                                                                   'give them in the group uncertainty')
@@ -57,17 +63,6 @@ contains
         call check_uncertainties(job%input%scene, any(chosen%group == proof_group), problems)
         call move_alloc(chosen, job%columns)
     end subroutine choose_columns
-
-    !> Reports what prevents certified numbers.
-    subroutine check_certified(info, problems)
-        type(study_info_t), intent(in) :: info
-        type(problems_t), intent(inout) :: problems
-        if (.not. info%takes_columns) then
-            call problems%add('output.certified', info%phrase // ' has no certified numbers', 'omit it')
-        else if (.not. has_balls()) then
-            call problems%add('output.certified', balls_missing, balls_hint)
-        end if
-    end subroutine check_certified
 
     !> Adds the column that element `i` of the list in the scene names.
     subroutine add_column(study, job, i, columns, problems)
@@ -154,7 +149,12 @@ contains
         character(*), intent(in) :: key, name
         type(study_column_t), intent(out) :: found !! its place is 0 if there is a problem
         type(problems_t), intent(inout) :: problems
-        character(:), allocatable :: owners, problem, hint
+        character(*), parameter :: ending = '_bound'
+        class(study_t), allocatable :: other
+        type(study_column_t) :: theirs
+        type(string_t), allocatable :: owners(:)
+        character(:), allocatable :: problem, hint, ignored, ignored_hint
+        integer :: last, i
 
         call find_column(study%columns, name, found, problem, hint)
         if (found%place > 0) then
@@ -166,51 +166,27 @@ contains
             found%place = 0
             return
         end if
-        owners = owners_of(name)
-        if (owners /= '') then
-            call problems%add(key, study%info%phrase // " has no column '" // name // "': " // owners // ' have it', &
+        allocate (owners(0))
+        do i = 1, size(listed_studies)
+            call create_study(listed_studies(i), other)
+            call find_column(other%columns, name, theirs, ignored, ignored_hint)
+            if (theirs%place > 0) call append(owners, other%info%plural)
+        end do
+        if (size(owners) > 0) then
+            last = size(owners)
+            if (last > 1) owners(last)%text = join(owners(:last - 1), ', ') // ' and ' // owners(last)%text
+            call problems%add(key, study%info%phrase // " has no column '" // name // "': " // owners(last)%text // ' have it', &
                               "omit it, or set another study.kind; `spintop list columns` shows each study's")
             return
         end if
         if (hint == '') hint = '`spintop list columns` shows them all'
-        call refuse_bound(study%columns, name, problem, hint)
+        ! Proofs enclose the motion at a time.
+        last = max(0, len(name) - len(ending))
+        if (name(last + 1:) == ending .and. any(study%columns%name == name(:last))) then
+            problem = "column '" // name // "': proofs bound the attitude and the angular velocity at a time, not " // name(:last)
+            hint = 'omit it; `spintop list columns` shows the bounds that there are'
+        end if
         call problems%add(key, problem, hint, is_certain=.true.)
     end subroutine find_named
-
-    !> Says why there is no bound of a column, if a name asks for that: proofs enclose the motion at a time.
-    subroutine refuse_bound(known, name, problem, hint)
-        type(study_column_t), intent(in) :: known(:) !! all columns of the study
-        character(*), intent(in) :: name
-        character(:), allocatable, intent(inout) :: problem, hint
-        character(*), parameter :: ending = '_bound'
-        integer :: last
-        last = len(name) - len(ending)
-        if (last < 1) return
-        if (name(last + 1:) /= ending .or. .not. any(known%name == name(:last))) return
-        problem = "column '" // name // "': proofs bound the attitude and the angular velocity at a time, not " // name(:last)
-        hint = 'omit it; `spintop list columns` shows the bounds that there are'
-    end subroutine refuse_bound
-
-    !> The kinds of study that have a column of that name, as text; '' if there is none.
-    function owners_of(name) result(owners)
-        character(*), intent(in) :: name
-        character(:), allocatable :: owners
-        class(study_t), allocatable :: study
-        type(study_column_t) :: found
-        type(string_t), allocatable :: plurals(:)
-        character(:), allocatable :: problem, hint
-        integer :: i, n
-
-        allocate (plurals(0))
-        do i = 1, size(listed_studies)
-            call create_study(listed_studies(i), study)
-            call find_column(study%columns, name, found, problem, hint)
-            if (found%place > 0) call append(plurals, study%info%plural)
-        end do
-        n = size(plurals)
-        owners = join(plurals(:n - 1), ', ')
-        if (n > 1) owners = owners // ' and '
-        if (n > 0) owners = owners // plurals(n)%text
-    end function owners_of
 
 end module spintop_column_choice

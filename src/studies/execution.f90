@@ -124,6 +124,9 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(given_axis_t), intent(in), optional :: given(:) !! values of parameters, in place of axes of a sweep
         type(prepared_t), allocatable, target :: prepared(:)
+        type(error_t), allocatable :: ignored
+        type(row_table_t) :: table
+        type(team_t) :: team
         integer :: threads
 
         threads = 1
@@ -145,34 +148,34 @@ contains
                 if (.not. allocated(error)) call run_in_files(prepared(1), options, .true., run, error)
             else if (job%input%scene%kind == study_kinds(kind_sweep) .and. .not. job%statistics%is_wanted) then
                 !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
-                call run_sweep(job, options, run, error)
+                call describe_columns(job, table%columns)
+                allocate (table%memory)
+                call table%memory%begin(table%columns, job%axes%cases, error)
+                if (.not. allocated(error)) then
+                    call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
+                    call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
+                end if
+                if (.not. allocated(error)) then
+                    allocate (run%table(1))
+                    table%memory%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
+                    call move_table(table%memory, run%table(1))
+                end if
             else
-                call run_in_private_folder(prepared(1), options, run, error)
+                ! In a folder whose files nobody else is to see.
+                call make_private_folder(options%output, error)
+                if (.not. allocated(error)) then
+                    job%files%table = options%output // job%files%table
+                    job%files%log = options%output // job%files%log
+                    if (job%files%events /= '') job%files%events = options%output // job%files%events
+                    if (job%files%statistics /= '') job%files%statistics = options%output // job%files%statistics
+                    call run_in_files(prepared(1), options, .false., run, error)
+                    call remove_folder(options%output, ignored)
+                    options%output = ''
+                end if
             end if
         end associate
         !$ call omp_set_num_threads(threads)
     end subroutine run_in_memory
-
-    !> Computes the cases of a sweep.
-    subroutine run_sweep(job, options, run, error)
-        type(job_t), target, intent(in) :: job
-        type(options_t), intent(in) :: options
-        type(memory_run_t), intent(inout) :: run
-        type(error_t), allocatable, intent(out) :: error
-        type(row_table_t) :: table
-        type(team_t) :: team
-
-        call describe_columns(job, table%columns)
-        allocate (table%memory)
-        call table%memory%begin(table%columns, job%axes%cases, error)
-        if (allocated(error)) return
-        call team%progress%start(job%name, 'cases', job%axes%cases, options%quiet, options%progress)
-        call compute_cases(job, options%ranks, [1_int64, job%axes%cases], table, team, run%code, error)
-        if (allocated(error)) return
-        allocate (run%table(1))
-        table%memory%frame = study_head(job, table%columns, part=options%shard%beginning(job%axes%cases))
-        call move_table(table%memory, run%table(1))
-    end subroutine run_sweep
 
     !> Moves the columns of a table.
     subroutine move_table(from, to)
@@ -183,27 +186,6 @@ contains
         call move_alloc(from%column, to%column)
         call move_alloc(from%frame, to%frame)
     end subroutine move_table
-
-    !> Runs a job whose files nobody else is to see.
-    subroutine run_in_private_folder(prepared, options, run, error)
-        type(prepared_t), target, intent(inout) :: prepared
-        type(options_t), intent(inout) :: options
-        type(memory_run_t), intent(inout) :: run
-        type(error_t), allocatable, intent(out) :: error
-        type(error_t), allocatable :: ignored
-
-        call make_private_folder(options%output, error)
-        if (allocated(error)) return
-        associate (job => prepared%job, folder => options%output)
-            job%files%table = folder // job%files%table
-            job%files%log = folder // job%files%log
-            if (job%files%events /= '') job%files%events = folder // job%files%events
-            if (job%files%statistics /= '') job%files%statistics = folder // job%files%statistics
-            call run_in_files(prepared, options, .false., run, error)
-            call remove_folder(folder, ignored)
-        end associate
-        options%output = ''
-    end subroutine run_in_private_folder
 
     !> Runs a job, and loads its tables. Those of NetCDF are not loaded.
     subroutine run_in_files(prepared, options, stay, run, error)
@@ -233,27 +215,24 @@ contains
             statistics = job%files%statistics
             if (.not. job%keeps_rows()) statistics = job%files%table
             if (job%keeps_rows()) call add_table(job%files%table, 'rows', run, error)
-            if (.not. allocated(error)) call add_table(job%files%events, 'events', run, error)
-            if (.not. allocated(error)) call add_table(statistics, 'statistics', run, error)
-            if (.not. allocated(error) .and. job%statistics%is_wanted) then
-                call add_table(path_beside(statistics, 'histogram'), 'histogram', run, error)
-                if (.not. allocated(error)) call add_table(path_beside(statistics, 'indices'), 'indices', run, error)
-            end if
-            if (.not. allocated(error) .and. job%input%scene%kind == study_kinds(kind_fit)) then
-                call add_table(residual_path(job%files%table), 'residuals', run, error)
-            end if
+            call add_table(job%files%events, 'events', run, error)
+            call add_table(statistics, 'statistics', run, error)
+            if (job%statistics%is_wanted) call add_table(path_beside(statistics, 'histogram'), 'histogram', run, error)
+            if (job%statistics%is_wanted) call add_table(path_beside(statistics, 'indices'), 'indices', run, error)
+            if (job%input%scene%kind == study_kinds(kind_fit)) call add_table(residual_path(job%files%table), 'residuals', run, &
+                                                                              error)
         end associate
     end subroutine run_in_files
 
-    !> Loads a table, if there is one.
+    !> Loads a table, if there is one, and was no error before.
     subroutine add_table(path, name, run, error)
         character(*), intent(in) :: path, name
         type(memory_run_t), intent(inout) :: run
-        type(error_t), allocatable, intent(out) :: error
+        type(error_t), allocatable, intent(inout) :: error
         type(data_table_t), allocatable :: more(:)
         integer :: i
 
-        if (len(path) < 4) return
+        if (allocated(error) .or. len(path) < 4) return
         if (path(len(path) - 3:) /= '.csv' .or. .not. file_exists(path)) return
         allocate (more(size(run%table) + 1))
         do i = 1, size(run%table)

@@ -123,6 +123,10 @@ contains
         class(job_t), target, intent(inout) :: self
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        character(:), allocatable :: missing
+        type(string_t), allocatable :: names(:)
+        integer :: i, given
+
         if (allocated(self%given)) then
             call make_axes_of_arrays(self%given, self%input%scene, self%input%table, self%axes, problems)
         else if (self%input%scene%sweep_table == '') then
@@ -130,26 +134,16 @@ contains
         else
             call read_axes(self%input%path, self%input%scene, self%input%table, self%axes, problems, diagnostics)
         end if
-        if (.not. problems%any() .and. self%axes%cases > 0) call check_complete(self%axes, self%input%table, problems)
-    end subroutine make_axes
-
-    !> Checks that no element is missing that those on the axes require: of a vector all vary or have values.
-    subroutine check_complete(axes, table, problems)
-        type(axes_t), intent(in) :: axes
-        type(parameter_table_t), intent(in) :: table
-        type(problems_t), intent(inout) :: problems
-        character(:), allocatable :: missing
-        type(string_t) :: names(size(axes%axis))
-        integer :: i, given
-
+        if (problems%any() .or. self%axes%cases == 0) return
+        ! No element may be missing that those on the axes require: of a vector all vary or have values.
+        allocate (names(size(self%axes%axis)))
         do i = 1, size(names)
-            names(i)%text = axes%axis(i)%name
+            names(i)%text = self%axes%axis(i)%name
         end do
-        call find_missing_beside(table, names, missing, given)
-        if (missing == '') return
-        call problems%add('sweep', missing // ' is missing', &
-                          names(given)%text // ' varies and requires it: give it a value, or vary it too')
-    end subroutine check_complete
+        call find_missing_beside(self%input%table, names, missing, given)
+        if (missing /= '') call problems%add('sweep', missing // ' is missing', names(given)%text // &
+                                             ' varies and requires it: give it a value, or vary it too')
+    end subroutine make_axes
 
     !> Makes the case of the input, or the first of those of its axes that can be computed, and its plan if `planned`.
     !> `first` is the scene of that case. If none of the first cases can be computed, the problems are those of the first.
@@ -271,7 +265,7 @@ contains
         class(column_t), intent(in) :: columns(:) !! columns of the table
         type(string_t), intent(in), optional :: remarks(:) !! lines after the columns
         character(*), intent(in), optional :: part !! first line of the table of a part; '' for the whole
-        character(:), allocatable :: head, beginning, method
+        character(:), allocatable :: head, beginning, method, words
         type(fact_t) :: facts(fact_count)
         type(string_t), allocatable :: input(:)
         integer :: i
@@ -288,14 +282,29 @@ contains
             ! Nothing in the table of a sweep varies from run to run.
             call gather_facts(job%input%scene%title, job%plan%model, method, dated=.false., facts=facts)
         else if (allocated(job%plan%model)) then
-            call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, &
-                              body=body_in_words(job%case%given_body))
+            ! The mass properties in the axes in which they were given.
+            associate (body => job%case%given_body)
+                words = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
+                        ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
+                if (body%has_products()) words = words // '; elements 23, 31, 12 of the inertia tensor ' // &
+                                                 listed(body%products) // ' kg m^2'
+            end associate
+            call gather_facts(job%input%scene%title, job%plan%model, job%plan%method, dated=.true., facts=facts, body=words)
         else
             call gather_facts(job%input%scene%title, 'those of the column formulation', 'those of the column method', &
                               dated=.true., facts=facts)
         end if
         call print_input(job, input)
         head = header_of(beginning, facts, input, columns, remarks)
+
+    contains
+
+        function listed(x) result(list)
+            real(dp), intent(in) :: x(3)
+            character(:), allocatable :: list
+            list = to_text(x(1)) // ', ' // to_text(x(2)) // ', ' // to_text(x(3))
+        end function listed
+
     end function study_head
 
     !> The resolved input, which can be run. Of the groups there are those that the kind of study reads, and those in which the
@@ -308,24 +317,6 @@ contains
         if (job%has_case) groups = groups // '|' // groups_of_a_case
         call print_namelist(job%input%table, lines, groups)
     end subroutine print_input
-
-    !> The mass properties of a body, in the axes in which they were given.
-    function body_in_words(body) result(text)
-        type(body_t), intent(in) :: body
-        character(:), allocatable :: text
-        text = 'mass ' // to_text(body%mass) // ' kg; inertia ' // listed(body%inertia) // &
-               ' kg m^2 about the pivot; centre of mass ' // listed(body%centre_of_mass) // ' m'
-        if (body%has_products()) text = text // '; elements 23, 31, 12 of the inertia tensor ' // listed(body%products) // ' kg m^2'
-
-    contains
-
-        function listed(x) result(list)
-            real(dp), intent(in) :: x(3)
-            character(:), allocatable :: list
-            list = to_text(x(1)) // ', ' // to_text(x(2)) // ', ' // to_text(x(3))
-        end function listed
-
-    end function body_in_words
 
     !> Checks that all ranks have the same build and input: their tables must have equal headers. All ranks call it.
     subroutine compare_with_writer(ranks, head, error)

@@ -103,9 +103,10 @@ contains
         call read_tables(input, job%input%scene, problems)
         call create_study(trim(job%input%scene%kind), study)
         job%has_case = study%info%has_case
-        call check_job(study, job, problems, diagnostics)
-        call refuse_parts(study%info, options, problems)
-        call refuse_netcdf(study%info, job, problems)
+        call refuse_for_kind(study%info, job, problems)
+        allocate (job%axes%axis(0))
+        call study%check(job, problems, diagnostics)
+        call refuse_run(study%info, job, options, problems)
         call choose_columns(study, job, problems)
         call study%complete(job, problems)
         call choose_events(study%info, job%input%scene, job%case, job%events, problems)
@@ -119,50 +120,36 @@ contains
         call name_outputs(options, job)
     end subroutine prepare_job
 
-    !> Checks that are common to all studies, then those of the study.
-    subroutine check_job(study, job, problems, diagnostics)
-        class(study_t), intent(inout) :: study
-        type(job_t), target, intent(inout) :: job
-        type(problems_t), intent(inout) :: problems
-        type(diagnostics_t), intent(inout) :: diagnostics
-
-        if (scan(trim(job%input%scene%file), '/') > 0) then
-            call problems%add('output.file', 'the name of the table contains a slash', &
-                              'name the folder with --output')
-        end if
-        if (job%names_axes() .and. .not. study%info%takes_axes) then
-            call problems%add('sweep', study%info%phrase // ' has no axes', "set study.kind = 'sweep'")
-        end if
-        if (.not. study%info%has_statistics) then
-            if (job%names_statistics()) call problems%add('statistics', study%info%phrase // ' has no statistics', &
-                                                          "omit the group, or set study.kind = 'sweep'")
-            if (job%input%scene%rows /= '') call problems%add('output.rows', study%info%phrase // ' always has its rows', 'omit it')
-        end if
-        allocate (job%axes%axis(0))
-        call study%check(job, problems, diagnostics)
-    end subroutine check_job
-
-    !> Reports shards of studies without parts, and a resumed run of those that keep nothing of an interrupted one.
-    subroutine refuse_parts(info, options, problems)
-        type(study_info_t), intent(in) :: info
-        type(options_t), intent(in) :: options
-        type(problems_t), intent(inout) :: problems
-        if (options%shard%is_part() .and. .not. info%has_parts) then
-            call problems%add('study.kind', '--shard is not for ' // info%plural // ', which have no parts', 'omit --shard')
-        end if
-        if (options%resume .and. .not. info%resumes) then
-            call problems%add('study.kind', '--resume is for sweeps and trajectories: this study is always computed as a whole', &
-                              'omit --resume')
-        end if
-    end subroutine refuse_parts
-
-    !> Reports a NetCDF table that a study, or this build, cannot write.
-    subroutine refuse_netcdf(info, job, problems)
+    !> Reports what no study may ask for, and what this kind cannot do: it has no axes, or no statistics.
+    subroutine refuse_for_kind(info, job, problems)
         type(study_info_t), intent(in) :: info
         type(job_t), intent(in) :: job
         type(problems_t), intent(inout) :: problems
+        character(*), parameter :: sweep = "set study.kind = 'sweep'"
+
+        if (scan(trim(job%input%scene%file), '/') > 0) call problems%add( &
+            'output.file', 'the name of the table contains a slash', 'name the folder with --output')
+        if (job%names_axes() .and. .not. info%takes_axes) call problems%add('sweep', info%phrase // ' has no axes', sweep)
+        if (job%names_statistics() .and. .not. info%has_statistics) call problems%add( &
+            'statistics', info%phrase // ' has no statistics', 'omit the group, or ' // sweep)
+        if (job%input%scene%rows /= '' .and. .not. info%has_statistics) call problems%add( &
+            'output.rows', info%phrase // ' always has its rows', 'omit it')
+    end subroutine refuse_for_kind
+
+    !> Reports parts of studies without such, a resumed run of those that keep nothing of an interrupted one, and a NetCDF table
+    !> that a study, or this build, cannot write.
+    subroutine refuse_run(info, job, options, problems)
+        type(study_info_t), intent(in) :: info
+        type(job_t), intent(in) :: job
+        type(options_t), intent(in) :: options
+        type(problems_t), intent(inout) :: problems
         character(*), parameter :: key = 'output.format', hint = "set output.format = 'csv'", &
             key_of_level = 'output.compression'
+
+        if (options%shard%is_part() .and. .not. info%has_parts) call problems%add( &
+            'study.kind', '--shard is not for ' // info%plural // ', which have no parts', 'omit --shard')
+        if (options%resume .and. .not. info%resumes) call problems%add('study.kind', &
+            '--resume is for sweeps and trajectories: this study is always computed as a whole', 'omit --resume')
         if (job%input%scene%compression /= unset_integer) then
             if (job%input%scene%format /= 'netcdf') then
                 call problems%add(key_of_level, 'only a NetCDF table can be compressed', "set output.format = 'netcdf'")
@@ -182,7 +169,7 @@ contains
         else if (job%plan%samples > most_netcdf_rows) then
             call problems%add(key, 'a NetCDF table holds ' // to_text(most_netcdf_rows) // ' rows at most', hint)
         end if
-    end subroutine refuse_netcdf
+    end subroutine refuse_run
 
     !> Returns an error, the same in all ranks, if the jobs would discard rows of interrupted runs without a
     !> request.
@@ -250,9 +237,11 @@ contains
             end if
             call find_unit_of(name, table, unit, is_known)
             if (.not. is_known) return ! The name is refused elsewhere.
-            if (is_of_logarithm(scene, parameter, number)) then
-                unit = ''
-                name = 'the logarithm of ' // name
+            if (parameter%name == 'sweep.mean' .or. parameter%name == 'sweep.deviation') then
+                if (scene%distribution(number) == 'lognormal') then
+                    unit = ''
+                    name = 'the logarithm of ' // name
+                end if
             end if
             call convert_unit(given, unit, factor, problem)
             if (problem /= '') then
@@ -264,15 +253,6 @@ contains
             end if
         end associate
     end subroutine convert_element
-
-    !> Whether a number is one of the logarithm of what varies.
-    pure logical function is_of_logarithm(scene, parameter, number)
-        type(scene_t), intent(in) :: scene
-        type(parameter_t), intent(in) :: parameter
-        integer, intent(in) :: number
-        is_of_logarithm = parameter%name == 'sweep.mean' .or. parameter%name == 'sweep.deviation'
-        if (is_of_logarithm) is_of_logarithm = scene%distribution(number) == 'lognormal'
-    end function is_of_logarithm
 
     !> The unit of a number of the input, of a column of trajectories or sweeps, or of the offset or scale of a sensor.
     subroutine find_unit_of(name, table, unit, is_known)

@@ -174,7 +174,13 @@ contains
         if (.not. is_new) return
         associate (to => self%keys(key))
             one%derivative%name = trim(column%name) // mark // to%name
-            one%derivative%unit = unit_per(trim(column%unit), to%unit)
+            one%derivative%unit = column%unit
+            if (to%unit /= '' .and. column%unit == '') one%derivative%unit = '1'
+            if (scan(to%unit, ' /') > 0) then
+                one%derivative%unit = trim(one%derivative%unit) // '/(' // to%unit // ')'
+            else if (to%unit /= '') then
+                one%derivative%unit = trim(one%derivative%unit) // '/' // to%unit
+            end if
             one%derivative%what = 'derivative of ' // trim(column%name) // ' with respect to ' // to%name
         end associate
         one%error = one%derivative
@@ -288,20 +294,6 @@ contains
             end do
         end do
     end subroutine find_derivatives
-
-    !> The unit of a derivative.
-    pure function unit_per(above, below) result(unit)
-        character(*), intent(in) :: above, below
-        character(:), allocatable :: unit
-        unit = above
-        if (below == '') return
-        if (unit == '') unit = '1'
-        if (scan(below, ' /') > 0) then
-            unit = unit // '/(' // below // ')'
-        else
-            unit = unit // '/' // below
-        end if
-    end function unit_per
 
     !> Plans the motion of a scene in which the key has another value, if there is such a motion.
     subroutine plan_at(self, scene, value, varied, case, plan, exists, given, number)

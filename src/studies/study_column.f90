@@ -33,9 +33,9 @@ module spintop_study_column
         integer :: source = 0, traits = 0, component = 1
         !> Of a trajectory: what passes a value of it in a polynomial of each step, if anything does (spintop_measures).
         integer :: passing = 0
-        !> Of a sweep: what is to be computed for it, a bit for each kind of work; the note on a case that lacks it, where nothing
-        !> else that comes with it does; and the quantity (spintop_certificate) that it contains, or whose bound it is.
-        integer :: needs = 0, missing = 0, proof_of = 0
+        !> Of a sweep: what is to be computed for it, a bit for each kind of work; and the note on a case that lacks it, where
+        !> nothing else that comes with it does.
+        integer :: needs = 0, missing = 0
         !> In a table: its place in the list, its name there, and what a number of the table is to be multiplied with. `theta_deg`
         !> is the column `theta` in degrees.
         integer :: place = 0
@@ -89,7 +89,11 @@ contains
         problem = "there is no column '" // name // "'"
         hint = did_you_mean(name, known%name)
         last = index(name, unit_mark, back=.true.)
-        place = place_of_stem(known, name(:max(0, last - 1)))
+        ! Also without its own unit: `azimuth_after_period` of `azimuth_after_period_deg`.
+        associate (stem => name(:max(0, last - 1)))
+            place = place_of(known, stem)
+            if (place == 0) place = findloc(known%name == stem // unit_mark // known%unit, .true., dim=1, back=.true.)
+        end associate
         if (place == 0) return
         call find_unit(name(last + 1:), trim(known(place)%unit), unit, size, problem)
         if (problem == '') then
@@ -122,17 +126,6 @@ contains
             text = trim(column%name) // ' is in ' // trim(column%unit) // ', and can have a suffix: _' // join(suffixes, ', _')
         end if
     end function other_names
-
-    !> Index of the column whose name, but for its own unit, is `stem`: `azimuth_after_period` of `azimuth_after_period_deg`.
-    pure integer function place_of_stem(columns, stem) result(place)
-        type(study_column_t), intent(in) :: columns(:)
-        character(*), intent(in) :: stem
-        place = place_of(columns, stem)
-        if (place > 0) return
-        do place = size(columns), 1, -1
-            if (columns(place)%name == stem // unit_mark // columns(place)%unit) return
-        end do
-    end function place_of_stem
 
     !> Index of a column in a list, 0 if there is none of that name.
     pure integer function place_of(columns, name) result(place)

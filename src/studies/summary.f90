@@ -138,8 +138,9 @@ contains
         type(case_t), intent(in) :: case !! the case whose motion is described
         type(nutation_t) :: nutation
         type(fast_top_t) :: fast
-        character(:), allocatable :: momentum, energy
-        integer :: status
+        character(:), allocatable :: momentum, energy, text, name
+        real(dp) :: spin
+        integer :: status, axis
 
         if (case%turn%is_shifted()) call self%add('effects', 'the lines below are for the top without effects that has &
             &the rates phi_rate + ' // decimal(case%turn%phi_shift) // ' and psi_rate + ' // decimal(case%turn%psi_shift))
@@ -173,7 +174,18 @@ contains
                 call self%add('nutation', 'none: ' // class_meaning(nutation%class))
             end if
             if (.not. body%mgl() > 0) return
-            call self%add('upright', spin_of_sleeper(case))
+            ! The threshold of a sleeping top, and the spin about its axis, in the axes of the input.
+            axis = 3
+            spin = start%omega(3)
+            if (.not. case%turn%to_principal_axes) then
+                if (case%turn%axis > 0) axis = case%turn%axis
+                spin = case%given_start%omega(axis)
+            end if
+            name = 'omega' // to_text(axis) // ' = '
+            text = 'a sleeping top is stable from ' // name // decimal(critical_omega3(body)) // ' rad/s; here ' // name // &
+                decimal(spin)
+            if (case%turn%is_shifted()) text = text // ', with the effects as one of ' // decimal(start%omega(3))
+            call self%add('upright', text)
             if (.not. is_finite(nutation%period)) return
             fast = fast_top(body, start%angle(2), start%omega(3))
             call self%add('fast top', '(I3 omega3)^2/(2 I1 m g l) = ' // decimal(fast%ratio) &
@@ -181,24 +193,6 @@ contains
                 // decimal(fast%ratio_of_paper) // ')', is_detail=.true.)
         end associate
     end subroutine describe_motion
-
-    !> The threshold of a sleeping top, and the spin about its axis, in the axes of the input.
-    function spin_of_sleeper(case) result(text)
-        type(case_t), intent(in) :: case
-        character(:), allocatable :: text, name
-        real(dp) :: spin
-        integer :: axis
-        axis = 3
-        spin = case%start%omega(3)
-        if (.not. case%turn%to_principal_axes) then
-            if (case%turn%axis > 0) axis = case%turn%axis
-            spin = case%given_start%omega(axis)
-        end if
-        name = 'omega' // to_text(axis) // ' = '
-        text = 'a sleeping top is stable from ' // name // decimal(critical_omega3(case%body)) // ' rad/s; here ' // name &
-            // decimal(spin)
-        if (case%turn%is_shifted()) text = text // ', with the effects as one of ' // decimal(case%start%omega(3))
-    end function spin_of_sleeper
 
     !> A sentence on a top that sleeps with less spin than that of a sleeping top.
     function slow_sleeper(body, motion) result(text)

@@ -142,8 +142,13 @@ void spintop_begin_process(void) {
     const struct sigaction ending = {.sa_handler = answer, .sa_flags = SA_RESTART};
     const struct sigaction ignored = {.sa_handler = SIG_IGN}, late = {.sa_handler = end_of_wait, .sa_flags = SA_RESTART};
 #ifndef __SANITIZE_ADDRESS__
-    const struct sigaction crash = {.sa_handler = answer_crash, .sa_flags = SA_RESTART};
+    // On a stack of its own: without memory HDF5 reports the error of its report, until the stack is full.
+    static char stack_of_crash[65536];
+    const stack_t other = {.ss_sp = stack_of_crash, .ss_size = sizeof stack_of_crash};
+    const struct sigaction crash = {.sa_handler = answer_crash, .sa_flags = SA_RESTART | SA_ONSTACK};
+    sigaltstack(&other, NULL);
     sigaction(SIGSEGV, &crash, NULL);
+    sigaction(SIGABRT, &crash, NULL); // netCDF and the C library give up so where memory is not as they expect
 #endif
 
     for (int stream = standard_input; stream <= standard_error; ++stream) occupy(stream);

@@ -8,7 +8,7 @@ module event_log
     use spintop_quantities, only: axis_height_rate
     implicit none
     private
-    public :: event_log_t, exact_path_t, made_up_path_t
+    public :: event_log_t, closed_path_t, made_up_path_t
     public :: of_turning, of_phi, of_theta, of_psi, of_omega1, of_gamma1
 
     !> The quantities of the events.
@@ -32,11 +32,11 @@ module event_log
     end type event_log_t
 
     !> The exact motion.
-    type, extends(path_t) :: exact_path_t
+    type, extends(path_t) :: closed_path_t
         type(exact_motion_t) :: exact
     contains
         procedure :: at => exactly_at
-    end type exact_path_t
+    end type closed_path_t
 
     !> A motion with phi = sin t, theta = 1 + t, psi = 7 t, omega1 = tan t, turning at one radian a second.
     type, extends(path_t) :: made_up_path_t
@@ -76,7 +76,7 @@ contains
     end function times_of
 
     subroutine exactly_at(self, t, motion, with_angles)
-        class(exact_path_t), intent(inout) :: self
+        class(closed_path_t), intent(inout) :: self
         real(dp), intent(in) :: t
         type(motion_t), intent(out) :: motion
         logical, intent(in), optional :: with_angles

@@ -29,10 +29,13 @@ module mechanics
     use spintop_stepper
     use spintop_suitability
     use spintop_tangent_flow
+    use event_log
     use known_tops
     use random_stream
     use recorder
+    use reference_rows
     use runs
+    use symmetric_cases
     implicit none
     public
 end module mechanics

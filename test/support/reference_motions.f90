@@ -1,7 +1,6 @@
 !> Reference motions of bodies of any kind: body, start and rows of test/reference/NAME.csv; and how far a method is off.
 module reference_motions
     use mechanics
-    use reference_rows, only: read_reference, reference_t
     implicit none
     private
     public :: reference_motion_t, read_reference_motion, worst_of, chaotic_body
@@ -9,7 +8,7 @@ module reference_motions
     real(dp), parameter :: no_angles(3) = 0
 
     !> A reference motion; `floors` is how far rounding of the data turns the attitude in each row, rad.
-    type, extends(reference_t) :: reference_motion_t
+    type, extends(known_rows_t) :: reference_motion_t
         type(body_t) :: body
         type(motion_t) :: start
         real(dp), allocatable :: floors(:)
@@ -28,7 +27,7 @@ contains
         character(*), intent(in) :: name
         type(reference_motion_t), intent(out) :: known
         real(dp) :: q(4), omega(3)
-        call read_reference(name, known%reference_t)
+        call read_reference(name, known%known_rows_t)
         q = [0.8_dp, 0.6_dp, 0.0_dp, 0.0_dp]
         omega = [0.5_dp, 0.5_dp, 1.0_dp]
         select case (name)

@@ -5,19 +5,19 @@ module reference_rows
     use spintop_loaded_table, only: read_table, table_t
     implicit none
     private
-    public :: reference_t, read_reference
+    public :: known_rows_t, read_reference
 
     !> A table of numbers: values(row, column).
-    type, extends(table_t) :: reference_t
+    type, extends(table_t) :: known_rows_t
         real(dp), allocatable :: values(:, :)
-    end type reference_t
+    end type known_rows_t
 
 contains
 
     !> Reads test/reference/NAME.csv; the tests run in the root of the checkout.
     subroutine read_reference(name, table)
         character(*), intent(in) :: name
-        type(reference_t), intent(out) :: table
+        type(known_rows_t), intent(out) :: table
         type(error_t), allocatable :: error
         integer :: k
         call read_table('test/reference/' // name // '.csv', table%table_t, error)

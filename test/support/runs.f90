@@ -50,11 +50,7 @@ contains
         else
             call create_formulation('rigid_body', formulation, body=body)
         end if
-        call create_stepper(method, stepper)
-        stepper%controls%relative_tolerance = tolerance
-        stepper%controls%absolute_tolerance = tolerance
-        if (present(steps)) stepper%controls%steps = steps
-        if (present(project)) stepper%controls%project = project
+        call make_stepper(method, stepper, steps, tolerance, project=project)
         call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome, search)
         status = outcome%status
     end function observe_motion
@@ -175,9 +171,7 @@ contains
         real(dp) :: y_end(max_states)
         class(stepper_t), allocatable :: stepper
         type(run_t) :: run
-        call create_stepper('arkode_erk', stepper)
-        stepper%controls%table = 'arkode_fehlberg_13_7_8'
-        stepper%controls%steps = 400
+        call make_stepper('arkode_erk', stepper, steps=400, table='arkode_fehlberg_13_7_8')
         run = propagate(stepper, formulation, y, t_end)
         y_end = run%y
     end function reference_state
@@ -228,9 +222,7 @@ contains
         real(dp) :: exact(max_states), error, previous, previous_order
 
         exact = reference_state(formulation, y, t_end)
-        call create_stepper(method, stepper)
-        stepper%controls%table = table
-        stepper%controls%steps = 12
+        call make_stepper(method, stepper, steps=12, table=table)
         error = 1
         order = 0
         do

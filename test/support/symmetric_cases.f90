@@ -5,7 +5,7 @@ module symmetric_cases
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
     use spintop_status, only: is_ok
-    use reference_rows, only: reference_t, read_reference
+    use reference_rows, only: known_rows_t, read_reference
     implicit none
     private
     public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, random_top
@@ -25,7 +25,7 @@ module symmetric_cases
         type(body_t) :: body
         type(motion_t) :: start
         real(dp) :: period = huge(1.0_dp), precession = huge(1.0_dp), spin = huge(1.0_dp)
-        type(reference_t) :: table
+        type(known_rows_t) :: table
     contains
         procedure :: row
         procedure :: floor_of
@@ -76,7 +76,7 @@ contains
     !> Body, start, and the time and attitude known of the top in a row of test/reference/random_tops.csv: time, quaternion,
     !> omega1, omega2.
     subroutine random_top(table, i, body, start, known)
-        type(reference_t), intent(in) :: table
+        type(known_rows_t), intent(in) :: table
         integer, intent(in) :: i
         type(body_t), intent(out) :: body
         type(motion_t), intent(out) :: start

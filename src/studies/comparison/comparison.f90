@@ -2,12 +2,11 @@
 !> every setting. A kind of comparison says which problems there are, judges each attempt, and makes rows of them. A method is
 !> named `method` or `method/formulation`.
 !>
-!> Problems do not depend on each other, and are dealt out to the ranks in turn. The writer puts their rows to the table in the
-!> order of the problems.
+!> Problems do not depend on each other, and are dealt out to the ranks in turn. Their rows are in the order of the problems.
 module spintop_comparison
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t
-    use spintop_process, only: pause_for, seconds
+    use spintop_process, only: seconds
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_formulation, only: structure_quadruple, formulation_info_t
@@ -25,7 +24,7 @@ module spintop_comparison
     use spintop_projection, only: project_nothing, projection_names
     use spintop_ranks, only: ranks_t
     use spintop_reference_motion, only: reference_t
-    use spintop_row_block, only: row_block_t, text_buffer_t
+    use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_status, only: is_ok, last_status, status_ok
     use spintop_stepper, only: method_info_t
@@ -124,7 +123,6 @@ module spintop_comparison
         !> The settings of a method on a problem.
         function settings_i(self, choice, problem) result(settings)
             import :: comparison_t, method_choice_t, problem_t, setting_t
-            implicit none
             class(comparison_t), intent(in) :: self
             type(method_choice_t), intent(in) :: choice !! method and formulation
             type(problem_t), intent(in) :: problem !! the problem
@@ -134,7 +132,6 @@ module spintop_comparison
         !> Makes a problem, tries all methods on it, and makes its rows as text.
         subroutine compare_i(self, job, number, cells, summary, error)
             import :: comparison_t, job_t, text_buffer_t, summary_t, error_t, int64
-            implicit none
             class(comparison_t), intent(inout) :: self
             type(job_t), intent(in) :: job !! the job
             integer(int64), intent(in) :: number !! of the problem
@@ -146,7 +143,6 @@ module spintop_comparison
         !> Runs a planned attempt, and decides whether it becomes a row.
         subroutine judge_i(self, problem, scene, plan, attempt)
             import :: comparison_t, problem_t, scene_t, plan_t, attempt_t
-            implicit none
             class(comparison_t), intent(inout) :: self
             type(problem_t), intent(in) :: problem !! the problem
             type(scene_t), intent(in) :: scene !! its scene with the method and the setting
@@ -154,9 +150,6 @@ module spintop_comparison
             type(attempt_t), intent(inout) :: attempt !! completed by this procedure
         end subroutine judge_i
     end interface
-
-    !> Pause between two looks for a message, s.
-    real(dp), parameter :: between_looks = 1.0e-3_dp
 
 contains
 
@@ -188,6 +181,7 @@ contains
         character(:), allocatable :: head
         integer(int64) :: first, last
         integer :: i, axes
+        real(dp), allocatable :: counted(:)
         real(dp) :: began
 
         began = seconds()
@@ -208,11 +202,20 @@ contains
                                  options%quiet .or. .not. ranks%is_writer(), options%progress)
         call summary%headline(job%input%path // ': ' // self%phrase // ' -> ' // job%files%table)
         call write_dealt(self, job, first, last, ranks, file, summary, error)
-        if (.not. allocated(error)) call sum_over_ranks(self, ranks)
+        if (ranks%count > 1 .and. .not. allocated(error)) then ! the writer gets the sums over all ranks
+            if (.not. allocated(self%verdicts)) allocate (self%verdicts(0, 0))
+            counted = real([self%failures, self%ends, reshape(self%verdicts, [size(self%verdicts)])], dp)
+            call ranks%reduce(counted)
+            self%failures = nint(counted(1), int64)
+            self%ends = nint(counted(2:size(self%ends) + 1), int64)
+            self%verdicts = reshape(nint(counted(size(self%ends) + 2:), int64), shape(self%verdicts))
+        end if
         call self%progress%finish()
         call summary%add_failures('runs', self%ends)
-        allocate (words(0))
-        if (self%ends_in_words) words = in_words(summary)
+        allocate (words(merge(size(summary%lines) - 1, 0, self%ends_in_words)))
+        do i = 1, size(words)
+            words(i)%text = 'in words: ' // summary%sentence(i + 1)
+        end do
         if (ranks%is_writer()) then
             if (.not. allocated(error)) call file%finish(words, error)
             if (allocated(error)) call file%discard()
@@ -227,17 +230,6 @@ contains
         if (self%failures > 0) code = exit_failed
     end subroutine run
 
-    !> The lines of a summary after its headline, for the end of the table.
-    function in_words(summary) result(lines)
-        type(summary_t), intent(in) :: summary
-        type(string_t), allocatable :: lines(:)
-        integer :: i
-        allocate (lines(size(summary%lines) - 1))
-        do i = 1, size(lines)
-            lines(i)%text = 'in words: ' // summary%sentence(i + 1)
-        end do
-    end function in_words
-
     !> Tries each method with each of its settings on a problem; `attempts` are those that become rows.
     subroutine try_all(self, problem)
         class(comparison_t), intent(inout) :: self
@@ -246,6 +238,7 @@ contains
         type(scene_t), allocatable :: scene
         type(attempt_t), allocatable :: attempt ! it is large, and a thread may have a small stack
         type(plan_t), allocatable :: plan
+        type(problems_t) :: problems
         character(40) :: tried(size(self%choices))
         integer :: i, k
 
@@ -260,7 +253,18 @@ contains
                 attempt%choice = self%choices(i)
                 attempt%setting = settings(k)
                 attempt%number = i
-                call plan_attempt(problem, attempt, scene, plan)
+                if (allocated(plan)) deallocate (plan)
+                allocate (plan)
+                scene = problem%scene
+                call set_method(scene, attempt%choice, attempt%setting)
+                problems = problems_t()
+                call make_plan(scene, problem%case, plan, problems)
+                attempt%reason = problems%first()
+                attempt%formulation = attempt%choice%formulation
+                attempt%is_stepped = .not. plan%exact
+                if (plan%exact) attempt%formulation = 'closed_form'
+                if (allocated(plan%formulation)) attempt%formulation = plan%formulation_name()
+                attempt%is_reference = problem%reference%is_computed .and. attempt%choice%method%needs == structure_quadruple
                 tried(i) = attempt%name()
                 attempt%is_repeated = any(tried(:i - 1) == tried(i))
                 call self%judge(problem, scene, plan, attempt)
@@ -285,26 +289,6 @@ contains
             self%attempts_each = self%attempts_each + size(settings)
         end do
     end subroutine count_attempts
-
-    !> Plans an attempt.
-    subroutine plan_attempt(problem, attempt, scene, plan)
-        type(problem_t), intent(in) :: problem
-        type(attempt_t), intent(inout) :: attempt
-        type(scene_t), allocatable, intent(out) :: scene
-        type(plan_t), allocatable, intent(out) :: plan
-        type(problems_t) :: problems
-
-        allocate (plan)
-        allocate (scene, source=problem%scene)
-        call set_method(scene, attempt%choice, attempt%setting)
-        call make_plan(scene, problem%case, plan, problems)
-        attempt%reason = problems%first()
-        attempt%formulation = attempt%choice%formulation
-        attempt%is_stepped = .not. plan%exact
-        if (plan%exact) attempt%formulation = 'closed_form'
-        if (allocated(plan%formulation)) attempt%formulation = plan%formulation_name()
-        attempt%is_reference = problem%reference%is_computed .and. attempt%choice%method%needs == structure_quadruple
-    end subroutine plan_attempt
 
     !> Method and formulation.
     pure function name_of_attempt(self) result(name)
@@ -354,24 +338,8 @@ contains
         call diagnostics%raise(error)
     end subroutine make_scene_of_settings
 
-    !> Sums what was counted over all ranks; the writer gets the sums.
-    subroutine sum_over_ranks(self, ranks)
-        class(comparison_t), intent(inout) :: self
-        type(ranks_t), intent(in) :: ranks
-        real(dp), allocatable :: values(:)
-
-        if (ranks%count == 1) return
-        if (.not. allocated(self%verdicts)) allocate (self%verdicts(0, 0))
-        allocate (values(1 + size(self%ends) + size(self%verdicts)))
-        values(:) = real([self%failures, self%ends, reshape(self%verdicts, [size(self%verdicts)])], dp)
-        call ranks%reduce(values)
-        self%failures = nint(values(1), int64)
-        self%ends = nint(values(2:size(self%ends) + 1), int64)
-        self%verdicts = reshape(nint(values(size(self%ends) + 2:), int64), shape(self%verdicts))
-    end subroutine sum_over_ranks
-
-    !> Makes the rows of the problems from `first` to `last`, each in one of the ranks. All ranks call it. An error in one of
-    !> them is that of all.
+    !> Makes the rows of the problems from `first` to `last`, each in one of the ranks, in turn. All ranks call it. An error in one
+    !> of them is that of all.
     subroutine write_dealt(self, job, first, last, ranks, file, summary, error)
         class(comparison_t), intent(inout) :: self
         type(job_t), intent(in) :: job
@@ -387,71 +355,18 @@ contains
         allocate (rows(max(0_int64, last - first + 1)))
         do i = 1, size(rows)
             rows(i)%text = ''
-            if (owner(i, ranks) /= ranks%number .or. allocated(error)) cycle
+            if (mod(i - 1, ranks%count) /= ranks%number .or. allocated(error)) cycle
             call cells%clear()
             call self%compare(job, first + i - 1, cells, summary, error)
             rows(i)%text = cells%contents()
             if (ranks%count == 1 .and. .not. allocated(error)) call file%append(rows(i)%text, error)
         end do
-        if (ranks%count > 1) then
-            if (ranks%is_writer()) then
-                call gather(ranks, rows)
-                do i = 1, size(rows)
-                    if (.not. allocated(error)) call file%append(rows(i)%text, error)
-                end do
-            else
-                call send(ranks, rows)
-            end if
-        end if
+        do i = 1, merge(0, size(rows), ranks%count == 1)
+            call ranks%broadcast(rows(i)%text, from=mod(i - 1, ranks%count))
+            if (ranks%is_writer() .and. .not. allocated(error)) call file%append(rows(i)%text, error)
+        end do
         call ranks%agree(error)
     end subroutine write_dealt
-
-    !> The rank that treats a problem.
-    pure integer function owner(i, ranks)
-        integer, intent(in) :: i
-        type(ranks_t), intent(in) :: ranks
-        owner = mod(i - 1, ranks%count)
-    end function owner
-
-    !> Sends the rows of this rank to the writer, those of a problem at a time; one that failed has none.
-    subroutine send(ranks, rows)
-        type(ranks_t), intent(in) :: ranks
-        type(string_t), intent(in) :: rows(:)
-        type(row_block_t) :: block
-        integer(int64) :: number
-        integer :: i
-
-        call block%reserve(1, 1)
-        do i = 1, size(rows)
-            if (owner(i, ranks) /= ranks%number) cycle
-            call block%clear()
-            call block%text%append(rows(i)%text)
-            number = i
-            call ranks%exchange(number, block)
-        end do
-    end subroutine send
-
-    !> Receives the rows of the problems of all other ranks.
-    subroutine gather(ranks, rows)
-        type(ranks_t), intent(in) :: ranks
-        type(string_t), intent(inout) :: rows(:)
-        type(row_block_t) :: block
-        integer(int64) :: number
-        integer :: i, missing, rank
-        logical :: is_there
-
-        missing = count([(owner(i, ranks) /= ranks%number, i=1, size(rows))])
-        do while (missing > 0)
-            call ranks%receive(rank, number, block, is_there)
-            if (.not. is_there) then
-                call pause_for(between_looks)
-                cycle
-            end if
-            rows(number)%text = block%text%contents()
-            call ranks%answer(rank, number)
-            missing = missing - 1
-        end do
-    end subroutine gather
 
     !> Finds the named methods, and adds them to the choices. A method without a formulation is combined with
     !> each of `formulations`.

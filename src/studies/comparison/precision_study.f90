@@ -21,7 +21,7 @@ module spintop_precision_study
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: reference_auto, reference_exact, reference_names
-    use spintop_status, only: is_ok, status_meaning, status_names, status_ok
+    use spintop_status, only: is_ok, status_meaning, status_names
     use spintop_stepper, only: method_info_t
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: duration, summary_t, rounded
@@ -69,7 +69,6 @@ module spintop_precision_study
     contains
         procedure :: check
         procedure :: choose
-        procedure :: read_reference
         procedure :: takes_steps
         procedure :: formulation
         procedure :: settings
@@ -83,21 +82,17 @@ module spintop_precision_study
         column('problem', '', 'input, and case of it where a parameter is swept', 'trial', traits=categorical), &
         column('method', '', 'method', 'trial', traits=categorical), &
         column('formulation', '', 'formulation of the equations of motion', 'trial', traits=categorical), &
-        column('setting', '', 'relative tolerance, or number of steps of fixed size', &
-                        'trial', traits=categorical), &
-        column('orientation_error', 'rad', 'rotation angle from the reference attitude at the end', &
-                        'errors'), &
+        column('setting', '', 'relative tolerance, or number of steps of fixed size', 'trial', traits=categorical), &
+        column('orientation_error', 'rad', 'rotation angle from the reference attitude at the end', 'errors'), &
         column('tip_error', '', 'distance of the axis tip from that of the reference at the end', 'errors'), &
         column('error_max', 'rad', 'largest rotation angle from the reference attitude', 'errors'), &
         column('steps', '', 'steps', 'cost'), &
         column('rejected', '', 'rejected steps', 'cost'), &
-        column('evaluations', '', 'RHS evaluations of that run; a Taylor series of order p counts as p', &
-                        'cost'), &
+        column('evaluations', '', 'RHS evaluations of that run; a Taylor series of order p counts as p', 'cost'), &
         column('time_s', 's', 'shortest computing time of the repeats, for the state at the end', 'cost'), &
         column('energy_error', '', 'largest energy error over (kinetic at start + m g |r|)', 'errors'), &
         column('status', '', 'status of the run', 'status', traits=categorical), &
-        column('tip_error_max', '', 'largest distance of the axis tip from that of the reference', &
-                        'errors'), &
+        column('tip_error_max', '', 'largest distance of the axis tip from that of the reference', 'errors'), &
         column('jacobians', '', 'Jacobian evaluations', 'cost'), &
         column('lz_error', '', 'largest error of the vertical momentum, over its scale', 'errors'), &
         column('l3_error', '', 'largest error of the momentum about body z, over the same scale', 'errors'), &
@@ -116,14 +111,10 @@ module spintop_precision_study
         column('psi_rate_error_max', 'rad/s', 'largest error of the spin rate', 'angles'), &
         column('inherent_error', 'rad', 'error of the attitude due to rounding of the data', 'errors'), &
         column('reference', '', 'reference of the comparison', 'reference', traits=categorical), &
-        column('reference_error', 'rad', 'difference between two computations of the reference', &
-                        'reference'), &
-        column('reference_check', 'rad', 'difference between the reference and an independent computation', &
-                        'reference'), &
-        column('front', '', 'yes: no other numerical method is both faster and more accurate', &
-                        'choice', traits=categorical), &
-        column('auto', '', "yes: method = 'auto' takes this method at this tolerance", &
-                        'choice', traits=categorical)]
+        column('reference_error', 'rad', 'difference between two computations of the reference', 'reference'), &
+        column('reference_check', 'rad', 'difference between the reference and an independent computation', 'reference'), &
+        column('front', '', 'yes: no other numerical method is both faster and more accurate', 'choice', traits=categorical), &
+        column('auto', '', "yes: method = 'auto' takes this method at this tolerance", 'choice', traits=categorical)]
 
     !> Default tolerances, numbers of steps, and repeats.
     real(dp), parameter :: default_tolerances(*) = [1.0e-3_dp, 1.0e-4_dp, 1.0e-5_dp, 1.0e-6_dp, 1.0e-7_dp, &
@@ -144,6 +135,8 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: first
+        character(:), allocatable :: key
+        integer :: i
 
         if (job%names_axes()) then
             call job%make_axes(problems, diagnostics)
@@ -153,7 +146,25 @@ contains
         if (.not. allocated(first)) return
         call self%choose(first, problems)
         if (problems%any()) return
-        call self%read_reference(job%input%path, job%input%scene, job%case, problems)
+        ! The reference is computed, or read from the table that the input names.
+        key = 'work_precision.reference'
+        associate (named => job%input%scene%precision_reference)
+            if (self%reference == reference_exact .and. .not. job%case%body%has_closed_form()) then
+                call problems%add(key, 'this body has no exact solution', "use reference = 'quadruple'")
+            else if (all(reference_names /= named)) then
+                allocate (self%stored)
+                call read_motion(job%input%path, key, trim(named), job%case, self%stored, problems)
+                if (allocated(self%stored%motions)) self%samples = size(self%stored%motions)
+            else
+                key = 'span.samples'
+            end if
+        end associate
+        ! The times of comparison are steps of the methods with a fixed step size.
+        i = findloc(mod(self%steps, self%samples - 1) == 0, .false., dim=1)
+        if (i > 0 .and. .not. problems%any() .and. any(self%takes_steps(self%choices))) call problems%add(key, &
+            'motions are compared at steps of the methods with a fixed step size, and ' // to_text(self%samples - 1) // &
+            ' intervals do not divide ' // to_text(self%steps(i)) // ' steps', &
+            'use a number of rows for which rows - 1 divides all work_precision.steps')
         self%count = max(1_int64, job%axes%cases)
         self%ends_in_words = .true.
         call self%count_attempts()
@@ -174,6 +185,8 @@ contains
         type(method_info_t), allocatable :: known(:)
         character(len(scene%formulation)), allocatable :: formulations(:)
         character(len(scene%precision_methods)), allocatable :: names(:)
+        character(*), parameter :: hint = 'give it in &work_precision', compares = 'a work-precision study compares ', &
+            varies = 'a work-precision study varies the '
         integer :: i
 
         allocate (known, source=[exact_info, method_infos(), infos_of_tables(scene)])
@@ -193,76 +206,20 @@ contains
         if (scene%precision_repeats /= unset_integer) self%repeats = scene%precision_repeats
         i = findloc(reference_names == scene%precision_reference, .true., dim=1)
         self%reference = merge(i, reference_auto, i > 0)
-        self%samples = 1 + common_intervals(self%steps)
+        ! The most intervals that divide all numbers of steps.
+        do i = most_intervals, 2, -1
+            if (all(mod(self%steps, i) == 0)) exit
+        end do
+        self%samples = 1 + i
         if (scene%samples /= unset_integer) self%samples = scene%samples
-        call refuse_settings(scene, problems)
-    end subroutine choose
-
-    !> Reports settings that the study does not use.
-    subroutine refuse_settings(scene, problems)
-        type(scene_t), intent(in) :: scene
-        type(problems_t), intent(inout) :: problems
-        character(*), parameter :: hint = 'give it in &work_precision', steps = 'a work-precision study varies the steps'
-
-        if (scene%method /= 'auto') call problems%add('integration.method', 'a work-precision study compares methods', hint)
-        if (scene%formulation /= 'auto') call problems%add('integration.formulation', &
-                                                           'a work-precision study compares formulations', hint)
-        if (scene%steps /= unset_integer) call problems%add('integration.steps', steps, hint)
-        if (is_set(scene%step)) call problems%add('integration.step', steps, hint)
-        if (is_set(scene%relative_tolerance)) call problems%add('integration.relative_tolerance', &
-                                                                'a work-precision study varies the tolerance', hint)
+        if (scene%method /= 'auto') call problems%add('integration.method', compares // 'methods', hint)
+        if (scene%formulation /= 'auto') call problems%add('integration.formulation', compares // 'formulations', hint)
+        if (scene%steps /= unset_integer) call problems%add('integration.steps', varies // 'steps', hint)
+        if (is_set(scene%step)) call problems%add('integration.step', varies // 'steps', hint)
+        if (is_set(scene%relative_tolerance)) call problems%add('integration.relative_tolerance', varies // 'tolerance', hint)
         if (scene%stop_at /= '') call problems%add('span.stop_at', &
                                                    'a work-precision study computes each motion to the end of its span', 'omit it')
-    end subroutine refuse_settings
-
-    !> Reads the reference motion of a case if the input names a table, and checks that the requested
-    !> reference exists.
-    subroutine read_reference(self, input, scene, case, problems)
-        class(precision_study_t), intent(inout) :: self
-        character(*), intent(in) :: input !! path of the input
-        type(scene_t), intent(in) :: scene !! contents of the input
-        type(case_t), intent(in) :: case !! the case: whether its body has a closed form decides which references there are
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        character(*), parameter :: key = 'work_precision.reference'
-
-        if (self%reference == reference_exact .and. .not. case%body%has_closed_form()) then
-            call problems%add(key, 'this body has no exact solution', "use reference = 'quadruple'")
-        else if (any(reference_names == scene%precision_reference)) then
-            call check_steps(self, 'span.samples', problems)
-        else
-            allocate (self%stored)
-            call read_motion(input, key, trim(scene%precision_reference), case, self%stored, problems)
-            if (.not. allocated(self%stored%motions)) return
-            self%samples = size(self%stored%motions)
-            call check_steps(self, key, problems)
-        end if
-    end subroutine read_reference
-
-    !> Checks that the times of comparison are steps of the methods with a fixed step size.
-    subroutine check_steps(self, key, problems)
-        class(precision_study_t), intent(in) :: self
-        character(*), intent(in) :: key !! parameter that determines the number of these times
-        type(problems_t), intent(inout) :: problems
-        integer :: i
-
-        if (.not. any(self%takes_steps(self%choices))) return
-        associate (intervals => self%samples - 1)
-            i = findloc(mod(self%steps, intervals) == 0, .false., dim=1)
-            if (i == 0) return
-            call problems%add(key, 'motions are compared at steps of the methods with a fixed step size, and ' &
-                // to_text(intervals) // ' intervals do not divide ' // to_text(self%steps(i)) // ' steps', &
-                'use a number of rows for which rows - 1 divides all work_precision.steps')
-        end associate
-    end subroutine check_steps
-
-    !> The largest number of intervals, not above `most_intervals`, that divides all numbers of steps.
-    pure integer function common_intervals(steps) result(intervals)
-        integer, intent(in) :: steps(:)
-        do intervals = most_intervals, 2, -1
-            if (all(mod(steps, intervals) == 0)) return
-        end do
-        intervals = 1
-    end function common_intervals
+    end subroutine choose
 
     !> Whether a method runs with numbers of steps of fixed size.
     elemental logical function takes_steps(self, choice)
@@ -308,6 +265,7 @@ contains
         type(problems_t) :: problems
         type(auto_tally_t) :: own_tally
         real(dp), allocatable :: values(:)
+        integer(int64) :: max_steps
         integer :: i
 
         allocate (swept, problem)
@@ -326,8 +284,15 @@ contains
             call give_up('is omitted: ' // problems%first())
             return
         end if
-        call prepare_reference(self, problem)
-        if (.not. is_ok(problem%status)) then
+        max_steps = problem%scene%max_steps
+        if (allocated(self%stored)) then
+            problem%reference = self%stored
+        else
+            call find_reference(problem%case, self%samples, self%reference, max_steps, problem%reference, problem%status)
+        end if
+        if (is_ok(problem%status)) then
+            call check_reference(problem%case, max_steps, problem%reference)
+        else
             call give_up('has no reference: ' // status_meaning(problem%status))
             return
         end if
@@ -362,21 +327,6 @@ contains
         end subroutine give_up
 
     end subroutine compare
-
-    !> The reference of a problem.
-    subroutine prepare_reference(self, problem)
-        type(precision_study_t), intent(in) :: self
-        type(problem_t), intent(inout) :: problem
-        integer(int64) :: max_steps
-        max_steps = problem%scene%max_steps
-        if (allocated(self%stored)) then
-            problem%reference = self%stored
-            problem%status = status_ok
-        else
-            call find_reference(problem%case, self%samples, self%reference, max_steps, problem%reference, problem%status)
-        end if
-        if (is_ok(problem%status)) call check_reference(problem%case, max_steps, problem%reference)
-    end subroutine prepare_reference
 
     !> Runs a method with a setting, and times it; or notes why there is no row.
     subroutine judge(self, problem, scene, plan, attempt)
@@ -513,9 +463,19 @@ contains
         type(attempt_t), intent(in) :: rows(:) !! rows of a problem, sorted by time
         type(reference_t), intent(in) :: reference !! the reference motion
         type(summary_t), intent(inout) :: summary !! lines are added
+        character(*), parameter :: exact = 'exact solution'
+        character(:), allocatable :: text
         integer :: i
 
-        call summary%add('problem', problem // ', measured against ' // about(reference))
+        text = trim(merge('the ' // reference%source, reference%source // '    ', reference%source == exact))
+        if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
+        if (reference%check == '') then
+            text = text // ', which could not be checked: the independent computation failed'
+        else
+            text = text // ', with which ' // trim(merge('the ' // reference%check, reference%check // '    ', &
+                   reference%check == exact)) // ' agrees to ' // rounded(reference%disagreement) // ' rad'
+        end if
+        call summary%add('problem', problem // ', measured against ' // text)
         if (any(rows%is_stepped) .and. .not. any(rows%is_stepped .and. is_ok(rows%trial%status))) then
             call summary%add('', 'no numerical method reaches the end of the span')
         else
@@ -529,28 +489,6 @@ contains
                              // rounded(rows(i)%trial%errors(error_orientation)) // ' rad')
         end do
     end subroutine summarize_problem
-
-    !> The reference and its uncertainty.
-    function about(reference) result(text)
-        type(reference_t), intent(in) :: reference
-        character(:), allocatable :: text
-        text = with_article(reference%source)
-        if (reference%is_computed) text = text // ' (two tolerances agree to ' // rounded(reference%uncertainty) // ' rad)'
-        if (reference%check == '') then
-            text = text // ', which could not be checked: the independent computation failed'
-        else
-            text = text // ', with which ' // with_article(reference%check) // ' agrees to ' &
-                   // rounded(reference%disagreement) // ' rad'
-        end if
-    end function about
-
-    !> The source of a motion, with an article.
-    pure function with_article(source) result(text)
-        character(*), intent(in) :: source
-        character(:), allocatable :: text
-        text = trim(source)
-        if (source == 'exact solution') text = 'the ' // text
-    end function with_article
 
     !> The cheapest numerical method for an error, and the ratio of its time to that of the next one.
     function compared(rows, error) result(text)

@@ -15,15 +15,15 @@ module spintop_reference_motion
     use spintop_loaded_table, only: table_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_plan, only: sample_time, sample_times
+    use spintop_plan, only: plan_t, sample_time, sample_times
     use spintop_problems, only: problems_t
+    use spintop_process, only: seconds
     use spintop_scene_words, only: reference_auto, reference_exact
     use spintop_status, only: is_good_end, is_ok, status_ok
-    use spintop_stepper, only: stepper_t
     use spintop_text, only: to_text
     implicit none
     private
-    public :: reference_t, find_reference, check_reference, read_motion
+    public :: reference_t, collector_t, collect_motions, find_reference, check_reference, read_motion
 
     !> A reference motion at equally spaced times.
     type :: reference_t
@@ -42,14 +42,17 @@ module spintop_reference_motion
         real(dp) :: disagreement = 0
     end type reference_t
 
-    !> Keeps every motion.
-    type, extends(observer_t) :: motion_collector_t
+    !> Keeps every motion, and the time that this takes, s.
+    type, extends(observer_t) :: collector_t
         type(motion_t), allocatable :: motions(:)
         integer :: count = 0
+        real(dp) :: collecting = 0
     contains
         procedure :: observe
-    end type motion_collector_t
+    end type collector_t
 
+    !> The source of what is known in closed form.
+    character(*), parameter :: exact_solution = 'exact solution'
     !> Tolerances of a computed reference, and of the computation it is compared with.
     real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
     !> Tolerance of an independent computation: the smallest one of its arithmetic.
@@ -70,8 +73,14 @@ contains
         integer(int64), intent(in) :: max_steps !! for each computation of the reference
         type(reference_t), intent(out) :: reference !! the reference motion
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
+        type(conditioning_t) :: conditioning
+        integer :: i
+
         if (kind == reference_exact .or. (kind == reference_auto .and. case%body%has_closed_form())) then
-            call find_exact_reference(case, sample_times(case%t_end, samples), reference, status)
+            reference%source = exact_solution
+            call compute(case, sample_times(case%t_end, samples), '', 0.0_dp, max_steps, reference%motions, status)
+            if (is_ok(status)) call prepare_conditioning(case%body, case%start, conditioning, status)
+            if (is_ok(status)) reference%floor = [(conditioning%floor_at(reference%motions(i)%t), i=1, samples)]
         else
             call compute_twice(case, sample_times(case%t_end, samples), max_steps, reference, status)
         end if
@@ -83,46 +92,24 @@ contains
         type(case_t), intent(in) :: case !! the case of the reference; its body decides which method checks it
         integer(int64), intent(in) :: max_steps !! for the independent computation
         type(reference_t), intent(inout) :: reference !! the result of the check is added
-        type(reference_t) :: other
+        type(motion_t), allocatable :: others(:)
         integer :: status
 
         if (case%body%has_closed_form() .and. reference%is_computed) then
-            call find_exact_reference(case, reference%motions%t, other, status)
-            reference%check = other%source
+            call compute(case, reference%motions%t, '', 0.0_dp, max_steps, others, status)
+            reference%check = exact_solution
         else
             reference%check = 'dop853'
             if (case%body%has_closed_form()) reference%check = 'taylor'
-            call compute(case, case%start, reference%motions%t, trim(reference%check), finest, max_steps, &
-                         other%motions, status)
+            call compute(case, reference%motions%t, trim(reference%check), finest, max_steps, others, status)
         end if
         if (is_ok(status)) then
-            reference%disagreement = maxval(apart(reference%motions, other%motions))
+            reference%disagreement = maxval(apart(reference%motions, others))
         else
             reference%check = ''
             reference%disagreement = no_number
         end if
     end subroutine check_reference
-
-    !> The exact solution.
-    subroutine find_exact_reference(case, times, reference, status)
-        type(case_t), intent(in) :: case
-        real(dp), intent(in) :: times(:)
-        type(reference_t), intent(out) :: reference
-        integer, intent(out) :: status
-        type(exact_motion_t) :: exact
-        type(conditioning_t) :: conditioning
-        integer :: i
-
-        reference%source = 'exact solution'
-        call prepare_exact_motion(case%body, case%start, exact, status)
-        if (is_ok(status)) call prepare_conditioning(case%body, case%start, conditioning, status)
-        if (.not. is_ok(status)) return
-        allocate (reference%motions(size(times)), reference%floor(size(times)))
-        do i = 1, size(times)
-            reference%motions(i) = exact%at(times(i))
-            reference%floor(i) = conditioning%floor_at(times(i))
-        end do
-    end subroutine find_exact_reference
 
     !> A motion in quadruple precision, the same with a larger tolerance, and one from a start whose numbers
     !> differ by one unit in the last place.
@@ -132,50 +119,71 @@ contains
         integer(int64), intent(in) :: max_steps
         type(reference_t), intent(out) :: reference
         integer, intent(out) :: status
-        type(motion_t), allocatable :: again(:), moved(:)
-        type(motion_t) :: start
+        type(motion_t), allocatable :: again(:), from_another(:)
+        type(case_t) :: other
         character(*), parameter :: in_quadruple = 'taylor_quadruple'
 
         reference%source = 'quadruple precision'
         reference%is_computed = .true.
-        call compute(case, case%start, times, in_quadruple, fine, max_steps, reference%motions, status)
+        call compute(case, times, in_quadruple, fine, max_steps, reference%motions, status)
         if (.not. is_ok(status)) return
-        call compute(case, case%start, times, in_quadruple, coarse, max_steps, again, status)
+        call compute(case, times, in_quadruple, coarse, max_steps, again, status)
         if (.not. is_ok(status)) return
         reference%uncertainty = maxval(apart(reference%motions, again))
-        start = case%start
-        start%omega = start%omega * (1 + epsilon_dp * [1, -1, 1])
-        start%quaternion = start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
-        call compute(case, start, times, in_quadruple, coarse, max_steps, moved, status)
-        if (.not. is_ok(status)) return
-        reference%floor = apart(again, moved) / 2
+        other = case
+        other%start%omega = case%start%omega * (1 + epsilon_dp * [1, -1, 1])
+        other%start%quaternion = case%start%quaternion * (1 + epsilon_dp * [1, -1, -1, 1])
+        call compute(other, times, in_quadruple, coarse, max_steps, from_another, status)
+        if (is_ok(status)) reference%floor = apart(again, from_another) / 2
     end subroutine compute_twice
 
-    !> A motion by an adaptive method.
-    subroutine compute(case, start, times, method, tolerance, max_steps, motions, status)
+    !> A motion by an adaptive method, or without a name by the exact solution.
+    subroutine compute(case, times, method, tolerance, max_steps, motions, status)
         type(case_t), intent(in) :: case
-        type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         character(*), intent(in) :: method
         integer(int64), intent(in) :: max_steps
         type(motion_t), allocatable, intent(out) :: motions(:)
         integer, intent(out) :: status
-        class(formulation_t), allocatable :: formulation
-        class(stepper_t), allocatable :: stepper
-        type(motion_collector_t) :: collector
+        type(plan_t) :: plan
+        type(collector_t) :: collector
         type(outcome_t) :: outcome
 
-        call create_formulation('rigid_body', formulation, body=case%body)
-        call create_stepper(method, stepper)
-        stepper%controls%relative_tolerance = tolerance
-        stepper%controls%absolute_tolerance = tolerance
-        stepper%controls%max_steps = max_steps
-        allocate (collector%motions(size(times)))
-        call integrate(formulation, stepper, case%body, start, case%t_end, times, collector, outcome)
+        plan%exact = method == ''
+        if (.not. plan%exact) then
+            call create_formulation('rigid_body', plan%formulation, body=case%body)
+            call create_stepper(method, plan%stepper)
+            plan%stepper%controls%relative_tolerance = tolerance
+            plan%stepper%controls%absolute_tolerance = tolerance
+            plan%stepper%controls%max_steps = max_steps
+        end if
+        call collect_motions(case, plan, times, collector, outcome)
         status = outcome%status
         if (is_good_end(status)) status = status_ok
         call move_alloc(collector%motions, motions)
     end subroutine compute
+
+    !> Collects the motions of a case at some times up to the end of its span, in closed form or step by step.
+    subroutine collect_motions(case, plan, times, collector, outcome)
+        type(case_t), intent(in) :: case !! the case to compute
+        type(plan_t), intent(inout) :: plan !! model, method and settings
+        real(dp), intent(in) :: times(:) !! increasing, s
+        type(collector_t), intent(inout) :: collector !! gets the motions
+        type(outcome_t), intent(out) :: outcome !! how the motion ended
+        type(exact_motion_t) :: exact
+        integer :: i
+
+        allocate (collector%motions(size(times)))
+        if (.not. plan%exact) then
+            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, collector, outcome)
+            return
+        end if
+        call prepare_exact_motion(case%body, case%start, exact, outcome%status)
+        if (.not. is_ok(outcome%status)) return
+        collector%motions = [(exact%at(times(i)), i=1, size(times))]
+        collector%count = size(times)
+        outcome%t = times(size(times))
+    end subroutine collect_motions
 
     !> Rotation angles between the attitudes of two motions, rad.
     pure function apart(first, second) result(angle)
@@ -187,13 +195,17 @@ contains
         end do
     end function apart
 
-    !> Keeps the motion.
+    !> Keeps the motion. The end of the equations, which is shown too, may be one more than the times.
     subroutine observe(self, formulation, t, y, near)
-        class(motion_collector_t), intent(inout) :: self
+        class(collector_t), intent(inout) :: self
         class(formulation_t), intent(in) :: formulation
         real(dp), intent(in) :: t, y(max_states), near(3)
+        real(dp) :: began
+        if (self%count == size(self%motions)) return
+        began = seconds()
         self%count = self%count + 1
         self%motions(self%count) = formulation%motion(t, y, near)
+        self%collecting = self%collecting + (seconds() - began)
     end subroutine observe
 
     !> Reads the reference motion of a case from a CSV table, such as a trajectory that was computed before or by another program,
@@ -206,7 +218,9 @@ contains
         type(reference_t), intent(out) :: reference !! the stored motion; without motions if there is a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(table_t) :: table
+        type(motion_t) :: motion
         real(dp), allocatable :: values(:, :)
+        integer :: i
 
         call read_columns(path_from(input, path), key, columns, 0, table, values, problems)
         if (problems%any()) return
@@ -214,7 +228,15 @@ contains
             call check_motion(cells, key, case, problems)
             if (problems%any()) return
             reference%source = path(index(path, '/', back=.true.) + 1:)
-            call read_motions(cells, case, reference)
+            ! In the axes of the computation; their accuracy is unknown.
+            allocate (reference%motions(size(cells, 2)))
+            reference%floor = spread(no_number, 1, size(cells, 2))
+            reference%uncertainty = no_number
+            motion = case%given_start
+            do i = 1, size(cells, 2)
+                motion = motion_from_quaternion(cells(1, i), cells(2:5, i) / norm2(cells(2:5, i)), cells(6:8, i), motion%angle)
+                reference%motions(i) = case%turn%turned_motion(motion)
+            end do
         end associate
     end subroutine read_motion
 
@@ -248,23 +270,5 @@ contains
             call problems%add(key, 'the motion in the table has another start', 'use a table of this case')
         end if
     end subroutine check_motion
-
-    !> The motions of the rows, in the axes of the computation. Their accuracy is unknown.
-    subroutine read_motions(cells, case, reference)
-        real(dp), intent(in) :: cells(:, :)
-        type(case_t), intent(in) :: case
-        type(reference_t), intent(inout) :: reference
-        type(motion_t) :: motion
-        integer :: i
-
-        allocate (reference%motions(size(cells, 2)), reference%floor(size(cells, 2)))
-        reference%floor = no_number
-        reference%uncertainty = no_number
-        motion = case%given_start
-        do i = 1, size(cells, 2)
-            motion = motion_from_quaternion(cells(1, i), cells(2:5, i) / norm2(cells(2:5, i)), cells(6:8, i), motion%angle)
-            reference%motions(i) = case%turn%turned_motion(motion)
-        end do
-    end subroutine read_motions
 
 end module spintop_reference_motion

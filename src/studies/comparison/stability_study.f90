@@ -79,13 +79,10 @@ module spintop_stability_study
         column('time_s', 's', 'computing time', 'cost'), &
         column('status', '', 'status of the run', 'verdict', traits=categorical), &
         column('t', 's', 'time reached', 'verdict'), &
-        column('upright_growth', '1/s', &
-                        'largest growth rate of the symmetric top sleeping upright with this spin', &
-                           'growth'), &
+        column('upright_growth', '1/s', 'largest growth rate of the symmetric top sleeping upright with this spin', 'growth'), &
         column('lyapunov_exponent', '1/s', 'mean growth rate of perturbations over the span', 'growth'), &
         column('reference', '', 'reference of the comparison', 'reference', traits=categorical), &
-        column('reference_error', 'rad', 'difference between two computations of the reference', &
-                        'reference'), &
+        column('reference_error', 'rad', 'difference between two computations of the reference', 'reference'), &
         column('reason', '', 'reason of the verdict', 'verdict', traits=categorical)]
 
     !> Combinations that are run in addition to each method with the formulation that suits the body.
@@ -133,7 +130,8 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         character(*), parameter :: compares = 'a stability study compares methods and formulations', &
             hint = 'name them in stability.methods'
-        integer :: i
+        type(method_info_t), allocatable :: methods(:)
+        integer :: i, k, slash
 
         if (scene%stop_at /= '') then
             call problems%add('span.stop_at', 'a stability study computes each motion to the end of its span', 'omit it')
@@ -148,32 +146,21 @@ contains
             where (self%places > size(hard_cases)) self%places = 0 ! the case of the input
         end if
         if (is_set(scene%relative_tolerance)) self%tolerance = scene%relative_tolerance
-        if (all(scene%stability_methods == '')) then
-            call choose_all_methods(self%choices)
-            return
-        end if
         if (allocated(self%choices)) deallocate (self%choices)
         allocate (self%choices(0))
-        call add_methods('stability.methods', scene%stability_methods, method_infos(), ['auto'], self%choices, problems)
-    end subroutine choose
-
-    !> Every method with the formulation that suits the body, some also with others.
-    subroutine choose_all_methods(choices)
-        type(method_choice_t), allocatable, intent(out) :: choices(:)
-        type(method_info_t), allocatable :: methods(:)
-        integer :: i, k, slash
-
         allocate (methods, source=method_infos())
-        allocate (choices(0))
+        call add_methods('stability.methods', scene%stability_methods, methods, ['auto'], self%choices, problems)
+        if (any(scene%stability_methods /= '')) return
+        ! Every method with the formulation that suits the body, some also with others.
         do i = 1, size(methods)
-            choices = [choices, method_choice_t(methods(i))]
+            self%choices = [self%choices, method_choice_t(methods(i))]
             do k = 1, size(more_choices)
                 slash = index(more_choices(k), '/')
                 if (more_choices(k)(:slash - 1) /= methods(i)%name) cycle
-                choices = [choices, method_choice_t(methods(i), more_choices(k)(slash + 1:))]
+                self%choices = [self%choices, method_choice_t(methods(i), more_choices(k)(slash + 1:))]
             end do
         end do
-    end subroutine choose_all_methods
+    end subroutine choose
 
     !> The scene of a case: of the catalogue, with the tolerances of the input, or (0) the input itself.
     subroutine scene_of(self, input, place, scene, error)
@@ -216,8 +203,10 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(problem_t), allocatable :: problem
         type(problems_t) :: problems
+        type(motion_t) :: sleeping
+        complex(dp) :: eigenvalues(6)
         real(dp) :: upright_growth, lyapunov_exponent
-        integer :: i
+        integer :: i, intervals, status
 
         allocate (problem)
         problem%name = own_case
@@ -231,9 +220,26 @@ contains
             error = internal_error('stability: case ' // problem%name // ': ' // problems%first())
             return
         end if
-        call find_reference(problem%case, 1 + intervals_of(problem%scene%steps), reference_auto, &
-                            int(problem%scene%max_steps, int64), problem%reference, problem%status)
-        call find_growth(problem, upright_growth, lyapunov_exponent)
+        ! Steps of fixed size lie between the times of the comparison: all of them, if they are not too many.
+        do intervals = min(problem%scene%steps, most_intervals), fewest_intervals, -1
+            if (mod(problem%scene%steps, intervals) == 0) exit
+        end do
+        if (intervals < fewest_intervals) intervals = problem%scene%steps
+        call find_reference(problem%case, 1 + intervals, reference_auto, int(problem%scene%max_steps, int64), &
+                            problem%reference, problem%status)
+        ! Growth rates of perturbations, 1/s; NaN if they do not exist.
+        upright_growth = no_number
+        associate (case => problem%case)
+            if (case%body%is_lagrange()) then
+                sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+                                                  [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
+                call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
+                if (is_ok(status)) upright_growth = maxval(real(eigenvalues, dp))
+            end if
+            call find_lyapunov(case%body, case%start, case%t_end, lyapunov_exponent, status, &
+                               max_steps=min(problem%scene%max_steps, huge(1) - 1))
+            if (.not. is_ok(status)) lyapunov_exponent = no_number
+        end associate
         call self%try_all(problem)
         do i = 1, size(self%attempts)
             associate (row => self%attempts(i))
@@ -248,38 +254,6 @@ contains
         end if
     end subroutine compare
 
-    !> Number of intervals between the times at which a motion is compared: these are steps of fixed size, all of them if they
-    !> are not too many.
-    pure integer function intervals_of(steps) result(intervals)
-        integer, intent(in) :: steps
-        do intervals = min(steps, most_intervals), fewest_intervals, -1
-            if (mod(steps, intervals) == 0) return
-        end do
-        intervals = steps
-    end function intervals_of
-
-    !> Growth rates of perturbations of a case, 1/s; NaN if they do not exist.
-    subroutine find_growth(problem, upright_growth, lyapunov_exponent)
-        type(problem_t), intent(in) :: problem
-        real(dp), intent(out) :: upright_growth, lyapunov_exponent
-        type(motion_t) :: sleeping
-        complex(dp) :: eigenvalues(6)
-        integer :: status
-
-        upright_growth = no_number
-        associate (case => problem%case)
-            if (case%body%is_lagrange()) then
-                sleeping = motion_from_quaternion(0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
-                                                  [0.0_dp, 0.0_dp, case%start%omega(3)], case%start%angle)
-                call find_equilibrium_eigenvalues(case%body, sleeping, eigenvalues, status)
-                if (is_ok(status)) upright_growth = maxval(real(eigenvalues, dp))
-            end if
-            call find_lyapunov(case%body, case%start, case%t_end, lyapunov_exponent, status, &
-                               max_steps=min(problem%scene%max_steps, huge(1) - 1))
-            if (.not. is_ok(status)) lyapunov_exponent = no_number
-        end associate
-    end subroutine find_growth
-
     !> Runs one method on a case, and finds the verdict. There is no row for a combination that was run already, or that would be
     !> compared with itself.
     subroutine judge(self, problem, scene, plan, attempt)
@@ -291,12 +265,14 @@ contains
 
         attempt%is_kept = .not. (attempt%is_repeated .or. attempt%is_reference)
         if (.not. attempt%is_kept) return
+        ! A method that was not run has no errors, no computing time and no end.
+        attempt%trial%errors = no_number
+        attempt%trial%time = no_number
+        attempt%trial%t = no_number
         if (attempt%reason /= '') then
             attempt%verdict = verdict_unsuitable
-            attempt%trial = no_trial()
         else if (.not. is_ok(problem%status)) then
             attempt%verdict = verdict_no_reference
-            attempt%trial = no_trial()
             attempt%trial%status = problem%status
             attempt%reason = 'no reference: ' // status_meaning(problem%status)
         else
@@ -305,13 +281,6 @@ contains
             attempt%reason = explain_trial(attempt%trial, attempt%verdict)
         end if
     end subroutine judge
-
-    !> The trial of a method that was not run: it has no errors, no computing time and no end.
-    pure type(trial_t) function no_trial() result(trial)
-        trial%errors = no_number
-        trial%time = no_number
-        trial%t = no_number
-    end function no_trial
 
     !> Adds a row, a cell per column.
     subroutine add_row(problem, row, upright_growth, lyapunov_exponent, cells)
@@ -360,8 +329,9 @@ contains
     subroutine summarize(self, summary)
         class(stability_study_t), intent(in) :: self
         type(summary_t), intent(inout) :: summary !! lines are added
+        character(:), allocatable :: text
         character(36) :: name
-        integer :: k
+        integer :: i, k
 
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(self%verdicts(:, k) == 0)) cycle
@@ -372,22 +342,15 @@ contains
                 name = choice%method%name
                 if (choice%formulation /= 'auto') name = trim(name) // '/' // choice%formulation
             end associate
-            call summary%add('', name // counts_of(self%verdicts(k, :)))
+            text = name
+            do i = 1, size(verdict_names)
+                if (self%verdicts(k, i) == 0) cycle
+                if (len(text) > len(name)) text = text // ', '
+                text = text // to_text(self%verdicts(k, i)) // ' ' // trim(verdict_names(i))
+            end do
+            call summary%add('', text)
         end do
     end subroutine summarize
-
-    !> The number of occurrences of each verdict.
-    function counts_of(verdicts) result(text)
-        integer(int64), intent(in) :: verdicts(:)
-        character(:), allocatable :: text
-        integer :: k
-        text = ''
-        do k = 1, size(verdicts)
-            if (verdicts(k) == 0) cycle
-            if (text /= '') text = text // ', '
-            text = text // to_text(verdicts(k)) // ' ' // trim(verdict_names(k))
-        end do
-    end function counts_of
 
     !> Meaning of a verdict.
     function verdict_meaning(verdict) result(meaning)

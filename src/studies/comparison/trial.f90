@@ -13,8 +13,8 @@ module spintop_trial
     use spintop_plan, only: plan_t
     use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
         vertical_momentum
-    use spintop_reference_motion, only: reference_t
-    use spintop_status, only: is_good_end, is_ok, status_ok
+    use spintop_reference_motion, only: collect_motions, collector_t, reference_t
+    use spintop_status, only: is_good_end, status_ok
     use spintop_stepper, only: counts_t
     implicit none
     private
@@ -45,21 +45,6 @@ module spintop_trial
         real(dp) :: time = 0
     end type trial_t
 
-    !> Compares a motion with the reference at its times.
-    type, extends(observer_t) :: judge_t
-        type(case_t) :: case
-        type(reference_t) :: reference
-        integer :: seen = 0
-        real(dp) :: energy_scale = 1, momentum_scale = 1
-        real(dp), dimension(size(no_errors)) :: errors = no_errors, last = no_errors
-        !> Time for comparisons, s.
-        real(dp) :: comparing = 0
-    contains
-        procedure :: begin
-        procedure :: observe
-        procedure :: compare
-    end type judge_t
-
     !> Keeps the last motion, and the state that it is made of.
     type, extends(observer_t) :: arrival_t
         type(motion_t) :: motion
@@ -74,97 +59,56 @@ module spintop_trial
 
 contains
 
-    !> Computes a case with a plan, with steps at, or dense output for, the times of the reference.
+    !> Computes a case with a plan, with steps at, or dense output for, the times of the reference, and compares the motions.
     subroutine run_trial(case, plan, reference, trial)
         type(case_t), intent(in) :: case !! the case to compute
         type(plan_t), intent(inout) :: plan !! model, method and settings
         type(reference_t), intent(in) :: reference !! the reference motion
         type(trial_t), intent(out) :: trial !! result of the computation
-        type(judge_t) :: judge
+        type(collector_t) :: collector
         type(outcome_t) :: outcome
-        real(dp) :: began
+        real(dp) :: began, weight, momentum_scale
+        integer :: i
 
-        call judge%begin(case, reference)
+        collector%counts_turns = .false.
         began = seconds()
-        if (plan%exact) then
-            call judge_exact_motion(judge, outcome)
-        else
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                           reference%motions%t, judge, outcome)
-        end if
-        trial%time = seconds() - began - judge%comparing
+        call collect_motions(case, plan, reference%motions%t, collector, outcome)
+        trial%time = seconds() - began - collector%collecting
         trial%status = outcome%status
         if (is_good_end(outcome%status)) trial%status = status_ok
         trial%t = outcome%t
         trial%counts = outcome%counts
-        trial%errors = judge%errors
-        trial%last = judge%last
+        weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
+        ! A body at rest without weight has no momentum.
+        momentum_scale = max(norm2(case%body%inertia * case%start%omega) + sqrt(weight) * sqrt(maxval(case%body%inertia)), &
+                             tiny(weight))
+        do i = 1, collector%count
+            call compare(case, collector%motions(i), reference%motions(i), energy_scale(case%body, case%start), momentum_scale, &
+                         trial)
+        end do
     end subroutine run_trial
 
-    !> The exact solution at the times of the reference.
-    subroutine judge_exact_motion(judge, outcome)
-        type(judge_t), intent(inout) :: judge
-        type(outcome_t), intent(out) :: outcome
-        type(exact_motion_t) :: exact
-        integer :: i
-
-        call prepare_exact_motion(judge%case%body, judge%case%start, exact, outcome%status)
-        if (.not. is_ok(outcome%status)) return
-        do i = 1, size(judge%reference%motions)
-            outcome%t = judge%reference%motions(i)%t
-            call judge%compare(exact%at(outcome%t))
-        end do
-    end subroutine judge_exact_motion
-
-    !> Sets the case, the reference, and the scales of their energy and momenta.
-    subroutine begin(self, case, reference)
-        class(judge_t), intent(inout) :: self
+    !> Compares a motion with that of the reference at its time.
+    subroutine compare(case, motion, truth, energy_scale, momentum_scale, trial)
         type(case_t), intent(in) :: case
-        type(reference_t), intent(in) :: reference
-        real(dp) :: weight
-
-        self%case = case
-        self%reference = reference
-        self%counts_turns = .false.
-        weight = case%body%mass * case%body%gravity * norm2(case%body%centre_of_mass)
-        self%energy_scale = energy_scale(case%body, case%start)
-        ! A body at rest without weight has no momentum.
-        self%momentum_scale = max(norm2(case%body%inertia * case%start%omega) &
-                                  + sqrt(weight) * sqrt(maxval(case%body%inertia)), tiny(weight))
-    end subroutine begin
-
-    !> Compares a state with the reference at its time.
-    subroutine observe(self, formulation, t, y, near)
-        class(judge_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: t, y(max_states), near(3)
-        real(dp) :: began
-        began = seconds()
-        call self%compare(formulation%motion(t, y, near))
-        self%comparing = self%comparing + (seconds() - began)
-    end subroutine observe
-
-    !> Compares a motion with the next one of the reference.
-    subroutine compare(self, motion)
-        class(judge_t), intent(inout) :: self
-        type(motion_t), intent(in) :: motion
+        type(motion_t), intent(in) :: motion, truth
+        real(dp), intent(in) :: energy_scale, momentum_scale !! J, J s
+        type(trial_t), intent(inout) :: trial
         real(dp) :: differences(size(no_errors))
         logical :: exists(size(no_errors))
 
-        if (self%seen == size(self%reference%motions)) return
-        self%seen = self%seen + 1
-        associate (truth => self%reference%motions(self%seen), body => self%case%body)
+        associate (body => case%body)
             differences(error_orientation) = rotation_angle(truth%quaternion, motion%quaternion)
             differences(error_tip) = norm2(axis_tip(body, motion) - axis_tip(body, truth))
-            differences(error_energy) = (energy(body, motion) - energy(body, truth)) / self%energy_scale
-            differences(error_lz) = (vertical_momentum(body, motion) - vertical_momentum(body, truth)) / self%momentum_scale
-            differences(error_l3) = (axial_momentum(body, motion) - axial_momentum(body, truth)) / self%momentum_scale
+            differences(error_energy) = (energy(body, motion) - energy(body, truth)) / energy_scale
+            differences(error_lz) = (vertical_momentum(body, motion) - vertical_momentum(body, truth)) / momentum_scale
+            differences(error_l3) = (axial_momentum(body, motion) - axial_momentum(body, truth)) / momentum_scale
             differences(error_norm) = motion%norm_error
-            exists = .true.
-            call compare_angles(self%case, motion, truth, differences(error_phi:), exists(error_phi:))
         end associate
-        self%last = merge(enlarged(no_errors, differences), no_errors, exists)
-        where (exists) self%errors = enlarged(self%errors, self%last)
+        exists = .true.
+        call compare_angles(case, motion, truth, differences(error_phi:), exists(error_phi:))
+        trial%last = merge(enlarged(no_errors, differences), no_errors, exists)
+        where (exists) trial%errors = enlarged(trial%errors, trial%last)
     end subroutine compare
 
     !> Compares angles and rates, in the axes in which the body was given: their differences, and which of them exist.
@@ -206,10 +150,8 @@ contains
     !> The minimum time of `repeats` computations of a case with a plan, s, for attitude and rates at the end of the span. It is
     !> that of elapsed times: what else the processor does can only lengthen them. The processor time of a thread is no such
     !> bound: a virtual machine takes the time that its host withheld from where it notices, and may so count nothing for a
-    !> short run.
-    !> A similar computation, which took
-    !> about `expected` seconds, should have run just before as a warm-up. If the repeats would take longer
-    !> than two seconds there are fewer of them, but at least one. `counts` is the cost of one computation.
+    !> short run. A similar computation, which took about `expected` seconds, should have run just before as a warm-up. If the
+    !> repeats would take longer than two seconds there are fewer of them, but at least one. `counts` is the cost of one.
     subroutine time_trial(case, plan, expected, repeats, time, counts, motion, status)
         type(case_t), intent(in) :: case !! the case whose computation is timed
         type(plan_t), intent(inout) :: plan !! model, method and settings
@@ -219,7 +161,9 @@ contains
         type(counts_t), intent(out) :: counts !! cost of one computation
         type(motion_t), intent(out), optional :: motion !! the end of the span, in the axes of the computation
         integer, intent(out), optional :: status !! how the last computation ended (spintop_status)
+        type(exact_motion_t) :: exact
         type(arrival_t) :: arrival
+        type(outcome_t) :: outcome
         real(dp) :: began, start
         integer :: calls, repeat, i, ended
 
@@ -230,38 +174,25 @@ contains
         do repeat = 1, repeats
             began = seconds()
             do i = 1, calls
-                call go(case, plan, arrival, counts, ended)
+                if (plan%exact) then
+                    call prepare_exact_motion(case%body, case%start, exact, ended)
+                    arrival%motion = exact%at(case%t_end)
+                else
+                    call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, [case%t_end], arrival, &
+                                   outcome)
+                    ended = outcome%status
+                end if
             end do
             time = min(time, (seconds() - began) / calls)
             if (seconds() - start > longest) exit
         end do
+        counts = outcome%counts
         if (present(motion)) then
             motion = arrival%motion
             if (.not. plan%exact) motion = plan%formulation%motion(arrival%t, arrival%y, arrival%near)
         end if
         if (present(status)) status = ended
     end subroutine time_trial
-
-    !> Computes the state at the end of the span.
-    subroutine go(case, plan, arrival, counts, status)
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
-        type(arrival_t), intent(inout) :: arrival
-        type(counts_t), intent(out) :: counts
-        integer, intent(out) :: status
-        type(exact_motion_t) :: exact
-        type(outcome_t) :: outcome
-
-        if (plan%exact) then
-            call prepare_exact_motion(case%body, case%start, exact, status)
-            arrival%motion = exact%at(case%t_end)
-        else
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                           [case%t_end], arrival, outcome)
-            counts = outcome%counts
-            status = outcome%status
-        end if
-    end subroutine go
 
     !> Keeps the motion: attitude and rates, without the angles that describe the attitude.
     subroutine observe_arrival(self, formulation, t, y, near)

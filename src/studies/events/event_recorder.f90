@@ -12,6 +12,7 @@ module spintop_event_recorder
     use spintop_row_block, only: text_buffer_t
     use spintop_trajectory_columns, only: row_maker_t, is_free_of_angles
     use spintop_scene_keys, only: scene_t
+    use spintop_status, only: status_step_limit, status_too_many_events
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: near_poles, study_column_t
     use spintop_table_column, only: column_t
@@ -46,6 +47,7 @@ module spintop_event_recorder
         real(dp), allocatable :: kept(:, :)
     contains
         procedure :: set
+        procedure :: search_exactly
         procedure :: keep_table
         procedure :: open_table
         procedure :: close_table
@@ -89,6 +91,24 @@ contains
             self%pole_axis = case%turn%vector([0.0_dp, 0.0_dp, 1.0_dp])
         end if
     end subroutine set
+
+    !> Searches the exact motion of a case for its events, up to the end of its span or the event that ends the motion.
+    subroutine search_exactly(self, path, case, t_end, status)
+        class(event_recorder_t), intent(inout) :: self
+        class(exact_path_t), intent(inout) :: path !! the motion, at its start; the search is part of its work
+        type(case_t), intent(in) :: case !! the case of that motion
+        real(dp), intent(out) :: t_end !! where the motion ends, s
+        integer, intent(inout) :: status !! why the search, at the time `self%t`, did not come to that end; else unchanged
+        call self%begin(case%body, path%exact%at(0.0_dp))
+        call self%judge(case%body, case%start)
+        call self%find_events(path, case%t_end)
+        t_end = case%t_end
+        if (self%has_enough) then
+            t_end = self%t
+        else if (self%t < t_end) then
+            status = merge(status_too_many_events, status_step_limit, self%is_full)
+        end if
+    end subroutine search_exactly
 
     !> Starts a table of the listed events in memory, with these columns of the trajectory.
     subroutine keep_table(self, columns, case, scene)
@@ -147,11 +167,17 @@ contains
         integer, intent(in) :: number !! index of the event in `events`
         type(motion_t), intent(in) :: motion !! the motion at the event
         type(text_buffer_t) :: line
+        real(dp), allocatable :: more(:, :)
 
         if (self%is_noise) return
         if (self%is_listed(number) .and. allocated(self%kept)) then
-            call keep_row([real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)], &
-                          self%rows, self%kept)
+            if (self%rows == size(self%kept, 2)) then
+                allocate (more(size(self%kept, 1), 2 * self%rows))
+                more(:, :self%rows) = self%kept
+                call move_alloc(more, self%kept)
+            end if
+            self%rows = self%rows + 1
+            self%kept(:, self%rows) = [real(dp) :: number, self%events(number)%count, self%row%row(motion, work=self%work)]
         else if (self%is_listed(number)) then
             call line%add_text(trim(self%events(number)%name))
             call line%add_integer(int(self%events(number)%count, int64))
@@ -166,21 +192,6 @@ contains
         end if
         self%has_enough = self%ended_by > 0 .or. allocated(self%error)
     end subroutine handle_event
-
-    !> Adds a row to those that are kept.
-    subroutine keep_row(row, rows, kept)
-        real(dp), intent(in) :: row(:)
-        integer, intent(inout) :: rows
-        real(dp), allocatable, intent(inout) :: kept(:, :)
-        real(dp), allocatable :: more(:, :)
-        if (rows == size(kept, 2)) then
-            allocate (more(size(row), 2 * rows))
-            more(:, :rows) = kept
-            call move_alloc(more, kept)
-        end if
-        rows = rows + 1
-        kept(:, rows) = row
-    end subroutine keep_row
 
     !> Prepares the exact solution of a case; the work is at most `most_looks` instants.
     subroutine begin(self, case, most_looks, status)

@@ -66,31 +66,21 @@ contains
         type(column_event_t), allocatable, intent(out) :: events(:) !! the events; not allocated on an error
         character(:), allocatable, intent(out) :: problem, hint
             !! what is wrong, and what is expected; '' without an error
-        character(:), allocatable :: left, right
-        integer :: equals
+        type(column_event_t) :: one
+        type(named_event_t) :: row
+        character(:), allocatable :: name
+        integer :: equals, i
 
         problem = ''
         hint = ''
         allocate (events(0))
         equals = index(text, '=')
-        if (equals == 0) then
-            call find_named_events(trim(adjustl(lower_case(text))), events, problem, hint)
-        else
-            left = trim(adjustl(text(:equals - 1)))
-            right = trim(adjustl(lower_case(text(equals + 1:))))
-            call find_column_events(left, right, events, problem, hint)
+        if (equals > 0) then
+            call find_column_events(trim(adjustl(text(:equals - 1))), trim(adjustl(lower_case(text(equals + 1:)))), events, &
+                                    problem, hint)
+            return
         end if
-    end subroutine read_event
-
-    !> The events for a name.
-    subroutine find_named_events(name, events, problem, hint)
-        character(*), intent(in) :: name
-        type(column_event_t), allocatable, intent(inout) :: events(:)
-        character(:), allocatable, intent(inout) :: problem, hint
-        type(column_event_t) :: one
-        type(named_event_t) :: row
-        integer :: i
-
+        name = trim(adjustl(lower_case(text)))
         do i = 1, size(named_events)
             row = named_events(i)
             if (row%name /= name) cycle
@@ -104,7 +94,7 @@ contains
         hint = did_you_mean(name, named_events%name)
         if (hint == '') hint = 'an event is ' // join(pack(named_events%name, named_events%what /= ''), ', ') &
                                // ' or ' // event_grammar
-    end subroutine find_named_events
+    end subroutine read_event
 
     !> The events for `COLUMN = VALUE [every turn] [rising|falling]`.
     subroutine find_column_events(left, right, events, problem, hint)

@@ -313,8 +313,7 @@ contains
             measured%sigma = spread(scene%sigma(:given), 2, size(measured%t))
         else if (given > 0) then
             call problems%add('fit.sigma', to_text(given) // ' standard deviations for ' // to_text(size(columns)) // &
-                              ' columns', &
-                              'give one, or one per column')
+                              ' columns', 'give one, or one per column')
             return
         end if
         do i = 1, size(columns)
@@ -443,6 +442,7 @@ contains
         type(sensitivities_t), intent(inout) :: sought !! the numbers are added
         type(problems_t), intent(inout) :: problems !! problems of the names are added
         character(:), allocatable :: problem, hint
+        real(dp) :: value
         integer :: i, key, found
 
         found = 0
@@ -458,7 +458,16 @@ contains
                     problem = trim(fit%unknown(i)) // ' is named twice'
                     hint = 'name it once'
                 end if
-                if (problem == '') call check_range(fit%from(i), fit%to(i), sought%keys(key)%slot%get(), problem, hint)
+                if (problem == '') then
+                    value = sought%keys(key)%slot%get()
+                    if (is_set(fit%from(i)) .neqv. is_set(fit%to(i))) then
+                        problem = 'the range has one end only'
+                        hint = 'give both from and to'
+                    else if (is_set(fit%from(i)) .and. .not. (fit%from(i) <= value .and. value <= fit%to(i))) then
+                        problem = 'the value where the search begins is not in its range'
+                        hint = 'give a value from ' // to_text(fit%from(i)) // ' to ' // to_text(fit%to(i))
+                    end if
+                end if
                 if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
                 found = max(found, key)
             end do
@@ -534,18 +543,5 @@ contains
         end do
         sought%keys = [sought%keys, found]
     end subroutine find_sensor_number
-
-    !> Checks the range of a sought number.
-    subroutine check_range(from, to, value, problem, hint)
-        real(dp), intent(in) :: from, to, value
-        character(:), allocatable, intent(inout) :: problem, hint
-        if (is_set(from) .neqv. is_set(to)) then
-            problem = 'the range has one end only'
-            hint = 'give both from and to'
-        else if (is_set(from) .and. .not. (from <= value .and. value <= to)) then
-            problem = 'the value where the search begins is not in its range'
-            hint = 'give a value from ' // to_text(from) // ' to ' // to_text(to)
-        end if
-    end subroutine check_range
 
 end module spintop_fit_data

@@ -240,7 +240,9 @@ contains
         real(dp), intent(in) :: x(:) !! values of the sought numbers
         real(dp), intent(out) :: readings(:, :) !! columns, leading rows
         logical, intent(out) :: is_valid !! whether there is such a motion
-        real(dp), allocatable :: t(:), quantities(:, :)
+        real(dp), allocatable :: t(:)
+        type(writer_t), allocatable :: writer
+        type(outcome_t) :: outcome
         type(problems_t) :: problems
 
         readings = no_number
@@ -251,11 +253,15 @@ contains
         call find_instants(self%scene%fit, self%measured%t(:size(readings, 2)), t)
         if (t(1) < 0) return
         self%case%t_end = t(size(t))
-        allocate (quantities(size(self%columns), size(t)), source=no_number)
-        if (self%case%body%has_closed_form() .or. .not. self%plan%exact) call find_values(self, t, quantities)
-        is_valid = all(is_finite(quantities))
+        if (self%plan%exact .and. .not. self%case%body%has_closed_form()) return
+        allocate (writer)
+        call writer%set_columns(self%columns, self%case, self%scene)
+        allocate (writer%kept(size(self%columns), size(t)), source=no_number)
+        if (self%plan%exact) writer%asked = t
+        call compute_motion(self%case, self%plan, t, writer, outcome)
+        is_valid = is_good_end(outcome%status) .and. all(is_finite(writer%kept))
         if (.not. is_valid) return
-        call read_sensors(self%scene%fit, self%measured%sensor, self%measured%columns%size, self%turned, quantities, readings)
+        call read_sensors(self%scene%fit, self%measured%sensor, self%measured%columns%size, self%turned, writer%kept, readings)
     end subroutine predict
 
     !> Whether all numbers are in their ranges.
@@ -301,22 +307,6 @@ contains
             if (.not. problems%any()) return
         end do
     end subroutine plan_with_another
-
-    !> The quantities of the motion at some times; they stay as they are where it does not reach all of them.
-    subroutine find_values(self, t, quantities)
-        class(fit_model_t), intent(inout) :: self
-        real(dp), intent(inout) :: t(:)
-        real(dp), intent(inout) :: quantities(:, :)
-        type(writer_t), allocatable :: writer
-        type(outcome_t) :: outcome
-
-        allocate (writer)
-        call writer%set_columns(self%columns, self%case, self%scene)
-        allocate (writer%kept, source=quantities)
-        if (self%plan%exact) writer%asked = t
-        call compute_motion(self%case, self%plan, t, writer, outcome)
-        if (is_good_end(outcome%status)) quantities = writer%kept
-    end subroutine find_values
 
     !> A change of a sought number that matters.
     pure real(dp) function step_scale(self, i, x) result(step)

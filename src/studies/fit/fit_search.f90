@@ -113,13 +113,27 @@ contains
         type(search_t), intent(inout) :: search !! how to search; what was tried
         type(minimum_t), intent(out) :: minimum !! the best that was found
         type(sobol_sequence_t) :: sequence
+        type(minimum_t) :: other
         real(dp) :: fractions(size(start)), x(size(start)), width
         integer :: i, k
 
         allocate (search%places(size(start), 0))
         search%first_span = maxval(model%measured%t) - minval(model%measured%t)
         call search_from(model, start, merge(growth, at_once, search%has_windows), search)
-        if (search%has_windows) call look_around(model, start, search)
+        if (search%has_windows) then
+            ! What the windows led away from: what all rows lead to at once; and windows that grow slowly.
+            if (.not. model%is_mirrored) then
+                call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
+                              most=direct_steps * (size(start) + 1))
+                search%evaluations = search%evaluations + other%evaluations
+                search%steps = search%steps + other%steps
+                search%places = reshape([search%places, other%x], [size(start), size(search%places, 2) + 1])
+                if (other%sum_of_squares < (1 - smaller) * search%best%sum_of_squares) then
+                    call search_from(model, [other%x], at_once, search)
+                end if
+            end if
+            if (.not. explains(model, search%best)) call search_from(model, start, slow_growth, search)
+        end if
         call sequence%start(size(start), 0_int64)
         do i = 1, search%most - 1
             if (explains(model, search%best)) exit
@@ -138,26 +152,6 @@ contains
         minimum = search%best
     end subroutine search_minimum
 
-    !> Looks for what the windows led away from: what all rows lead to at once; and windows that grow slowly.
-    subroutine look_around(model, start, search)
-        type(fit_model_t), intent(inout) :: model
-        real(dp), intent(in) :: start(:)
-        type(search_t), intent(inout) :: search
-        type(minimum_t) :: other
-
-        if (.not. model%is_mirrored) then
-            call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
-                          most=direct_steps * (size(start) + 1))
-            search%evaluations = search%evaluations + other%evaluations
-            search%steps = search%steps + other%steps
-            search%places = reshape([search%places, other%x], [size(start), size(search%places, 2) + 1])
-            if (other%sum_of_squares < (1 - smaller) * search%best%sum_of_squares) then
-                call search_from(model, [other%x], at_once, search)
-            end if
-        end if
-        if (.not. explains(model, search%best)) call search_from(model, start, slow_growth, search)
-    end subroutine look_around
-
     !> Searches from a place, and on from a pole beyond it. The model is that of the best minimum then.
     subroutine search_from(model, place, growth, search)
         type(fit_model_t), intent(inout) :: model
@@ -165,11 +159,23 @@ contains
         real(dp), intent(in) :: growth !! of the windows
         type(search_t), intent(inout) :: search
         real(dp) :: x(size(place))
+        integer :: rows
 
         x = place
         if (model%is_mirrored) call model%mirror(x)
         x = place
-        if (growth < at_once) call search_in_windows(model, x, growth, search)
+        associate (t => model%measured%t, all_rows => size(model%measured%t))
+            rows = all_rows
+            if (growth < at_once) rows = first_rows(model, search%period, size(place))
+            if (growth < at_once) search%first_span = t(rows) - t(1)
+            ! Window by window to a place from which all rows lead to a minimum.
+            do while (growth < at_once)
+                call search_in_window(model, rows, place, x, search)
+                if (rows == all_rows) exit
+                model%share = max(model%share, 0.5_dp * (search%searches - 1 + real(rows, dp) / all_rows) / search%most)
+                rows = min(max(count(t - t(1) <= growth * (t(rows) - t(1))), rows + 1), all_rows)
+            end do
+        end associate
         call model%use_rows(size(model%measured%t))
         call finish_at(model, x, search)
         if (model%is_at_pole(x)) then
@@ -241,28 +247,6 @@ contains
         call judge(model%measured, model%differences(readings), minimum, model%loss, is_noisy, .false., judgement)
         explains = .not. judgement%is_poor
     end function explains
-
-    !> Moves the parameters to a place from which all rows lead to a minimum: window by window.
-    subroutine search_in_windows(model, x, growth, search)
-        type(fit_model_t), intent(inout) :: model
-        real(dp), intent(inout) :: x(:)
-        real(dp), intent(in) :: growth
-        type(search_t), intent(inout) :: search
-        real(dp) :: start(size(x))
-        integer :: rows
-
-        start = x
-        associate (t => model%measured%t, all_rows => size(model%measured%t))
-            rows = first_rows(model, search%period, size(start))
-            search%first_span = t(rows) - t(1)
-            do
-                call search_in_window(model, rows, start, x, search)
-                if (rows == all_rows) exit
-                model%share = max(model%share, 0.5_dp * (search%searches - 1 + real(rows, dp) / all_rows) / search%most)
-                rows = min(max(count(t - t(1) <= growth * (t(rows) - t(1))), rows + 1), all_rows)
-            end do
-        end associate
-    end subroutine search_in_windows
 
     !> Finds the minimum of all rows from a place near it, and the standard deviation of each column, if they are not known.
     subroutine finish_search(model, x, search, minimum)

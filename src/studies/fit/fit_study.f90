@@ -21,7 +21,7 @@ module spintop_fit_study
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study, only: study_t
-    use spintop_study_column, only: categorical, column => study_column_t, study_column_t
+    use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_table_column, only: column_t
     use spintop_table_file, only: stem_of, table_file_t
@@ -52,8 +52,7 @@ module spintop_fit_study
         column('lower', '', 'lower end of the 95 % profile interval', 'fit'), &
         column('upper', '', 'upper end of the 95 % profile interval', 'fit'), &
         column('start', '', 'value of the input, where the search began', 'fit'), &
-        column('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', &
-                        'fit')]
+        column('singular_value', '', 'singular values of the scaled Jacobian, from the largest: one per row', 'fit')]
 
 contains
 
@@ -67,6 +66,7 @@ contains
         type(fit_model_t), allocatable, target :: model
         integer :: unknown, i
         logical :: knows_start
+        real(dp) :: last
 
         knows_start = is_set(job%input%scene%fit%time_offset)
         call job%input%scene%fit%set_defaults()
@@ -76,8 +76,11 @@ contains
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
         if (problems%any()) return
-        associate (fit => job%input%scene%fit)
-            call set_span(self%measured%t + fit%time_offset + fit%averaged / 2, job%input%scene, problems)
+        associate (fit => job%input%scene%fit, t_end => job%input%scene%t_end)
+            last = self%measured%t(size(self%measured%t)) + fit%time_offset + fit%averaged / 2
+            if (.not. is_set(t_end)) t_end = last
+            if (t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // ' s', &
+                                                'omit t_end')
         end associate
         call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
@@ -130,18 +133,6 @@ contains
         end associate
     end subroutine plan_for_all
 
-    !> Sets the end of the motion, or checks that it is not before the last measurement.
-    subroutine set_span(t, scene, problems)
-        real(dp), intent(in) :: t(:)
-        type(scene_t), intent(inout) :: scene
-        type(problems_t), intent(inout) :: problems
-        associate (last => t(size(t)))
-            if (.not. is_set(scene%t_end)) scene%t_end = last
-            if (scene%t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // &
-                                                      ' s', 'omit t_end')
-        end associate
-    end subroutine set_span
-
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
     subroutine run(self, job, options, summary, code, error)
         class(fit_study_t), intent(inout) :: self
@@ -158,7 +149,7 @@ contains
         type(string_t), allocatable :: warnings(:)
         real(dp), allocatable :: start(:), values(:, :)
         character(:), allocatable :: ending
-        real(dp) :: began
+        real(dp) :: began, ends(2)
         integer :: i
         logical :: is_valid, is_noisy
 
@@ -180,7 +171,12 @@ contains
             is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
                        estimate%error_of_model
             call judge(measured, model%differences(values), minimum, model%loss, is_noisy, .true., judgement)
-            if (judgement%is_poor) call name_ends(model, minimum%x, keys, judgement%reason)
+            do i = 1, merge(size(keys), 0, judgement%is_poor)
+                ends = model%ends(i)
+                if (minimum%x(i) > ends(1) .and. minimum%x(i) < ends(2)) cycle
+                judgement%reason = judgement%reason // '; ' // keys(i)%name // ' is at the end of its range, ' // &
+                                   to_text(minimum%x(i))
+            end do
             ending = end_of_search(minimum, estimate, judgement, keys)
             if (ending /= 'ok') code = exit_failed
             call move_alloc(judgement%warnings, warnings)
@@ -232,21 +228,6 @@ contains
         end do
     end subroutine find_minimum
 
-    !> Adds the parameters that are at an end of their range to what stands out of a poor fit.
-    subroutine name_ends(model, x, keys, reason)
-        type(fit_model_t), intent(in) :: model
-        real(dp), intent(in) :: x(:)
-        type(sensitive_key_t), intent(in) :: keys(:)
-        character(:), allocatable, intent(inout) :: reason
-        real(dp) :: ends(2)
-        integer :: i
-        do i = 1, size(x)
-            ends = model%ends(i)
-            if (x(i) > ends(1) .and. x(i) < ends(2)) cycle
-            reason = reason // '; ' // keys(i)%name // ' is at the end of its range, ' // to_text(x(i))
-        end do
-    end subroutine name_ends
-
     !> How the search ended.
     function end_of_search(minimum, estimate, judgement, keys) result(ending)
         type(minimum_t), intent(in) :: minimum
@@ -287,7 +268,8 @@ contains
         character(*), intent(in) :: ending
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
-        character(:), allocatable :: interval
+        character(:), allocatable :: interval, text
+        real(dp) :: deviation
         integer :: i, m, n
 
         m = size(minimum%residuals)
@@ -306,9 +288,19 @@ contains
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
         else
-            call summary%add('residuals', 'standard deviation ' // deviations_of(self%measured%columns, sigma, estimate, &
-                                                                                 minimum, loss) // &
-                             ', ' // to_text(m - n) // ' degrees of freedom')
+            deviation = estimate%deviation
+            if (loss%is_robust()) deviation = robust_deviation(minimum%residuals, n)
+            text = rounded(deviation * sigma(1), 6)
+            ! Columns that differ have each their own, in its unit.
+            do i = 1, merge(size(sigma), 0, any(abs(sigma - sigma(1)) > 0))
+                associate (column => self%measured%columns(i))
+                    if (i == 1) text = ''
+                    if (i > 1) text = text // ', '
+                    text = text // trim(column%name) // ' ' // rounded(deviation * sigma(i), 4)
+                    if (column%unit /= '') text = text // ' ' // trim(column%unit)
+                end associate
+            end do
+            call summary%add('residuals', 'standard deviation ' // text // ', ' // to_text(m - n) // ' degrees of freedom')
         end if
         if (loss%is_robust()) then
             call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // &
@@ -323,31 +315,6 @@ contains
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit
-
-    !> The standard deviations of the residuals, in the units of their columns.
-    function deviations_of(columns, sigma, estimate, minimum, loss) result(text)
-        type(study_column_t), intent(in) :: columns(:)
-        real(dp), intent(in) :: sigma(:) !! by which the residuals were divided
-        type(estimate_t), intent(in) :: estimate
-        type(minimum_t), intent(in) :: minimum
-        type(loss_t), intent(in) :: loss
-        character(:), allocatable :: text
-        real(dp) :: deviation
-        integer :: i
-
-        deviation = estimate%deviation
-        if (loss%is_robust()) deviation = robust_deviation(minimum%residuals, size(minimum%x))
-        if (all(.not. abs(sigma - sigma(1)) > 0)) then
-            text = rounded(deviation * sigma(1), 6)
-            return
-        end if
-        text = ''
-        do i = 1, size(columns)
-            if (i > 1) text = text // ', '
-            text = text // trim(columns(i)%name) // ' ' // rounded(deviation * sigma(i), 4)
-            if (columns(i)%unit /= '') text = text // ' ' // trim(columns(i)%unit)
-        end do
-    end function deviations_of
 
     !> Path of the table of residuals.
     function residual_path(path) result(other)
@@ -408,6 +375,7 @@ contains
         type(column_t), allocatable :: columns(:)
         type(table_file_t) :: file
         type(string_t) :: trailer(1)
+        real(dp) :: cells(1 + 3 * size(measured%columns))
         integer :: i
 
         allocate (columns(1 + 3 * size(measured%columns)))
@@ -423,20 +391,16 @@ contains
         call file%create(residual_path(job%files%table), study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(measured%t)
-            call file%add_row([measured%given_times(i), cells_of(measured%values(:, i), values(:, i), differences(:, i))], error)
+            ! Where there is no reading there is no residual.
+            cells(1) = measured%given_times(i)
+            cells(2::3) = measured%values(:, i)
+            cells(3::3) = values(:, i)
+            cells(4::3) = merge(differences(:, i), no_number, is_finite(measured%values(:, i)))
+            call file%add_row(cells, error)
             if (allocated(error)) exit
         end do
         if (.not. allocated(error)) call file%finish(trailer, error)
         if (allocated(error)) call file%discard()
     end subroutine write_residuals
-
-    !> The cells of the columns at a time; where there is no reading there is no residual.
-    pure function cells_of(measured, fitted, difference) result(cells)
-        real(dp), intent(in) :: measured(:), fitted(:), difference(:)
-        real(dp) :: cells(3 * size(measured))
-        cells(1::3) = measured
-        cells(2::3) = fitted
-        cells(3::3) = merge(difference, no_number, is_finite(measured))
-    end function cells_of
 
 end module spintop_fit_study

@@ -1,6 +1,5 @@
 !> What `spintop list` shows: the registries themselves, as aligned text or as JSON. An item is a line
-!> of text (its name, a second column, and what it is) and an object of JSON, for scripts, where what does not exist is null. A
-!> procedure per topic adds its items.
+!> of text (its name, a second column, and what it is) and an object of JSON, for scripts, where what does not exist is null.
 module spintop_listing
     use spintop_arkode, only: arkode_table_names
     use spintop_benchmark_cases, only: benchmarks
@@ -13,7 +12,7 @@ module spintop_listing
     use spintop_json, only: json_t
     use spintop_kinds, only: dp
     use spintop_methods, only: create_stepper, exact_info, method_infos, method_aliases
-    use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real, parameter_t
+    use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real
     use spintop_parameter_print, only: list_parameters
     use spintop_parameters, only: parameter_table_t
     use spintop_provenance, only: program_version
@@ -85,7 +84,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! there is no such topic
         type(listing_t) :: list
         character(:), allocatable :: hint
-        integer :: i
+        integer :: i, last_column
 
         if (topic /= '' .and. .not. any(topics%name == topic)) then
             hint = did_you_mean(topic, topics%name)
@@ -110,38 +109,46 @@ contains
             end do
         end if
         call move_alloc(list%text, lines)
-        call fit_lines(output_width(), lines)
-    end subroutine list_topic
-
-    !> Breaks lines that are longer than the width of the terminal; continuation lines are below their own
-    !> column.
-    subroutine fit_lines(width, lines)
-        integer, intent(in) :: width
-        type(string_t), intent(inout) :: lines(:)
-        integer :: i, last_column
         do i = 1, size(lines)
-            associate (text => lines(i)%text)
-                if (len_trim(text) <= width) cycle
-                last_column = index(text, '  ', back=.true.)
-                lines(i)%text = wrapped(text, 0, width, indent=max(4, last_column + 1))
-            end associate
+            if (len_trim(lines(i)%text) <= output_width()) cycle
+            ! Continuation lines are below their own column.
+            last_column = index(lines(i)%text, '  ', back=.true.)
+            lines(i)%text = wrapped(lines(i)%text, 0, output_width(), indent=max(4, last_column + 1))
         end do
-    end subroutine fit_lines
+    end subroutine list_topic
 
     !> Adds the list of a topic.
     subroutine add_topic(list, topic)
         type(listing_t), intent(inout) :: list !! the items are added
         character(*), intent(in) :: topic !! name of one of `topics`
+        class(study_t), allocatable :: study
+        type(formulation_info_t), allocatable :: forms(:)
+        integer :: i
+
         call list%json%open_list(topic)
         select case (topic)
         case ('methods')
             call add_methods(list)
         case ('formulations')
-            call add_formulations(list)
+            allocate (forms, source=formulation_infos())
+            call list%add_line('auto', 'the one that suits the method and the body (the default)')
+            do i = 1, size(forms)
+                call list%begin_item(forms(i)%name, forms(i)%what)
+                call list%json%add('states', forms(i)%states)
+                call list%json%add('symmetric_only', forms(i)%symmetric_only)
+                call list%json%add('singular_at_poles', forms(i)%singular_at_poles)
+                call list%end_item(forms(i)%what)
+            end do
         case ('columns')
             call add_columns(list)
-        case ('events')
-            call add_events(list)
+        case ('events') ! those with names, what their rows are called in a table, and the grammar of the others
+            do i = 1, size(named_events)
+                if (named_events(i)%what == '') cycle
+                call list%begin_item(named_events(i)%name, named_events(i)%what)
+                call list%json%add('in_table', pack(named_events%in_table, named_events%name == named_events(i)%name))
+                call list%end_item(named_events(i)%what)
+            end do
+            call append(list%text, '  ' // event_grammar)
         case ('shapes')
             call add_shapes(list)
         case ('parts')
@@ -149,21 +156,46 @@ contains
         case ('parameters')
             call add_parameters(list)
         case ('cases')
-            call add_cases(list)
+            do i = 1, size(hard_cases)
+                call list%begin_item(hard_cases(i)%name, hard_cases(i)%what)
+                call list%json%add('is_long', hard_cases(i)%is_long)
+                call list%end_item(hard_cases(i)%what)
+            end do
         case ('benchmarks')
-            call add_benchmarks(list)
-        case ('studies')
-            call add_studies(list)
-        case ('statuses')
-            call add_statuses(list)
+            do i = 1, size(benchmarks)
+                call list%begin_item(benchmarks(i)%name, trim(benchmarks(i)%what) // ': ' // benchmarks(i)%source)
+                call list%json%add('description', benchmarks(i)%what)
+                call list%json%add('source', benchmarks(i)%source)
+                call list%json%close()
+            end do
+        case ('studies') ! and what each can do
+            do i = 1, size(listed_studies)
+                call create_study(listed_studies(i), study)
+                call list%begin_item(study%info%name, study%info%what)
+                call list%json%add('takes_axes', study%info%takes_axes)
+                call list%json%add('takes_columns', study%info%takes_columns)
+                call list%json%add('has_parts', study%info%has_parts)
+                call list%json%add('has_netcdf', study%info%has_netcdf)
+                call list%json%add('has_events', study%info%has_events)
+                call list%end_item(study%info%what)
+            end do
+        case ('statuses') ! by their numbers in NetCDF tables
+            do i = lbound(status_names, 1), ubound(status_names, 1)
+                call list%begin_item(status_names(i), status_meanings(i))
+                call list%json%add('number', i)
+                call list%json%add('good', is_good_end(i))
+                call list%end_item(status_meanings(i))
+            end do
         case ('exit_codes')
-            call add_exit_codes(list)
+            do i = 1, size(exit_codes)
+                call list%add_line(to_text(exit_codes(i)%code), exit_codes(i)%what)
+                call list%json%open_object()
+                call list%json%add('code', exit_codes(i)%code)
+                call list%end_item(exit_codes(i)%what)
+            end do
         end select
         call list%json%close()
-        if (topic == 'columns') then
-            call list%json%add('other_words', other_words)
-            call add_units(list)
-        end if
+        if (topic == 'columns') call add_units(list)
         if (topic == 'events') call list%json%add('event_grammar', event_grammar)
     end subroutine add_topic
 
@@ -209,6 +241,7 @@ contains
                 call append(known, trim(study%columns(k)%unit))
             end do
         end do
+        call list%json%add('other_words', other_words)
         call append(list%text, '')
         call append(list%text, 'a column in another unit: its name, _ and a suffix for its unit, as in t_ms, theta_deg, omega3_rpm')
         call list%json%open_list('column_units')
@@ -228,19 +261,6 @@ contains
         end do
         call list%json%close()
     end subroutine add_units
-
-    !> The events with names, what their rows are called in a table, and the grammar of the others.
-    subroutine add_events(list)
-        type(listing_t), intent(inout) :: list
-        integer :: i
-        do i = 1, size(named_events)
-            if (named_events(i)%what == '') cycle
-            call list%begin_item(named_events(i)%name, named_events(i)%what)
-            call list%json%add('in_table', pack(named_events%in_table, named_events%name == named_events(i)%name))
-            call list%end_item(named_events(i)%what)
-        end do
-        call append(list%text, '  ' // event_grammar)
-    end subroutine add_events
 
     !> The shapes; `needs` are the keys of &top, beside a mass or a density.
     subroutine add_shapes(list)
@@ -291,12 +311,14 @@ contains
         if (any(chosen)) text = before // join(pack(names, chosen), after // before) // after
     end function listed
 
-    !> The parameters of an input.
+    !> The parameters of an input: `default` as in a namelist, `extents` of an array, `lower` and `upper` of its range, which belong
+    !> to it unless the range is open there, and the words that it may be.
     subroutine add_parameters(list)
         type(listing_t), intent(inout) :: list
         type(scene_t), allocatable, target :: scene
         type(parameter_table_t) :: table
         type(string_t), allocatable :: lines(:)
+        character(7) :: kind
         integer :: i
 
         allocate (scene)
@@ -306,37 +328,29 @@ contains
             call append(list%text, lines(i)%text)
         end do
         do i = 1, table%count
-            call add_parameter(list%json, table%parameters(i))
+            associate (parameter => table%parameters(i), json => list%json)
+                kind = 'text'
+                if (parameter%kind == kind_real) kind = 'real'
+                if (any(parameter%kind == [kind_integer, kind_long])) kind = 'integer'
+                if (parameter%kind == kind_logical) kind = 'logical'
+                call json%open_object()
+                call json%add('name', parameter%name)
+                call json%add('group', parameter%group)
+                call json%add('key', parameter%key)
+                call json%add('type', kind)
+                call json%add('full_name', parameter%full_name())
+                call json%add('unit', parameter%unit)
+                if (parameter%default == '') call json%add_null('default')
+                if (parameter%default /= '') call json%add('default', parameter%default)
+                call json%add('range', parameter%rule)
+                call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
+                call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)
+                call json%add('choices', parameter%choices)
+                call json%add('description', parameter%what)
+                call json%close()
+            end associate
         end do
     end subroutine add_parameters
-
-    !> A parameter: `default` as in a namelist, `extents` of an array, `lower` and `upper` of its range,
-    !> which belong to it unless the range is open there, and the words that it may be.
-    subroutine add_parameter(json, parameter)
-        type(json_t), intent(inout) :: json
-        type(parameter_t), intent(in) :: parameter
-        character(7) :: kind
-
-        kind = 'text'
-        if (parameter%kind == kind_real) kind = 'real'
-        if (any(parameter%kind == [kind_integer, kind_long])) kind = 'integer'
-        if (parameter%kind == kind_logical) kind = 'logical'
-        call json%open_object()
-        call json%add('name', parameter%name)
-        call json%add('group', parameter%group)
-        call json%add('key', parameter%key)
-        call json%add('type', kind)
-        call json%add('full_name', parameter%full_name())
-        call json%add('unit', parameter%unit)
-        if (parameter%default == '') call json%add_null('default')
-        if (parameter%default /= '') call json%add('default', parameter%default)
-        call json%add('range', parameter%rule)
-        call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
-        call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)
-        call json%add('choices', parameter%choices)
-        call json%add('description', parameter%what)
-        call json%close()
-    end subroutine add_parameter
 
     !> An end of a range, and whether it is open; null where there is none.
     subroutine add_bound(json, key, bound, is_open)
@@ -352,71 +366,6 @@ contains
             call json%add_null(key // '_open')
         end if
     end subroutine add_bound
-
-    !> The cases of the catalogue of hard motions.
-    subroutine add_cases(list)
-        type(listing_t), intent(inout) :: list
-        integer :: i
-        do i = 1, size(hard_cases)
-            call list%begin_item(hard_cases(i)%name, hard_cases(i)%what)
-            call list%json%add('is_long', hard_cases(i)%is_long)
-            call list%end_item(hard_cases(i)%what)
-        end do
-    end subroutine add_cases
-
-    !> The published benchmarks.
-    subroutine add_benchmarks(list)
-        type(listing_t), intent(inout) :: list
-        integer :: i
-        do i = 1, size(benchmarks)
-            call list%begin_item(benchmarks(i)%name, trim(benchmarks(i)%what) // ': ' // benchmarks(i)%source)
-            call list%json%add('description', benchmarks(i)%what)
-            call list%json%add('source', benchmarks(i)%source)
-            call list%json%close()
-        end do
-    end subroutine add_benchmarks
-
-    !> The kinds of study, and what each can do.
-    subroutine add_studies(list)
-        type(listing_t), intent(inout) :: list
-        class(study_t), allocatable :: study
-        integer :: i
-
-        do i = 1, size(listed_studies)
-            call create_study(listed_studies(i), study)
-            call list%begin_item(study%info%name, study%info%what)
-            call list%json%add('takes_axes', study%info%takes_axes)
-            call list%json%add('takes_columns', study%info%takes_columns)
-            call list%json%add('has_parts', study%info%has_parts)
-            call list%json%add('has_netcdf', study%info%has_netcdf)
-            call list%json%add('has_events', study%info%has_events)
-            call list%end_item(study%info%what)
-        end do
-    end subroutine add_studies
-
-    !> The statuses of a computation, by their numbers in NetCDF tables.
-    subroutine add_statuses(list)
-        type(listing_t), intent(inout) :: list
-        integer :: i
-        do i = lbound(status_names, 1), ubound(status_names, 1)
-            call list%begin_item(status_names(i), status_meanings(i))
-            call list%json%add('number', i)
-            call list%json%add('good', is_good_end(i))
-            call list%end_item(status_meanings(i))
-        end do
-    end subroutine add_statuses
-
-    !> The exit codes of the program.
-    subroutine add_exit_codes(list)
-        type(listing_t), intent(inout) :: list
-        integer :: i
-        do i = 1, size(exit_codes)
-            call list%add_line(to_text(exit_codes(i)%code), exit_codes(i)%what)
-            call list%json%open_object()
-            call list%json%add('code', exit_codes(i)%code)
-            call list%end_item(exit_codes(i)%what)
-        end do
-    end subroutine add_exit_codes
 
     !> The methods: `kind` is exact, fixed, adaptive or both; `order` is null where the tolerance or the
     !> Butcher table decides; `formulations` are those that the method can integrate for a Lagrange top.
@@ -438,12 +387,20 @@ contains
     subroutine add_method(list, method)
         type(listing_t), intent(inout) :: list
         type(method_info_t), intent(in) :: method
+        character(40), allocatable :: aliases(:)
         character(:), allocatable :: steps
         character(8) :: kind
+        integer :: i, equals
 
         kind = 'exact'
         if (method%fixed_step) kind = 'fixed'
         if (method%adaptive) kind = merge('both    ', 'adaptive', method%fixed_step)
+        allocate (aliases(0))
+        do i = 1, size(method_aliases)
+            equals = index(method_aliases(i), '=')
+            if (method_aliases(i)(equals + 1:) /= method%name) cycle
+            aliases = [character(40) :: aliases, method_aliases(i)(:equals - 1)]
+        end do
         steps = ''
         if (method%order > 0) steps = 'order ' // to_text(method%order)
         if (method%adaptive) steps = steps // ' adaptive'
@@ -451,22 +408,16 @@ contains
         call list%begin_item(method%name, method%what, adjustl(steps))
         associate (json => list%json)
             call json%add('family', method%family)
-            if (method%order > 0) then
-                call json%add('order', method%order)
-            else
-                call json%add_null('order')
-            end if
+            if (method%order > 0) call json%add('order', method%order)
+            if (.not. method%order > 0) call json%add_null('order')
             call json%add('kind', kind)
             call json%add('implicit', method%implicit)
             call json%add('symmetric', method%symmetric)
             call json%add('description', method%what)
             call json%add('formulations', formulations_of(method))
-            call json%add('aliases', aliases_of(method%name))
-            if (method%takes_table) then
-                call json%add('tables', arkode_table_names(method%implicit))
-            else
-                call json%add_null('tables')
-            end if
+            call json%add('aliases', aliases)
+            if (method%takes_table) call json%add('tables', arkode_table_names(method%implicit))
+            if (.not. method%takes_table) call json%add_null('tables')
             call json%close()
         end associate
     end subroutine add_method
@@ -499,35 +450,6 @@ contains
         allocate (names(count(runs)))
         names = pack(forms%name, runs)
     end function formulations_of
-
-    !> Other names of a method.
-    pure function aliases_of(name) result(others)
-        character(*), intent(in) :: name
-        character(40), allocatable :: others(:)
-        integer :: i, equals
-        allocate (others(0))
-        do i = 1, size(method_aliases)
-            equals = index(method_aliases(i), '=')
-            if (method_aliases(i)(equals + 1:) == name) others = [character(40) :: others, method_aliases(i)(:equals - 1)]
-        end do
-    end function aliases_of
-
-    !> The formulations.
-    subroutine add_formulations(list)
-        type(listing_t), intent(inout) :: list !! the items are added
-        type(formulation_info_t), allocatable :: forms(:)
-        integer :: i
-
-        allocate (forms, source=formulation_infos())
-        call list%add_line('auto', 'the one that suits the method and the body (the default)')
-        do i = 1, size(forms)
-            call list%begin_item(forms(i)%name, forms(i)%what)
-            call list%json%add('states', forms(i)%states)
-            call list%json%add('symmetric_only', forms(i)%symmetric_only)
-            call list%json%add('singular_at_poles', forms(i)%singular_at_poles)
-            call list%end_item(forms(i)%what)
-        end do
-    end subroutine add_formulations
 
     !> Adds a line of text: a name, a second column if it is not blank, and a meaning.
     subroutine add_line(self, name, what, second)

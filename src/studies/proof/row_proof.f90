@@ -34,18 +34,15 @@ contains
 
     !> Which quantities are to be proved for a table with these columns: those with a bound; also those that are printed,
     !> if these are to be certified, or if there is a column `proof` without bounds.
-    pure function wanted_proofs(names, certified) result(wanted)
+    pure function wanted_proofs(names, certified, suffix) result(wanted)
         character(*), intent(in) :: names(:) !! of the columns
         logical, intent(in) :: certified !! whether proved numbers replace the computed ones
+        character(*), intent(in) :: suffix !! what follows the name of a quantity in that of its column
         logical :: wanted(proof_count)
         integer :: i
-        do i = 1, proof_count
-            wanted(i) = any(names == trim(proof_names(i)) // '_bound')
-        end do
+        wanted = [(any(names == trim(proof_names(i)) // suffix // '_bound'), i=1, proof_count)]
         if (.not. certified .and. (any(wanted) .or. .not. any(names == 'proof'))) return
-        do i = 1, proof_count
-            wanted(i) = wanted(i) .or. any(names == proof_names(i))
-        end do
+        wanted = [(wanted(i) .or. any(names == trim(proof_names(i)) // suffix), i=1, proof_count)]
     end function wanted_proofs
 
     !> Prepares the proof of a motion as it was given. Without wanted quantities nothing is done.

@@ -19,7 +19,6 @@ module spintop_verification
     use spintop_plan, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
-    use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_good_end, status_number
     use spintop_sweep_axes, only: case_scene_t
     use spintop_table_head, only: first_line_of, read_shard_line, shard_t
@@ -27,7 +26,7 @@ module spintop_verification
     use spintop_uncertainties, only: data_radii, has_radii
     implicit none
     private
-    public :: verify_table, findings_t, check_times, check_cases, check_values, check_proof_cells, is_nan
+    public :: verify_table
 
     !> What is wrong in a table.
     type :: findings_t
@@ -79,6 +78,9 @@ contains
         integer, intent(out) :: code !! exit code
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(verification_t) :: found
+        type(row_proof_t) :: proof
+        real(dp), allocatable :: times(:)
+        integer :: row, k
 
         code = exit_ok
         if (.not. has_balls()) then
@@ -92,7 +94,16 @@ contains
         if (found%is_sweep) then
             call verify_sweep(job, found, error)
         else
-            call verify_trajectory(job, found, error)
+            call found%table%read_column('t', times, error)
+            if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found%wrong, error)
+            if (allocated(error)) return
+            call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
+                            job%case%given_start, data_radii(job%input%scene))
+            do row = 1, size(times)
+                call check_cells(found, row, .true.)
+                call verify_row(job, job%case, times(row), row, proof, found)
+            end do
+            call proof%close()
         end if
         if (allocated(error)) return
         ! What was found is what the checksum says, or part of it.
@@ -140,27 +151,6 @@ contains
         if (.not. allocated(error)) values = numbers
     end subroutine read_column
 
-    !> The rows of a trajectory.
-    subroutine verify_trajectory(job, found, error)
-        type(job_t), intent(in) :: job
-        type(verification_t), intent(inout) :: found
-        type(error_t), allocatable, intent(out) :: error
-        type(row_proof_t) :: proof
-        real(dp), allocatable :: times(:)
-        integer :: row, k
-
-        call found%table%read_column('t', times, error)
-        if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found%wrong, error)
-        if (allocated(error)) return
-        call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
-                        job%case%given_start, data_radii(job%input%scene))
-        do row = 1, size(times)
-            call check_cells(found, row, .true.)
-            call verify_row(job, job%case, times(row), row, proof, found)
-        end do
-        call proof%close()
-    end subroutine verify_trajectory
-
     !> The rows of a sweep: each has a case of its own.
     subroutine verify_sweep(job, found, error)
         type(job_t), target, intent(in) :: job
@@ -168,6 +158,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         type(case_scene_t), allocatable, target :: swept
         type(row_proof_t) :: proof
+        type(problems_t) :: problems
         type(case_t) :: case
         type(string_t), allocatable :: status(:)
         real(dp), allocatable :: cases(:), ends(:)
@@ -196,12 +187,19 @@ contains
                 return
             end if
             values = job%axes%values_of(int(cases(row), int64))
-            call check_values(job, row, merge(printed(row, :), values, is_there), values, found%wrong)
+            do i = 1, size(values)
+                if (.not. is_there(i) .or. abs(printed(row, i) - values(i)) <= same * abs(values(i))) cycle
+                call found%wrong%add('row ' // to_text(row) // ', ' // job%axes%axis(i)%name // ' = ' // &
+                                     to_text(printed(row, i)) // ': the case has ' // to_text(values(i)))
+            end do
             if (size(status) > 0) call check_cells(found, row, is_good_end(status_number(status(row)%text)))
             if (.not. any(is_finite(found%printed(:, row)))) cycle
             call swept%set_values(values)
-            call make_again(swept%scene, case, error)
-            if (allocated(error)) return
+            call make_case(swept%scene, case, problems)
+            if (problems%any()) then
+                error = input_error('a row with numbers belongs to a case that its input refuses: ' // problems%first())
+                return
+            end if
             if (.not. is_finite(ends(row))) ends(row) = case%t_end
             call proof%open(is_finite(found%printed(:, row)), .false., case%given_body, case%given_start, &
                             data_radii(job%input%scene))
@@ -209,16 +207,6 @@ contains
         end do
         call proof%close()
     end subroutine verify_sweep
-
-    !> Makes the case of a row, which was made when the table was computed.
-    subroutine make_again(scene, case, error)
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(inout) :: case
-        type(error_t), allocatable, intent(out) :: error
-        type(problems_t) :: problems
-        call make_case(scene, case, problems)
-        if (problems%any()) error = input_error('a row with numbers belongs to a case that its input refuses: ' // problems%first())
-    end subroutine make_again
 
     !> Cells of a row that have to be numbers, and are none: bounds, numbers with a finite bound, and the attitude. phi and
     !> psi do not exist on a pole.
@@ -378,20 +366,6 @@ contains
         end do
     end subroutine check_cases
 
-    !> The parameters of a row of a sweep.
-    subroutine check_values(job, row, printed, values, wrong)
-        type(job_t), intent(in) :: job !! the job of the table
-        integer, intent(in) :: row !! number of the row
-        real(dp), intent(in) :: printed(:), values(:) !! those in the table, and those of the case
-        type(findings_t), intent(inout) :: wrong !! what is wrong is added
-        integer :: i
-        do i = 1, size(values)
-            if (abs(printed(i) - values(i)) <= same * abs(values(i))) cycle
-            call wrong%add('row ' // to_text(row) // ', ' // job%axes%axis(i)%name // ' = ' // to_text(printed(i)) &
-                           // ': the case has ' // to_text(values(i)))
-        end do
-    end subroutine check_values
-
     !> The column `proof` of a table with bounds: `proved` where all bounds of the row are finite, `unproved` where one is
     !> infinite. What a case does not have has no bound. Certified numbers without a bound count, too: then a row may be
     !> unproved though its bounds are finite.
@@ -430,7 +404,7 @@ contains
         real(dp), intent(in) :: printed(proof_count) !! the printed quantities, NaN for others
         real(dp), intent(in) :: inherent !! the inherent error of the attitude, rad; NaN if unknown
         logical, intent(in) :: in_block !! whether it is the number of a sweep
-        real(dp) :: attitude, least
+        real(dp) :: attitude, least, moments(3), axes(4)
 
         claim = no_number
         attitude = allowed * inherent + rounding
@@ -439,25 +413,22 @@ contains
             if (.not. is_finite(attitude)) return ! both angles are needed
         end if
         if (quantity <= proof_of_q3) claim = attitude
-        if (quantity >= proof_of_omega1) claim = attitude * speed_of(case)
+        if (quantity >= proof_of_omega1) then
+            ! Times at least the angular velocity of the motion, in body axes and in those of the momentum.
+            associate (body => case%given_body, omega => case%given_start%omega)
+                call find_principal_axes(body%inertia, body%products, moments, axes)
+                claim = sqrt((dot_product(omega, body%momentum(omega)) &
+                              + 4 * abs(body%mass * body%gravity) * norm2(body%centre_of_mass)) / minval(moments))
+                if (allocated(body%effects)) claim = claim + norm2(body%effects%rotor_momentum) / minval(moments)
+            end associate
+            claim = attitude * claim
+        end if
         if (quantity == proof_of_theta) claim = attitude + spacing(printed(proof_of_theta))
         if (quantity /= proof_of_phi .and. quantity /= proof_of_psi) return
         least = min(sin(printed(proof_of_theta) / 2), cos(printed(proof_of_theta) / 2))
         if (.not. is_finite(least)) return
         if (attitude < 0.1_dp * least .and. is_decided(case)) claim = 2 * attitude / least + spacing(printed(quantity))
     end function claim_of
-
-    !> At least the angular velocity of a motion, in body axes and in those of the momentum, rad/s.
-    pure real(dp) function speed_of(case) result(speed)
-        type(case_t), intent(in) :: case
-        real(dp) :: moments(3), axes(4)
-        associate (body => case%given_body, omega => case%given_start%omega)
-            call find_principal_axes(body%inertia, body%products, moments, axes)
-            speed = sqrt((dot_product(omega, body%momentum(omega)) &
-                          + 4 * abs(body%mass * body%gravity) * norm2(body%centre_of_mass)) / minval(moments))
-            if (allocated(body%effects)) speed = speed + norm2(body%effects%rotor_momentum) / minval(moments)
-        end associate
-    end function speed_of
 
     !> Whether the data say on which side the axis passes each pole: phi turns by nearly pi there, one way or the other,
     !> as the signs of b - a and b + a are.

@@ -47,6 +47,9 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(table_column_t), allocatable :: cells(:)
         type(statistics_plan_t) :: plan
+        integer, allocatable :: numbers(:), categories(:)
+        character(:), allocatable :: key
+        integer :: i, place
 
         if (.not. job%names_statistics()) then
             if (.not. job%keeps_rows()) call problems%add('output.rows', &
@@ -65,8 +68,33 @@ contains
         plan%is_netcdf = job%input%scene%format == 'netcdf'
         plan%by_bin = job%input%scene%quantiles_of == 'bins'
         plan%status_cell = findloc(cells%name, status_column, dim=1)
-        call choose_gathered(job, cells, plan, problems)
-        call choose_quantiles(job, plan, problems)
+        allocate (numbers(0), categories(0))
+        associate (named => job%input%scene%statistics_columns)
+            do i = 1, size(named)
+                if (named(i) == '') cycle
+                key = 'statistics.columns(' // to_text(i) // ')'
+                place = find_cell(job, cells, trim(named(i)), key, problems)
+                if (place == 0) cycle
+                if (any([numbers, categories] == place)) then
+                    call problems%add(key, "column '" // trim(named(i)) // "' is named twice", 'name it once')
+                else if (cells(place)%kind == column_of_words) then
+                    categories = [categories, place]
+                else
+                    numbers = [numbers, place]
+                end if
+            end do
+        end associate
+        plan%cells_of_numbers = numbers
+        plan%cells_of_categories = categories
+        plan%numbers = cells(numbers)
+        plan%categories = cells(categories)
+        associate (quantiles => job%input%scene%quantiles)
+            allocate (plan%shares, source=pack(quantiles, is_set(quantiles)))
+        end associate
+        if (size(plan%shares) == 0) plan%shares = usual_quantiles
+        i = findloc(plan%shares(2:) > plan%shares(:size(plan%shares) - 1), .false., dim=1)
+        if (i > 0) call problems%add('statistics.quantiles', 'the quantiles do not increase: ' // to_text(plan%shares(i + 1)) // &
+                                     ' is after ' // to_text(plan%shares(i)), 'give increasing quantiles')
         call choose_bins(job, cells, plan, problems)
         call choose_indices(job, plan, problems)
         job%statistics = plan
@@ -93,38 +121,6 @@ contains
         end associate
         job%columns = [(pack(found, found%place == i), i=1, size(sweep_columns))]
     end subroutine keep_needed_columns
-
-    !> The columns of which statistics are computed.
-    subroutine choose_gathered(job, cells, plan, problems)
-        type(job_t), intent(in) :: job
-        type(table_column_t), intent(in) :: cells(:)
-        type(statistics_plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-        integer :: i, place
-        integer, allocatable :: numbers(:), categories(:)
-        character(:), allocatable :: key
-
-        allocate (numbers(0), categories(0))
-        associate (named => job%input%scene%statistics_columns)
-            do i = 1, size(named)
-                if (named(i) == '') cycle
-                key = 'statistics.columns(' // to_text(i) // ')'
-                place = find_cell(job, cells, trim(named(i)), key, problems)
-                if (place == 0) cycle
-                if (any([numbers, categories] == place)) then
-                    call problems%add(key, "column '" // trim(named(i)) // "' is named twice", 'name it once')
-                else if (cells(place)%kind == column_of_words) then
-                    categories = [categories, place]
-                else
-                    numbers = [numbers, place]
-                end if
-            end do
-        end associate
-        plan%cells_of_numbers = numbers
-        plan%cells_of_categories = categories
-        plan%numbers = cells(numbers)
-        plan%categories = cells(categories)
-    end subroutine choose_gathered
 
     !> The cell of a column or a swept parameter; 0, and a problem, if there is none.
     integer function find_cell(job, cells, name, key, problems) result(place)
@@ -163,23 +159,6 @@ contains
         end if
         place = 0
     end function find_cell
-
-    !> The quantiles.
-    subroutine choose_quantiles(job, plan, problems)
-        type(job_t), intent(in) :: job
-        type(statistics_plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-        integer :: i
-
-        allocate (plan%shares, source=pack(job%input%scene%quantiles, is_set(job%input%scene%quantiles)))
-        if (size(plan%shares) == 0) plan%shares = usual_quantiles
-        do i = 2, size(plan%shares)
-            if (plan%shares(i) > plan%shares(i - 1)) cycle
-            call problems%add('statistics.quantiles', 'the quantiles do not increase: ' // to_text(plan%shares(i)) &
-                              // ' is after ' // to_text(plan%shares(i - 1)), 'give increasing quantiles')
-            return
-        end do
-    end subroutine choose_quantiles
 
     !> The factors of Sobol' indices: each axis, or all components of a vector together.
     subroutine choose_indices(job, plan, problems)

@@ -53,42 +53,28 @@ module spintop_sweep_quantities
 
 contains
 
-    !> The whole nutation of a closed form.
+    !> The whole nutation of a closed form, in the axes of the input and relative to its frame.
     subroutine set_nutation(slot, nutation, wanted)
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(nutation_t), intent(in) :: nutation !! quantities of the nutation, in the axes of the computation
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        if (wanted(of_lowest)) slot%result%of(at_com_z_min) = height_at(nutation%theta_max)
-        associate (seen => as_given(slot%case, nutation))
-            call set_extremes(seen, slot%result)
-            call set_means(slot, seen)
-        end associate
-
-    contains
-
-        !> The height of the centre of mass of a top at an inclination, m.
-        pure real(dp) function height_at(theta)
-            real(dp), intent(in) :: theta
-            height_at = slot%case%body%centre_of_mass(3) * cos(theta)
-        end function height_at
-
-    end subroutine set_nutation
-
-    !> A nutation in the axes, and relative to the frame, of the input.
-    pure type(nutation_t) function as_given(case, nutation) result(seen)
-        type(case_t), intent(in) :: case
-        type(nutation_t), intent(in) :: nutation
+        type(nutation_t) :: seen
         seen = nutation
-        if (case%turn%flipped) then
-            seen%theta_min = pi - nutation%theta_max
-            seen%theta_max = pi - nutation%theta_min
-        end if
-        if (case%turn%is_shifted()) then
-            seen%phi_rate_max = largest_relative_rate(case, nutation)
-            seen%precession_rate = nutation%precession_rate - case%turn%phi_shift
-            seen%precession = seen%precession_rate * nutation%period
-        end if
-    end function as_given
+        associate (case => slot%case, turn => slot%case%turn)
+            if (wanted(of_lowest)) slot%result%of(at_com_z_min) = case%body%centre_of_mass(3) * cos(nutation%theta_max)
+            if (turn%flipped) then
+                seen%theta_min = pi - nutation%theta_max
+                seen%theta_max = pi - nutation%theta_min
+            end if
+            if (turn%is_shifted()) then
+                seen%phi_rate_max = largest_relative_rate(case, nutation)
+                seen%precession_rate = nutation%precession_rate - turn%phi_shift
+                seen%precession = seen%precession_rate * nutation%period
+            end if
+        end associate
+        call set_extremes(seen, slot%result)
+        call set_means(slot, seen)
+    end subroutine set_nutation
 
     !> The extremes of theta and of the precession rate.
     subroutine set_extremes(nutation, values)
@@ -325,6 +311,8 @@ contains
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
         type(free_motion_t) :: free
+        type(momentum_path_t) :: path
+        real(dp) :: momentum(3), gamma(3), range(2)
         integer :: status
 
         associate (case => slot%case)
@@ -342,17 +330,7 @@ contains
                 call slot%note%add(note_not_free, trim(status_meanings(status)))
                 return
             end if
-            call set_free_constants(slot, free, wanted)
         end associate
-    end subroutine find_free_constants
-
-    !> The constants of a free body.
-    subroutine set_free_constants(slot, free, wanted)
-        type(slot_t), intent(inout) :: slot !! a case, and what is known of it
-        type(free_motion_t), intent(in) :: free !! the motion
-        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        real(dp) :: momentum(3), gamma(3), range(2)
-
         associate (case => slot%case, values => slot%result)
             if (wanted(of_free)) then
                 values%of(at_omega_max) = free%greatest_rate
@@ -364,7 +342,11 @@ contains
                 else
                     values%of(at_momentum_period) = free%period
                     values%of(at_momentum_turn) = free%turn
-                    if (wanted(of_geometric)) values%of(at_momentum_turn_geometric) = geometric_phase(case)
+                    if (wanted(of_geometric)) then
+                        path = find_momentum_path(case%given_body%inertia, case%given_start%omega)
+                        if (case%turn%to_principal_axes) path = find_momentum_path(case%body%inertia, case%start%omega)
+                        values%of(at_momentum_turn_geometric) = real(path%geometric_turn(), dp)
+                    end if
                 end if
             end if
             ! The range of an axis that is not a principal axis was measured.
@@ -379,19 +361,7 @@ contains
             values%of(at_theta_max) = range(2)
             values%of(at_delta_u) = 2 * sin((range(2) + range(1)) / 2) * sin((range(2) - range(1)) / 2)
         end associate
-    end subroutine set_free_constants
-
-    !> The geometric phase of a free body, rad.
-    pure real(dp) function geometric_phase(case)
-        type(case_t), intent(in) :: case
-        type(momentum_path_t) :: path
-        if (case%turn%to_principal_axes) then
-            path = find_momentum_path(case%body%inertia, case%start%omega)
-        else
-            path = find_momentum_path(case%given_body%inertia, case%given_start%omega)
-        end if
-        geometric_phase = real(path%geometric_turn(), dp)
-    end function geometric_phase
+    end subroutine find_free_constants
 
     !> What a case without T_p lacks.
     pure function needs_of_period(case) result(needs)
@@ -416,7 +386,8 @@ contains
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         real(dp), intent(in) :: t_end !! end of the motion, s
         logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
-        complex(dp) :: eigenvalues(6)
+        complex(dp) :: eigenvalues(6), multipliers(6)
+        real(dp) :: axis(3), quaternion(4)
         integer :: how
 
         if (wanted(of_growth)) then
@@ -438,7 +409,29 @@ contains
                 if (wanted(of_singular)) call slot%note%add(note_no_singular, only_without_effects)
             end if
         end if
-        if (wanted(of_multiplier)) call compute_multiplier(slot)
+        if (.not. wanted(of_multiplier)) return
+        ! The centre of mass is above the pivot, and the body rotates about the vertical with the angular velocity that the start
+        ! has about that axis of the body.
+        associate (body => slot%case%body)
+            if (.not. drive_period(body) > 0) then
+                call slot%note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
+                return
+            end if
+            axis = [0.0_dp, 0.0_dp, 1.0_dp]
+            if (norm2(body%centre_of_mass) > 0) axis = body%centre_of_mass / norm2(body%centre_of_mass)
+            ! The smallest rotation that brings the axis upright; from below about body x.
+            quaternion = [1 + axis(3), axis(2), -axis(1), 0.0_dp]
+            if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
+            call find_multipliers(body, motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), &
+                dot_product(slot%case%start%omega, axis) * axis, no_angles), drive_period(body), multipliers, how)
+        end associate
+        if (is_ok(how)) then
+            slot%result%of(at_upright_multiplier) = maxval(abs(multipliers))
+        else if (how == status_unsuitable) then
+            call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
+        else
+            call slot%note%add(note_no_multiplier, trim(status_meanings(how)))
+        end if
     end subroutine compute_stability
 
     !> The threshold spin of the sleeping top, and the spin at the start over it. Without a torque of gravity the threshold is
@@ -455,41 +448,5 @@ contains
             values%of(at_sleeping_ratio) = abs(omega3) / values%of(at_critical_omega3)
         end associate
     end subroutine set_threshold
-
-    !> The largest multiplier of the upright body, over a period of the vibration: its centre of mass is above the pivot,
-    !> and it rotates about the vertical with the angular velocity that the start has about that axis of the body.
-    subroutine compute_multiplier(slot)
-        type(slot_t), intent(inout) :: slot
-        complex(dp) :: multipliers(6)
-        type(motion_t) :: upright
-        integer :: how
-        associate (body => slot%case%body)
-            if (.not. drive_period(body) > 0) then
-                call slot%note%add(note_no_multiplier, 'the only effect must be a vertical vibration, or that and a rotor')
-                return
-            end if
-            upright = upright_motion(body%centre_of_mass, slot%case%start%omega)
-            call find_multipliers(body, upright, drive_period(body), multipliers, how)
-        end associate
-        if (is_ok(how)) then
-            slot%result%of(at_upright_multiplier) = maxval(abs(multipliers))
-        else if (how == status_unsuitable) then
-            call slot%note%add(note_no_multiplier, 'the body cannot rotate steadily about the axis through its centre of mass')
-        else
-            call slot%note%add(note_no_multiplier, trim(status_meanings(how)))
-        end if
-    end subroutine compute_multiplier
-
-    !> The rotation about the vertical of a body whose centre of mass is above the pivot.
-    pure type(motion_t) function upright_motion(centre_of_mass, omega) result(upright)
-        real(dp), intent(in) :: centre_of_mass(3), omega(3)
-        real(dp) :: axis(3), quaternion(4)
-        axis = [0.0_dp, 0.0_dp, 1.0_dp]
-        if (norm2(centre_of_mass) > 0) axis = centre_of_mass / norm2(centre_of_mass)
-        ! The smallest rotation that brings the axis upright; from below about body x.
-        quaternion = [1 + axis(3), axis(2), -axis(1), 0.0_dp]
-        if (.not. norm2(quaternion) > 0) quaternion = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
-        upright = motion_from_quaternion(0.0_dp, quaternion / norm2(quaternion), dot_product(omega, axis) * axis, no_angles)
-    end function upright_motion
 
 end module spintop_sweep_quantities

@@ -4,12 +4,12 @@
 !> A column is a place among the quantities of a case, and a line of the registry, which says what the column needs. The help,
 !> the choice of columns, the units in the header and the cells derive from the registry.
 module spintop_sweep_result
-    use spintop_certificate, only: proof_of_phi, proof_of_psi, proof_of_theta, proof_words
+    use spintop_certificate, only: proof_words
     use spintop_kinds, only: dp, nan => no_number
     use spintop_study_column, only: always, by_default, categorical, column => study_column_t, compares, is_end, proof_group
     implicit none
     public
-    private :: dp, nan, proof_words, proof_of_phi, proof_of_psi, proof_of_theta, always, by_default, categorical, column, &
+    private :: dp, nan, proof_words, always, by_default, categorical, column, &
         compares, is_end, proof_group, k, nothing, clear, add, explain, has
 
     !> Whether the bounds of a case are proved: `none` without a result.
@@ -48,7 +48,9 @@ module spintop_sweep_result
 
     !> What several columns need.
     integer, parameter, private :: range_of_theta = 2**of_nutation + 2**of_range, end_and_turns = 2**of_end + 2**of_turns, &
-        whole_nutation = 2**of_nutation + 2**of_whole + 2**of_measured, end_and_bounds = 2**of_end + 2**of_proof
+        whole_nutation = 2**of_nutation + 2**of_whole + 2**of_measured, end_and_bounds = 2**of_end + 2**of_proof, &
+        measured_nutation = 2**of_nutation + 2**of_measured, details = 2**of_details + 2**of_measured, whole = 2**of_whole, &
+        formulas = 2**of_fast_top, the_end = 2**of_end, threshold = 2**of_threshold, constants = 2**of_free
 
     !> The quantities of a case: their places among its values.
     enum, bind(C)
@@ -122,44 +124,41 @@ module spintop_sweep_result
         column('theta_min', 'rad', 'minimum nutation angle', 'nutation', at_theta_min, by_default, needs=range_of_theta), &
         column('theta_max', 'rad', 'maximum nutation angle', 'nutation', at_theta_max, by_default, needs=range_of_theta), &
         column('delta_u', '', 'range of cos(theta)', 'nutation', at_delta_u, by_default, needs=range_of_theta), &
-        column('delta_u_fast_top', '', 'the same by Eq 29', &
-               'fast_top', at_delta_u_fast_top, by_default, needs=2**of_fast_top), &
-        column('nutation_period', 's', 'nutation period', &
-               'nutation', at_nutation_period, by_default, needs=whole_nutation), &
+        column('delta_u_fast_top', '', 'the same by Eq 29', 'fast_top', at_delta_u_fast_top, by_default, needs=formulas), &
+        column('nutation_period', 's', 'nutation period', 'nutation', at_nutation_period, by_default, needs=whole_nutation), &
         column('nutation_rate', 'rad/s', '2 pi over the nutation period', &
                'nutation', at_nutation_rate, by_default, needs=whole_nutation), &
         column('nutation_rate_fast_top', 'rad/s', 'the same by Eq 30', &
-               'fast_top', at_nutation_rate_fast_top, by_default, needs=2**of_fast_top), &
+               'fast_top', at_nutation_rate_fast_top, by_default, needs=formulas), &
         column('precession_per_nutation', 'rad', 'change of phi in a nutation, without the half turns at exact passages of a &
                &pole', 'nutation', at_precession_per_nutation, by_default, needs=whole_nutation), &
         column('precession_rate', 'rad/s', 'mean precession rate', &
                'nutation', at_precession_rate, by_default, needs=whole_nutation), &
         column('precession_rate_fast_top', 'rad/s', 'the same by Eq 32', &
-               'fast_top', at_precession_rate_fast_top, by_default, needs=2**of_fast_top), &
+               'fast_top', at_precession_rate_fast_top, by_default, needs=formulas), &
         column('nutations_per_turn', '', 'nutations per full turn of precession', &
                'nutation', at_nutations_per_turn, by_default, needs=whole_nutation), &
         column('nutations_per_turn_fast_top', '', 'the same by Eq 54', &
-               'fast_top', at_nutations_per_turn_fast_top, by_default, needs=2**of_fast_top), &
+               'fast_top', at_nutations_per_turn_fast_top, by_default, needs=formulas), &
         column('precession_period', 's', 'T_p = 2 pi I3 omega3/(m g l) of the paper', &
-               'fast_top', at_precession_period, by_default, needs=2**of_fast_top), &
+               'fast_top', at_precession_period, by_default, needs=formulas), &
         column('azimuth_after_period_deg', 'deg', 'change of phi after T_p', &
                'period', at_azimuth_after_period, by_default, needs=2**of_period + 2**of_turns), &
         column('nutations_in_period', '', 'nutations in T_p', &
                'nutation', at_nutations_in_period, by_default, needs=whole_nutation, missing=note_no_precession_period), &
         column('phi_rate_max', 'rad/s', 'precession rate that is largest in magnitude', &
-               'nutation', at_phi_rate_max, by_default, needs=2**of_nutation + 2**of_fastest + 2**of_measured), &
+               'nutation', at_phi_rate_max, by_default, needs=measured_nutation + 2**of_fastest), &
         column('fast_top_ratio', '', '(I3 omega3)^2/(2 I1 m g l), large for a fast top', &
-               'fast_top', at_fast_top_ratio, by_default, needs=2**of_fast_top), &
+               'fast_top', at_fast_top_ratio, by_default, needs=formulas), &
         column('com_z_min', 'm', 'minimum height of the centre of mass above the pivot', &
-               'nutation', at_com_z_min, by_default, needs=2**of_nutation + 2**of_lowest + 2**of_measured), &
-        column('theta_end', 'rad', 'inclination at the end of the span', &
-               'end', at_theta_end, by_default + always, needs=2**of_end, proof_of=proof_of_theta), &
+               'nutation', at_com_z_min, by_default, needs=measured_nutation + 2**of_lowest), &
+        column('theta_end', 'rad', 'inclination at the end of the span', 'end', at_theta_end, by_default + always, needs=the_end), &
         column('phi_end', 'rad', 'precession angle at the end of the span', &
-               'end', at_phi_end, by_default + always, needs=end_and_turns, proof_of=proof_of_phi), &
+               'end', at_phi_end, by_default + always, needs=end_and_turns), &
         column('psi_end', 'rad', 'spin angle at the end of the span', &
-               'end', at_psi_end, by_default + always, needs=end_and_turns, proof_of=proof_of_psi), &
+               'end', at_psi_end, by_default + always, needs=end_and_turns), &
         column('theta_rate_end', 'rad/s', 'nutation rate at the end of the span', &
-               'end', at_theta_rate_end, by_default, needs=2**of_end), &
+               'end', at_theta_rate_end, by_default, needs=the_end), &
         column('energy_error_max', '', 'largest relative energy error at the ends of steps (exact: one step)', &
                'energy', at_energy_error_max, by_default + always, needs=2**of_energy), &
         column('orientation_error', 'rad', 'rotation angle from the exact attitude at the end', &
@@ -168,25 +167,24 @@ module spintop_sweep_result
                'inherent', at_inherent_error, 0, needs=2**of_inherent, missing=note_no_exact_motion), &
         column('evaluations', '', 'RHS evaluations', 'cost', at_evaluations, by_default, needs=2**of_cost), &
         column('motion_class', '', 'loop, cusp, wave, steady, ... (categorical)', &
-               'details', at_motion_class, categorical, needs=2**of_details + 2**of_measured + 2**of_whole + 2**of_class), &
+               'details', at_motion_class, categorical, needs=details + whole + 2**of_class), &
         column('spin_per_nutation', 'rad', 'change of psi in a nutation, without the half turns at exact passages of a pole', &
-               'details', at_spin_per_nutation, 0, needs=2**of_details + 2**of_measured + 2**of_whole), &
+               'details', at_spin_per_nutation, 0, needs=details + whole), &
         column('theta_rate_max', 'rad/s', 'largest magnitude of the nutation rate', &
-               'details', at_theta_rate_max, 0, needs=2**of_details + 2**of_measured + 2**of_nutation_rate), &
-        column('force_max', 'N', 'maximum support force', &
-               'details', at_force_max, 0, needs=2**of_details + 2**of_measured + 2**of_force), &
+               'details', at_theta_rate_max, 0, needs=details + 2**of_nutation_rate), &
+        column('force_max', 'N', 'maximum support force', 'details', at_force_max, 0, needs=details + 2**of_force), &
         column('force_z_min', 'N', 'minimum vertical support force', &
-               'details', at_force_z_min, 0, needs=2**of_details + 2**of_measured + 2**of_vertical_force), &
+               'details', at_force_z_min, 0, needs=details + 2**of_vertical_force), &
         column('force_z_max', 'N', 'maximum vertical support force', &
-               'details', at_force_z_max, 0, needs=2**of_details + 2**of_measured + 2**of_vertical_force), &
+               'details', at_force_z_max, 0, needs=details + 2**of_vertical_force), &
         column('t_end', 's', 'end of the span, or time of the event that ended the motion', &
-               'end', at_t_end, by_default + is_end + always, needs=2**of_end), &
+               'end', at_t_end, by_default + is_end + always, needs=the_end), &
         column('t_stuck', 's', 'time at which dry friction stopped the body, to the end of the span', &
-               'end', at_t_stuck, 0, needs=2**of_end, missing=note_not_stuck), &
+               'end', at_t_stuck, 0, needs=the_end, missing=note_not_stuck), &
         column('critical_omega3', 'rad/s', 'omega3 from which the sleeping top is stable, 2 sqrt(m g l I1)/I3, for its inertia and &
-               &weight', 'sleeping', at_critical_omega3, 0, needs=2**of_threshold, missing=note_no_threshold), &
+               &weight', 'sleeping', at_critical_omega3, 0, needs=threshold, missing=note_no_threshold), &
         column('sleeping_ratio', '', 'magnitude of omega3 at the start, with h/I3 of a rotor, over critical_omega3', &
-               'sleeping', at_sleeping_ratio, 0, needs=2**of_threshold, missing=note_no_threshold), &
+               'sleeping', at_sleeping_ratio, 0, needs=threshold, missing=note_no_threshold), &
         column('growth_rate', '1/s', 'growth rate of perturbations of a steady motion', &
                'growth', at_growth_rate, 0, needs=2**of_growth), &
         column('lyapunov_exponent', '1/s', 'mean growth rate of a perturbation, with equal components except along Gamma', &
@@ -196,21 +194,19 @@ module spintop_sweep_result
         column('upright_multiplier', '', 'largest Floquet multiplier with the centre of mass above the pivot, vibrated &
                &vertically', 'multiplier', at_upright_multiplier, 0, needs=2**of_multiplier), &
         column('momentum_period', 's', 'period of the angular momentum in a free body', &
-               'free', at_momentum_period, 0, needs=2**of_free), &
-        column('momentum_turn', 'rad', 'turn about the momentum in that period', &
-               'free', at_momentum_turn, 0, needs=2**of_free), &
+               'free', at_momentum_period, 0, needs=constants), &
+        column('momentum_turn', 'rad', 'turn about the momentum in that period', 'free', at_momentum_turn, 0, needs=constants), &
         column('momentum_turn_geometric', 'rad', 'geometric phase, momentum_turn less 2 E momentum_period/L', &
-               'free', at_momentum_turn_geometric, 0, needs=2**of_free + 2**of_geometric), &
+               'free', at_momentum_turn_geometric, 0, needs=constants + 2**of_geometric), &
         column('momentum_axis', '', 'body axis about which the angular momentum circulates (1, 2, 3)', &
-               'free', at_momentum_axis, 0, needs=2**of_free), &
-        column('omega_max', 'rad/s', 'maximum angular velocity of a free body', &
-               'free', at_omega_max, 0, needs=2**of_free), &
+               'free', at_momentum_axis, 0, needs=constants), &
+        column('omega_max', 'rad/s', 'maximum angular velocity of a free body', 'free', at_omega_max, 0, needs=constants), &
         column('theta_end_bound', 'rad', 'upper bound of the error of theta_end, proved', &
-               proof_group, at_theta_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_theta), &
+               proof_group, at_theta_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound), &
         column('phi_end_bound', 'rad', 'upper bound of the error of phi_end, proved', &
-               proof_group, at_phi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_phi), &
+               proof_group, at_phi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound), &
         column('psi_end_bound', 'rad', 'upper bound of the error of psi_end, proved', &
-               proof_group, at_psi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound, proof_of=proof_of_psi), &
+               proof_group, at_psi_end_bound, 0, needs=end_and_bounds, missing=note_nothing_to_bound), &
         column('proof', '', 'proved, or unproved if a bound is infinite (categorical)', &
                proof_group, at_proof, categorical, needs=2**of_proof)]
 

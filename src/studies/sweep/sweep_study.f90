@@ -94,7 +94,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         class(row_table_t), allocatable :: table
         type(team_t) :: team
-        integer(int64) :: cases(2)
+        integer(int64) :: cases(2), rows
         real(dp) :: began
 
         code = exit_ok
@@ -110,7 +110,12 @@ contains
         began = seconds()
         ! If there is nothing to compute, the writer finishes the table alone.
         if (cases(1) > cases(2) .and. .not. options%ranks%is_writer()) return
-        if (options%ranks%is_writer()) call announce(job, options, table, cases, team)
+        if (options%ranks%is_writer()) then
+            rows = table%rows() + cases(2) - cases(1) + 1
+            call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
+            if (table%remark /= '') call team%progress%note(table%remark)
+            call options%announce_signals(job%input%path, job%files%table, table, rows)
+        end if
         call compute_cases(job, options%ranks, cases, table, team, code, error)
         call stop_watching_signals()
         if (allocated(error) .or. .not. team%ranks%is_writer()) return
@@ -178,21 +183,6 @@ contains
         call options%ranks%broadcast(text)
         read (text, *) cases
     end subroutine begin_table
-
-    !> Starts the progress of the cases, and says what a signal that ends the run is to tell.
-    subroutine announce(job, options, table, cases, team)
-        type(job_t), intent(in) :: job
-        type(options_t), intent(in) :: options
-        class(row_table_t), intent(in) :: table
-        integer(int64), intent(in) :: cases(2)
-        type(team_t), intent(inout) :: team
-        integer(int64) :: rows
-
-        rows = table%rows() + cases(2) - cases(1) + 1
-        call team%progress%start(job%name, 'cases', rows, options%quiet, options%progress, before=table%rows())
-        if (table%remark /= '') call team%progress%note(table%remark)
-        call options%announce_signals(job%input%path, job%files%table, table, rows)
-    end subroutine announce
 
     !> The summary: plan, cases by status, times.
     subroutine describe_sweep(job, shard, table, team, elapsed, summary)
@@ -283,17 +273,11 @@ contains
             call summary%add('statistics', 'about ' // amount(len(head) + bytes, 'B') // ' at most')
         end if
         call summary%add('memory', 'about ' // amount(memory, 'B'))
-        call summary%add('time', 'about ' // duration(each(sample) * cases / threads, 2) // ' on ' // &
+        call summary%add('time', 'about ' // duration(sample%time / sample%cases * cases / threads, 2) // ' on ' // &
                          to_text(threads) // ' threads, from ' // to_text(sample%cases) // ' cases in ' // &
                          duration(sample%time, 2))
         if (job%sensitivities%count == 0) call name_expensive(job, first, cases, sample, summary)
     end subroutine forecast
-
-    !> Computing time of a case, s.
-    pure real(dp) function each(self)
-        class(sample_t), intent(in) :: self
-        each = self%time / self%cases
-    end function each
 
     !> Adds a line on the columns that make the sweep expensive. Columns that need the same work are a group. A sample is computed
     !> with each group alone; where they differ, the slower half on a logarithmic scale is expensive, and a sample is computed
@@ -357,7 +341,7 @@ contains
         call thread%prepare(job)
         block = size_of_block(job)
         call compute_places(few_places, min(cases_at_place, block))
-        if (each(sample) * block * many_places < enough) call compute_places(many_places, block)
+        if (sample%time / sample%cases * block * many_places < enough) call compute_places(many_places, block)
 
     contains
 

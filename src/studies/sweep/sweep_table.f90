@@ -3,7 +3,6 @@
 module spintop_sweep_table
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, is_finite
-    use spintop_case, only: case_t
     use spintop_row_table, only: row_table_t
     use spintop_job, only: job_t, study_head
     use spintop_netcdf_grid, only: netcdf_axis_t
@@ -14,11 +13,10 @@ module spintop_sweep_table
     use spintop_statistics_output, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
-    use spintop_sweep_axes, only: axes_t
     use spintop_study_column, only: always, proof_group, study_column_t
     use spintop_sweep_engine, only: slot_t
     use spintop_sweep_quantities, only: explain_missing
-    use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, note_t, proof_cells
+    use spintop_sweep_result, only: at_motion_class, at_proof, note_names, note_no_turns_known, proof_cells
     use spintop_table_column, only: column_of_integers, column_of_notes, status_column, table_column_t
     use spintop_table_head, only: shard_t
     implicit none
@@ -38,6 +36,7 @@ contains
         class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
         type(statistics_table_t), allocatable :: with_statistics
+        integer :: i
 
         if (job%statistics%is_wanted) then
             allocate (with_statistics)
@@ -50,7 +49,9 @@ contains
         call describe_columns(job, table%columns)
         if (job%input%scene%format == 'netcdf' .and. job%keeps_rows()) then
             allocate (table%netcdf)
-            table%netcdf%axes = grid_of(job%axes)
+            table%netcdf%axes = [netcdf_axis_t(case_column, int(job%axes%cases))]
+            if (job%axes%combination == combine_grid) table%netcdf%axes = &
+                [(netcdf_axis_t(job%axes%axis(i)%name, job%axes%axis(i)%count), i=1, size(job%axes%axis))]
             if (job%input%scene%compression /= unset_integer) table%netcdf%compression = job%input%scene%compression
         end if
         if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
@@ -72,22 +73,6 @@ contains
         allocate (columns, source=result_columns(table%plan))
         table%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_statistics
-
-    !> The grid of the cases: that of the axes, or a single dimension.
-    function grid_of(axes) result(grid)
-        type(axes_t), intent(in) :: axes
-        type(netcdf_axis_t), allocatable :: grid(:)
-        integer :: i
-        if (axes%combination == combine_grid) then
-            allocate (grid(size(axes%axis)))
-            do i = 1, size(grid)
-                grid(i) = netcdf_axis_t(axes%axis(i)%name, axes%axis(i)%count)
-            end do
-        else
-            allocate (grid(1))
-            grid(1) = netcdf_axis_t(case_column, int(axes%cases))
-        end if
-    end function grid_of
 
     !> What the cells of a row are; `add_rows` has them in this order.
     subroutine describe_columns(job, columns)
@@ -131,8 +116,8 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the cases of the block
         type(row_block_t), intent(inout) :: rows !! the rows of the block
         real(dp) :: sizes(size(columns))
-        logical :: overflowed
-        integer :: place(size(columns)), k, axes, final_status
+        logical :: is_infinite
+        integer :: place(size(columns)), i, k, axes, final_status
 
         sizes = columns%size
         axes = size(parameters, 1)
@@ -143,8 +128,16 @@ contains
                     final_status = slot%status
                     values = slot%result%of(place) / sizes
                     if (is_good_end(final_status) .and. .not. all(abs(values) <= huge(values))) then
-                        call judge_values(columns, values, slot%case, slot%note, overflowed)
-                        if (overflowed) final_status = status_non_finite
+                        ! It is a failure where a quantity is infinite, or one undefined that every case has; an infinite bound
+                        ! says itself what it is. What else the case lacks is noted.
+                        do i = 1, size(columns)
+                            if (is_finite(values(i))) cycle
+                            is_infinite = abs(values(i)) > huge(values)
+                            if (columns(i)%group == proof_group .and. is_infinite) cycle
+                            if (columns(i)%missing > 0) call explain_missing(columns(i)%missing, slot%case, slot%note)
+                            if (columns(i)%group == proof_group) cycle
+                            if (is_infinite .or. columns(i)%is(always)) final_status = status_non_finite
+                        end do
                     end if
                     cells(1, k) = real(first + k - 1, dp)
                     cells(2:axes + 1, k) = parameters(:, k)
@@ -158,24 +151,5 @@ contains
             end do
         end associate
     end subroutine add_rows
-
-    !> Notes what a case lacks and nothing has told yet. It is a failure where a quantity is infinite, or one undefined that every
-    !> case has; an infinite bound says itself what it is.
-    subroutine judge_values(columns, cells, case, note, overflowed)
-        type(study_column_t), intent(in) :: columns(:)
-        real(dp), intent(in) :: cells(:)
-        type(case_t), intent(in) :: case
-        type(note_t), intent(inout) :: note
-        logical, intent(out) :: overflowed
-        integer :: i
-        overflowed = .false.
-        do i = 1, size(columns)
-            if (is_finite(cells(i))) cycle
-            if (columns(i)%group == proof_group .and. abs(cells(i)) > huge(cells)) cycle
-            if (columns(i)%missing > 0) call explain_missing(columns(i)%missing, case, note)
-            if (columns(i)%group == proof_group) cycle
-            overflowed = overflowed .or. abs(cells(i)) > huge(cells) .or. columns(i)%is(always)
-        end do
-    end subroutine judge_values
 
 end module spintop_sweep_table

@@ -17,12 +17,11 @@ module spintop_sweep_worker
     use spintop_planning, only: make_plan
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
-    use spintop_row_proof, only: row_proof_t
+    use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
     use spintop_scene_words, only: combine_zip
     use spintop_sensitivity, only: other_accuracies, other_value, set_other_accuracy
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
-    use spintop_study_column, only: proof_group, study_column_t
     use spintop_sweep_axes, only: case_scene_t
     use spintop_sweep_engine, only: engine_entry_t, lacks_motion, lacks_nothing, lacks_perturbations, run_engines, slot_t, &
         task_t
@@ -38,7 +37,7 @@ module spintop_sweep_worker
     use spintop_uncertainties, only: data_radii
     implicit none
     private
-    public :: sweep_worker_t, size_of_block, sweep_proofs, prove_case, sweep_rows_t, sweep_sensitivities_t
+    public :: sweep_worker_t, size_of_block, prove_case, sweep_rows_t
 
     !> The quantities of sweeps that have bounds, and the places of these.
     integer, parameter :: quantities(3) = [proof_of_theta, proof_of_phi, proof_of_psi], &
@@ -111,28 +110,19 @@ module spintop_sweep_worker
     end type node_sweep_t
 
     !> Data of a thread; it must stay where it was prepared, and be a target there.
-    type :: sweep_sensitivities_t
-        !> The sweep over the nodes, and the same with other accuracies, in which the error of the method shows.
+    type, extends(block_worker_t) :: sweep_rows_t
+        type(job_t), pointer, private :: job => null()
+        type(sweep_worker_t), private :: worker
+        !> The sweep over the nodes of the keys of derivatives, and the same with other accuracies, in which the error of the method
+        !> shows.
         class(node_sweep_t), allocatable, private :: own, other(:)
         !> The axis of each key in these sweeps.
         integer, allocatable, private :: axis(:)
-        !> Cells of a row of the table before the derivatives.
-        integer, private :: cells_before = 0
         !> The difference on which each derivative rests.
         integer, allocatable, private :: best(:)
         !> The nodes of the keys, and which of them are needed.
         type(nodes_t), allocatable, private :: nodes(:)
         logical, allocatable, private :: is_needed(:, :)
-    contains
-        procedure :: prepare => prepare_sensitivities
-        procedure :: fill
-    end type sweep_sensitivities_t
-
-    !> Data of a thread; it must stay where it was prepared, and be a target there.
-    type, extends(block_worker_t) :: sweep_rows_t
-        type(job_t), pointer, private :: job => null()
-        type(sweep_worker_t), private :: worker
-        type(sweep_sensitivities_t), private :: sensitivities
     contains
         procedure :: prepare => prepare_rows
         procedure :: compute_rows => compute_all_rows
@@ -196,7 +186,7 @@ contains
             worker%skips_nutations = job%plan%exact .and. size(job%events) == 0 .and. .not. asks_for_span(wanted) &
                                      .and. .not. wanted(of_proof)
         end associate
-        worker%proofs = sweep_proofs(job%columns, job%input%scene%certified)
+        worker%proofs = wanted_proofs(job%columns%quantity(), job%input%scene%certified, '_end')
     end subroutine prepare
 
     !> Rows of the cases from `first` to `last`, at most `block_size`.
@@ -205,6 +195,7 @@ contains
         type(job_t), intent(in) :: job !! the job
         integer(int64), intent(in) :: first, last !! first and last case
         type(row_block_t), intent(inout) :: rows !! the rows of the cases
+        type(note_t) :: note
         real(dp) :: began, moments(0:work_of_formatting), spent(work_of_formatting)
         integer :: k, n
 
@@ -218,7 +209,19 @@ contains
         moments(work_of_making) = seconds()
         associate (slots => worker%slots(:n))
             call run_engines(worker%engines, slots, worker%task)
-            if (worker%skips_nutations .and. is_set(job%input%scene%nutations)) call refuse_endless(worker, job, n)
+            do k = 1, merge(n, 0, worker%skips_nutations .and. is_set(job%input%scene%nutations))
+                ! A case without a period, of which its span is a number, is refused.
+                if (.not. is_ok(slots(k)%status) .or. is_finite(slots(k)%result%of(at_nutation_period))) cycle
+                note = slots(k)%note
+                call slots(k)%note%clear()
+                call worker%swept%set_values(worker%parameters(:, k))
+                call make_worker_case(worker, job, k, kept_parts_t(worker%same_body))
+                if (is_ok(slots(k)%status)) then
+                    slots(k)%note = note
+                else
+                    slots(k)%result = sweep_result_t()
+                end if
+            end do
             if (any(worker%proofs)) then
                 do k = 1, n
                     if (is_good_end(slots(k)%status)) call prove_case(slots(k), worker%proofs, job%input%scene)
@@ -271,29 +274,6 @@ contains
         end associate
     end subroutine begin_case
 
-    !> Refuses those of `n` cases that have no period, of which their spans are a number.
-    subroutine refuse_endless(worker, job, n)
-        class(sweep_worker_t), target, intent(inout) :: worker
-        type(job_t), intent(in) :: job
-        integer, intent(in) :: n
-        type(note_t) :: note
-        integer :: k
-        do k = 1, n
-            associate (slot => worker%slots(k))
-                if (.not. is_ok(slot%status) .or. is_finite(slot%result%of(at_nutation_period))) cycle
-                note = slot%note
-                call slot%note%clear()
-                call worker%swept%set_values(worker%parameters(:, k))
-                call make_worker_case(worker, job, k, kept_parts_t(worker%same_body))
-                if (is_ok(slot%status)) then
-                    slot%note = note
-                else
-                    slot%result = sweep_result_t()
-                end if
-            end associate
-        end do
-    end subroutine refuse_endless
-
     !> Makes the k-th case of the block from the scene of the worker, and the plan for it if there is none yet.
     subroutine make_worker_case(worker, job, k, kept)
         class(sweep_worker_t), target, intent(inout) :: worker
@@ -301,6 +281,7 @@ contains
         integer, intent(in) :: k
         type(kept_parts_t), intent(in) :: kept !! parts that the case has
         type(problems_t) :: problems
+        type(case_t), allocatable :: one_of_kind ! large, and mostly not needed
         integer :: outside, place
 
         associate (slot => worker%slots(k))
@@ -325,32 +306,23 @@ contains
                 if (.not. worker%same_body) place = kind_of(slot%case%body)
             end if
             associate (known => worker%plans(place))
-                if (.not. (known%is_made .and. worker%same_plans)) call keep_plan(worker, job, slot%case, known)
+                if (.not. (known%is_made .and. worker%same_plans)) then
+                    ! A plan that is kept for later cases depends on nothing else of this one than its kind of body: rows do not
+                    ! depend on the cases that the thread had before.
+                    one_of_kind = slot%case
+                    if (worker%same_plans) one_of_kind%t_end = job%case%t_end
+                    known = kept_plan_t(is_made=.true.)
+                    !$omp critical (queue)
+                    call make_plan(worker%swept%scene, one_of_kind, known%plan, problems)
+                    if (problems%any()) known%problem = problems%first()
+                    !$omp end critical (queue)
+                end if
                 slot%plan => worker%plans(place)%plan
                 if (.not. allocated(known%problem)) slot%status = status_ok
                 if (allocated(known%problem)) call slot%note%explain(known%problem)
             end associate
         end associate
     end subroutine make_worker_case
-
-    !> Makes the plan for bodies of the kind that a case has. If it is kept for later cases, it depends on nothing
-    !> else of this one: rows do not depend on the cases that the thread had before.
-    subroutine keep_plan(worker, job, case, kept)
-        class(sweep_worker_t), intent(in) :: worker
-        type(job_t), intent(in) :: job
-        type(case_t), intent(in) :: case
-        type(kept_plan_t), intent(out) :: kept
-        type(case_t) :: one_of_kind
-        type(problems_t) :: problems
-
-        one_of_kind = case
-        if (worker%same_plans) one_of_kind%t_end = job%case%t_end
-        kept%is_made = .true.
-        !$omp critical (queue)
-        call make_plan(worker%swept%scene, one_of_kind, kept%plan, problems)
-        if (problems%any()) kept%problem = problems%first()
-        !$omp end critical (queue)
-    end subroutine keep_plan
 
     !> The kind of a body.
     pure integer function kind_of(body) result(kind)
@@ -360,18 +332,6 @@ contains
         if (body%is_lagrange()) kind = symmetric_top
         if (allocated(body%effects)) kind = merge(affected, without_series, body%effects%only(series_effects))
     end function kind_of
-
-    !> Which quantities are to be proved for a table with these columns: those with a bound; also those that are printed,
-    !> if these are to be certified, or if there is a column `proof` without bounds.
-    pure function sweep_proofs(columns, certified) result(wanted)
-        type(study_column_t), intent(in) :: columns(:) !! of the table
-        logical, intent(in) :: certified !! whether proved numbers replace the computed ones
-        logical :: wanted(proof_count)
-        integer :: i
-        wanted = [(any(columns%group == proof_group .and. columns%proof_of == i), i=1, proof_count)]
-        if (.not. certified .and. (any(wanted) .or. .not. any(columns%source == at_proof))) return
-        wanted = [(any(columns%proof_of == i), i=1, proof_count)]
-    end function sweep_proofs
 
     !> Bounds of the wanted numbers of a case, which has ended well. What the case does not have needs no proof.
     subroutine prove_case(slot, wanted, scene)
@@ -403,33 +363,12 @@ contains
     subroutine prepare_rows(self, job)
         class(sweep_rows_t), target, intent(inout) :: self
         type(job_t), target, intent(in) :: job !! the job
-        self%job => job
-        call self%worker%prepare(job)
-        call self%sensitivities%prepare(job)
-    end subroutine prepare_rows
-
-    !> Computes the rows of some cases, block by block.
-    subroutine compute_all_rows(self, first, last, rows)
-        class(sweep_rows_t), target, intent(inout) :: self
-        integer(int64), intent(in) :: first, last !! first and last case, at most those of a block
-        type(row_block_t), intent(inout) :: rows !! their rows
-        real(dp) :: began
-        call self%worker%compute_rows(self%job, first, last, rows)
-        began = processor_seconds()
-        call self%sensitivities%fill(self%job, rows)
-        self%costs = self%costs + self%worker%costs
-        self%costs(work_of_computing) = self%costs(work_of_computing) + (processor_seconds() - began)
-    end subroutine compute_all_rows
-
-    !> Prepares the sensitivities of a job; there may be none.
-    subroutine prepare_sensitivities(self, job)
-        class(sweep_sensitivities_t), target, intent(inout) :: self
-        type(job_t), target, intent(in) :: job !! the job
         integer :: i, n
 
+        self%job => job
+        call self%worker%prepare(job)
         if (job%sensitivities%count == 0) return
         n = size(job%axes%axis)
-        self%cells_before = n + 2 + size(job%columns)
         associate (wanted => job%sensitivities)
             self%axis = wanted%keys%axis
             do i = 1, size(self%axis)
@@ -447,7 +386,41 @@ contains
         do i = 1, other_accuracies
             call self%other(i)%prepare(job, self%axis, n, accuracy=i)
         end do
-    end subroutine prepare_sensitivities
+    end subroutine prepare_rows
+
+    !> Computes the rows of some cases, and the derivatives in them. What has no derivative is NaN, with a note.
+    subroutine compute_all_rows(self, first, last, rows)
+        class(sweep_rows_t), target, intent(inout) :: self
+        integer(int64), intent(in) :: first, last !! first and last case, at most those of a block
+        type(row_block_t), intent(inout) :: rows !! their rows
+        type(note_t) :: note
+        real(dp) :: began
+        integer :: k, axes, before
+
+        call self%worker%compute_rows(self%job, first, last, rows)
+        self%costs = self%costs + self%worker%costs
+        if (self%job%sensitivities%count == 0) return
+        began = processor_seconds()
+        axes = size(self%job%axes%axis)
+        before = axes + 2 + size(self%job%columns)
+        do k = 1, rows%rows
+            associate (cells => rows%cells(before + 1:before + 2 * self%job%sensitivities%count, k))
+                cells = no_number
+                if (.not. is_good_end(nint(rows%cells(axes + 2, k)))) cycle
+                call find_derivatives(self, self%job, rows%cells(2:axes + 1, k), cells)
+                if (all(abs(cells(1::2)) <= huge(1.0_dp))) cycle
+            end associate
+            associate (flags => rows%cells(size(rows%cells, 1), k))
+                note = note_t(nint(flags))
+                if (note%has(note_no_derivative)) cycle
+                if (allocated(rows%notes(k)%text)) note%text = rows%notes(k)%text
+                call note%add(note_no_derivative)
+                flags = note%flags
+            end associate
+            rows%notes(k)%text = note%text
+        end do
+        self%costs(work_of_computing) = self%costs(work_of_computing) + (processor_seconds() - began)
+    end subroutine compute_all_rows
 
     !> Makes the sweep over the nodes.
     subroutine prepare_nodes(self, job, axis, axes, accuracy)
@@ -493,32 +466,14 @@ contains
         self%cases_of_block = size_of_block(self%job)
     end subroutine prepare_nodes
 
-    !> Fills the cells of the sensitivities in the rows of some cases. What has no derivative is NaN, with a note.
-    subroutine fill(self, job, rows)
-        class(sweep_sensitivities_t), target, intent(inout) :: self
-        type(job_t), intent(in) :: job !! the job
-        type(row_block_t), intent(inout) :: rows !! the rows, otherwise complete
-        integer :: k
-
-        if (job%sensitivities%count == 0) return
-        do k = 1, rows%rows
-            associate (cells => rows%cells(self%cells_before + 1:self%cells_before + 2 * job%sensitivities%count, k), &
-                       parameters => rows%cells(2:size(job%axes%axis) + 1, k))
-                cells = no_number
-                if (.not. is_good_end(nint(rows%cells(size(job%axes%axis) + 2, k)))) cycle
-                call find_derivatives(self, job, parameters, cells)
-                if (.not. all(abs(cells(1::2)) <= huge(1.0_dp))) call note_missing(rows, k)
-            end associate
-        end do
-    end subroutine fill
-
     !> Finds the derivatives of a case, each followed by the estimate of its error.
     subroutine find_derivatives(self, job, parameters, cells)
-        class(sweep_sensitivities_t), target, intent(inout) :: self
+        class(sweep_rows_t), target, intent(inout) :: self
         type(job_t), intent(in) :: job
         real(dp), intent(in) :: parameters(:) !! the values of the axes of the sweep in that case
         real(dp), intent(inout) :: cells(:)
         real(dp), allocatable :: others(:, :, :)
+        real(dp) :: relative
         integer :: i, k
 
         associate (wanted => job%sensitivities, keys => job%sensitivities%keys)
@@ -536,8 +491,13 @@ contains
                 call wanted%differentiate(i, self%nodes(i), self%own%values(:, :, i), cells, self%best, self%is_needed(:, i))
             end do
             if (.not. (allocated(self%other) .and. any(self%best > 0))) return
+            relative = 1
+            if (allocated(job%plan%stepper)) relative = job%plan%stepper%controls%relative_tolerance
+            i = findloc([(job%axes%axis(i)%name == tolerance_key, i=1, size(parameters))], .true., dim=1)
+            if (i > 0) relative = parameters(i)
             do k = 1, other_accuracies
-                call self%other(k)%compute(self%nodes, self%is_needed, self%axis, in_other_accuracy(job, parameters, k))
+                call self%other(k)%compute(self%nodes, self%is_needed, self%axis, [(other_value(job%axes%axis(i)%name, &
+                    parameters(i), relative, k), i=1, size(parameters))])
             end do
             allocate (others(size(self%own%values, 1), node_count, other_accuracies))
             do i = 1, size(keys)
@@ -548,23 +508,6 @@ contains
             end do
         end associate
     end subroutine find_derivatives
-
-    !> The values of the axes with another accuracy.
-    pure function in_other_accuracy(job, parameters, number) result(others)
-        type(job_t), intent(in) :: job
-        real(dp), intent(in) :: parameters(:) !! the values of the axes
-        integer, intent(in) :: number !! of the accuracy
-        real(dp) :: others(size(parameters)), relative
-        integer :: i
-        relative = 1
-        if (allocated(job%plan%stepper)) relative = job%plan%stepper%controls%relative_tolerance
-        do i = 1, size(others)
-            if (job%axes%axis(i)%name == tolerance_key) relative = parameters(i)
-        end do
-        do i = 1, size(others)
-            others(i) = other_value(job%axes%axis(i)%name, parameters(i), relative, number)
-        end do
-    end function in_other_accuracy
 
     !> Computes the quantities of a case at the nodes that are needed. They are NaN at the others.
     subroutine compute_nodes(self, nodes, is_needed, axis, parameters)
@@ -608,21 +551,5 @@ contains
             end do
         end do
     end subroutine compute_nodes
-
-    !> Notes that a case lacks a derivative.
-    subroutine note_missing(rows, k)
-        type(row_block_t), intent(inout) :: rows
-        integer, intent(in) :: k
-        type(note_t) :: note
-
-        associate (flags => rows%cells(size(rows%cells, 1), k))
-            note%flags = nint(flags)
-            if (note%has(note_no_derivative)) return
-            if (allocated(rows%notes(k)%text)) note%text = rows%notes(k)%text
-            call note%add(note_no_derivative)
-            flags = note%flags
-        end associate
-        rows%notes(k)%text = note%text
-    end subroutine note_missing
 
 end module spintop_sweep_worker

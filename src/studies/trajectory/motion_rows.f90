@@ -20,7 +20,7 @@ module spintop_motion_rows
     use spintop_trajectory_columns, only: row_maker_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: varied_motions_t
-    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_step_limit, status_too_many_events, status_ok
+    use spintop_status, only: is_good_end, is_ok, status_non_finite, status_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
     use spintop_study_column, only: needs_work, study_column_t, categorical
     use spintop_table_column, only: status_column
@@ -173,16 +173,41 @@ contains
         type(outcome_t), intent(out) :: outcome !! how the motion ended
         type(event_recorder_t), intent(inout), optional :: recorder !! search for events
         type(scene_t), intent(in), optional :: scene !! contents of the input, for a search
+        type(outcome_t) :: first
+        logical :: is_again
+        integer :: i
 
         if (plan%exact) then
             call sample_exactly(case, plan, writer, outcome, recorder)
         else
             call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, &
                 outcome, recorder)
-            if (present(recorder)) then
-                if (recorder%ended_by > 0 .and. plan%is_adaptive()) then
-                    call compute_again(scene, case, plan, times, writer, outcome)
+            is_again = .false.
+            if (present(recorder)) is_again = recorder%ended_by > 0 .and. plan%is_adaptive() .and. .not. writer%has_enough
+            ! A motion that an event ended is computed once more, in the same steps, up to there: its rows are spread over what was
+            ! run, and the last is the motion at the event. Both computations share the work of the case.
+            if (is_again .and. .not. allocated(writer%kept)) then
+                call writer%table%discard()
+                call writer%start(.false., .true., writer%error)
+                is_again = .not. allocated(writer%error)
+            end if
+            if (is_again) then
+                first = outcome
+                writer%rows = 0
+                call writer%columns%set(writer%chosen, case, scene)
+                times = [(sample_time(first%t, size(times), i), i=1, size(times))]
+                writer%t_stop = first%t
+                associate (max_steps => plan%stepper%controls%max_steps)
+                    max_steps = max_steps - first%counts%work()
+                    call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, times, writer, outcome)
+                    max_steps = max_steps + first%counts%work()
+                end associate
+                if (is_good_end(outcome%status)) then
+                    outcome%status = first%status
+                    outcome%t = first%t
+                    outcome%t_stuck = first%t_stuck
                 end if
+                call outcome%counts%add(first%counts)
             end if
         end if
         if (writer%is_undefined) then
@@ -191,45 +216,6 @@ contains
         end if
         call writer%progress%finish()
     end subroutine compute_motion
-
-    !> Computes a motion that an event ended once more, in the same steps, up to there: its rows are spread
-    !> over what was run, and the last is the motion at the event. Both computations share the work of the case.
-    subroutine compute_again(scene, case, plan, times, writer, outcome)
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(in) :: case
-        type(plan_t), intent(inout) :: plan
-        real(dp), intent(inout) :: times(:) !! instants of the rows
-        type(writer_t), intent(inout) :: writer
-        type(outcome_t), intent(inout) :: outcome
-        type(outcome_t) :: first
-        integer :: i
-
-        if (writer%has_enough) return
-        first = outcome
-        if (.not. allocated(writer%kept)) then
-            call writer%table%discard()
-            call writer%start(.false., .true., writer%error)
-            if (allocated(writer%error)) return
-        end if
-        writer%rows = 0
-        call writer%columns%set(writer%chosen, case, scene)
-        associate (max_steps => plan%stepper%controls%max_steps)
-            do i = 1, size(times)
-                times(i) = sample_time(first%t, size(times), i)
-            end do
-            writer%t_stop = first%t
-            max_steps = max_steps - first%counts%work()
-            call integrate(plan%formulation, plan%stepper, case%body, case%start, case%t_end, &
-                           times, writer, outcome)
-            max_steps = max_steps + first%counts%work()
-            if (is_good_end(outcome%status)) then
-                outcome%status = first%status
-                outcome%t = first%t
-                outcome%t_stuck = first%t_stuck
-            end if
-            call outcome%counts%add(first%counts)
-        end associate
-    end subroutine compute_again
 
     !> The exact solution at equally spaced times, up to the event that ends the motion.
     subroutine sample_exactly(case, plan, writer, outcome, recorder)
@@ -250,16 +236,11 @@ contains
             call path%begin(case, looks_per_step * plan%max_steps, outcome%status)
         end if
         if (.not. is_ok(outcome%status)) return
-        if (present(recorder)) call recorder%begin(case%body, path%exact%at(0.0_dp))
-        if (present(recorder)) call recorder%judge(case%body, case%start)
         t_end = case%t_end
         t_known = t_end
         if (present(recorder)) then
-            call recorder%find_events(path, t_end)
+            call recorder%search_exactly(path, case, t_end, outcome%status)
             t_known = recorder%t
-            if (.not. recorder%has_enough .and. t_known < t_end) outcome%status = &
-                merge(status_too_many_events, status_step_limit, recorder%is_full)
-            if (recorder%has_enough) t_end = t_known
         end if
         ! The rows have a budget of their own.
         rows = plan%samples

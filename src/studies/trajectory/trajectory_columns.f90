@@ -54,11 +54,7 @@ module spintop_trajectory_columns
         procedure :: set_angles
         procedure :: energies
         procedure :: energy_change
-        procedure :: energy_error
-        procedure :: momentum_change
         procedure :: force
-        procedure :: exact
-        procedure :: inherent_error
     end type motion_view_t
 
     !> The vectors by their numbers.
@@ -83,8 +79,7 @@ module spintop_trajectory_columns
     !> The registry of the columns.
     type(column), parameter :: registry(*) = [ &
         column('t', 's', 'time', angle_group, vector_time, by_default + near_poles), &
-        column('phi', 'rad', 'precession angle, continuous', &
-               angle_group, vector_angles, by_default + near_poles, 1, watch_phi), &
+        column('phi', 'rad', 'precession angle, continuous', angle_group, vector_angles, by_default + near_poles, 1, watch_phi), &
         column('theta', 'rad', 'inclination of body z to the vertical', &
                angle_group, vector_angles, by_default + near_poles, 2, watch_theta), &
         column('psi', 'rad', 'spin angle, continuous', angle_group, vector_angles, by_default + near_poles, 3, watch_psi), &
@@ -115,8 +110,7 @@ module spintop_trajectory_columns
         column('energy', 'J', 'total energy', 'energy', vector_energies, by_default, 3, watch_energy), &
         column('energy_error', '', 'change of energy since the start over (kinetic at start + m g |r|)', &
                'energy', vector_energy_error, needs_work), &
-        column('lz', 'J s', 'angular momentum about the vertical', &
-               'momenta', vector_momenta, 0, 1, watch_vertical_momentum), &
+        column('lz', 'J s', 'angular momentum about the vertical', 'momenta', vector_momenta, 0, 1, watch_vertical_momentum), &
         column('l3', 'J s', 'angular momentum about body z', 'momenta', vector_momenta, 0, 2, watch_spin_momentum), &
         column('R1', 'N m', "residual of Euler's first equation (Eq 51)", 'residuals', vector_residuals, by_default), &
         column('R2', 'N m', "residual of Euler's second equation (Eq 51)", 'residuals', vector_residuals, by_default, 2), &
@@ -152,27 +146,21 @@ module spintop_trajectory_columns
                'force', vector_accelerometer, 0, 3), &
         column('work', 'J', 'work of all effects since the start', &
                'energy', vector_work, by_default + needs_effects + needs_work, works + 1), &
-        column('work_damping', 'J', 'work of viscous damping', &
-               'energy', vector_work, needs_effects + needs_work, work_damping), &
-        column('work_friction', 'J', 'work of dry friction', &
-               'energy', vector_work, needs_effects + needs_work, work_friction), &
+        column('work_damping', 'J', 'work of viscous damping', 'energy', vector_work, needs_effects + needs_work, work_damping), &
+        column('work_friction', 'J', 'work of dry friction', 'energy', vector_work, needs_effects + needs_work, work_friction), &
         column('work_drag', 'J', 'work of the air', 'energy', vector_work, needs_effects + needs_work, work_drag), &
         column('work_vibration', 'J', 'work of the moving pivot', &
                'energy', vector_work, needs_effects + needs_work, work_vibration), &
-        column('work_torque', 'J', 'work of given torques', &
-               'energy', vector_work, needs_effects + needs_work, work_torque), &
+        column('work_torque', 'J', 'work of given torques', 'energy', vector_work, needs_effects + needs_work, work_torque), &
         column('work_rotor', 'J', 'work of the drive of the rotor', &
                'energy', vector_work, needs_effects + needs_work, work_rotor), &
         column('q0_bound', '', 'upper bound of the error of q0, proved', proof_group, vector_bounds, 0, proof_of_q0), &
         column('q1_bound', '', 'upper bound of the error of q1, proved', proof_group, vector_bounds, 0, proof_of_q1), &
         column('q2_bound', '', 'upper bound of the error of q2, proved', proof_group, vector_bounds, 0, proof_of_q2), &
         column('q3_bound', '', 'upper bound of the error of q3, proved', proof_group, vector_bounds, 0, proof_of_q3), &
-        column('theta_bound', 'rad', 'upper bound of the error of theta, proved', &
-               proof_group, vector_bounds, 0, proof_of_theta), &
-        column('phi_bound', 'rad', 'upper bound of the error of phi, proved', &
-               proof_group, vector_bounds, 0, proof_of_phi), &
-        column('psi_bound', 'rad', 'upper bound of the error of psi, proved', &
-               proof_group, vector_bounds, 0, proof_of_psi), &
+        column('theta_bound', 'rad', 'upper bound of the error of theta, proved', proof_group, vector_bounds, 0, proof_of_theta), &
+        column('phi_bound', 'rad', 'upper bound of the error of phi, proved', proof_group, vector_bounds, 0, proof_of_phi), &
+        column('psi_bound', 'rad', 'upper bound of the error of psi, proved', proof_group, vector_bounds, 0, proof_of_psi), &
         column('omega1_bound', 'rad/s', 'upper bound of the error of omega1, proved', &
                proof_group, vector_bounds, 0, proof_of_omega1), &
         column('omega2_bound', 'rad/s', 'upper bound of the error of omega2, proved', &
@@ -181,8 +169,7 @@ module spintop_trajectory_columns
                proof_group, vector_bounds, 0, proof_of_omega3), &
         column('orientation_bound', 'rad', 'upper bound of the rotation angle from the true attitude, proved', &
                proof_group, vector_bounds, 0, proof_of_orientation), &
-        column('proof', '', 'proved, or unproved if a bound of the row is infinite', &
-               proof_group, vector_proof, categorical)]
+        column('proof', '', 'proved, or unproved if a bound of the row is infinite', proof_group, vector_proof, categorical)]
 
     !> All columns, in the order of the table's documentation. A variable, since flang 19 fails at components of constants.
     type(column), protected :: trajectory_columns(size(registry)) = registry
@@ -232,13 +219,23 @@ contains
         class(motion_view_t), intent(inout) :: self
         type(motion_t), intent(in) :: computed !! in the axes of the computation
         logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        real(dp) :: printed(proof_count)
         logical :: is_start
         is_start = is_zero(computed%t)
         if (present(as_computed)) is_start = is_start .and. .not. as_computed
         self%computed = computed
         self%motion = self%case%turn%back(computed, computed%given_angle)
         if (is_start) call use_given_start(self%case%given_start, self%motion)
-        if (any(self%proof%wanted)) call prove(self%proof, self%motion)
+        if (any(self%proof%wanted)) then
+            printed = 0
+            printed(proof_of_q0:proof_of_q3) = self%motion%quaternion
+            printed([proof_of_phi, proof_of_theta, proof_of_psi]) = self%motion%angle
+            printed(proof_of_omega1:proof_of_omega3) = self%motion%omega
+            call self%proof%prove(self%motion%t, printed)
+            self%motion%quaternion = printed(proof_of_q0:proof_of_q3)
+            self%motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
+            self%motion%omega = printed(proof_of_omega1:proof_of_omega3)
+        end if
         call forget(self)
     end subroutine set_motion
 
@@ -273,21 +270,6 @@ contains
         motion%quaternion = start%quaternion
     end subroutine use_given_start
 
-    !> Proves the attitude and the angular velocity, and replaces them where they are to be certified.
-    subroutine prove(proof, motion)
-        type(row_proof_t), intent(inout) :: proof
-        type(motion_t), intent(inout) :: motion
-        real(dp) :: printed(proof_count)
-        printed = 0
-        printed(proof_of_q0:proof_of_q3) = motion%quaternion
-        printed([proof_of_phi, proof_of_theta, proof_of_psi]) = motion%angle
-        printed(proof_of_omega1:proof_of_omega3) = motion%omega
-        call proof%prove(motion%t, printed)
-        motion%quaternion = printed(proof_of_q0:proof_of_q3)
-        motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
-        motion%omega = printed(proof_of_omega1:proof_of_omega3)
-    end subroutine prove
-
     !> Kinetic and potential energy, J.
     function energies(self)
         class(motion_view_t), intent(inout) :: self
@@ -304,18 +286,6 @@ contains
         energy_change = sum(self%energies()) - self%energy_of_start
     end function energy_change
 
-    !> The same without the work of effects, relative to the scale of the energies, which work may exceed.
-    real(dp) function energy_error(self)
-        class(motion_view_t), intent(inout) :: self
-        energy_error = (self%energy_change() - sum(self%work)) / max(self%energy_scale, sum(abs(self%work)))
-    end function energy_error
-
-    !> Change of the vertical momentum since the start, J s.
-    pure real(dp) function momentum_change(self)
-        class(motion_view_t), intent(in) :: self
-        momentum_change = vertical_momentum(self%body, self%motion) - self%momentum_of_start
-    end function momentum_change
-
     !> The support force in space axes, N.
     function force(self)
         class(motion_view_t), intent(inout) :: self
@@ -324,28 +294,6 @@ contains
         self%has_force = .true.
         force = self%known_force
     end function force
-
-    !> The exact motion at the same time, in the axes of the computation. The body must have one.
-    type(motion_t) function exact(self)
-        class(motion_view_t), intent(inout) :: self
-        integer :: status
-        if (.not. allocated(self%oracle)) then
-            allocate (self%oracle)
-            call prepare_exact_motion(self%case%body, self%case%start, self%oracle, status)
-        end if
-        exact = self%oracle%at(self%computed%t)
-    end function exact
-
-    !> The error of the attitude due to rounding of the data, rad. The body must have an exact motion.
-    real(dp) function inherent_error(self)
-        class(motion_view_t), intent(inout) :: self
-        integer :: status
-        if (.not. allocated(self%conditioning)) then
-            allocate (self%conditioning)
-            call prepare_conditioning(self%case%body, self%case%start, self%conditioning, status)
-        end if
-        inherent_error = self%conditioning%floor_at(self%motion%t)
-    end function inherent_error
 
     !> Whether the value follows from the attitude, the angular velocity and its rate.
     elemental logical function is_free_of_angles(of)
@@ -367,6 +315,9 @@ contains
         integer, intent(in) :: which !! number of the vector
         type(motion_view_t), intent(inout) :: now !! the motion
         real(dp), intent(inout) :: vector(longest) !! its components are set
+        type(motion_t) :: exact
+        real(dp) :: force(3)
+        integer :: status
         select case (which)
         case (vector_time)
             vector(1) = now%motion%t
@@ -390,22 +341,36 @@ contains
             vector(:2) = now%energies()
             vector(3) = sum(vector(:2))
         case (vector_energy_error)
-            vector(1) = now%energy_error()
+            ! Without the work of effects, relative to the scale of the energies, which work may exceed.
+            vector(1) = (now%energy_change() - sum(now%work)) / max(now%energy_scale, sum(abs(now%work)))
         case (vector_momenta) ! about the vertical, and about body z
             vector(1) = vertical_momentum(now%body, now%motion)
             vector(2) = axial_momentum(now%body, now%motion)
         case (vector_residuals) ! of Euler's equations
             vector(:3) = euler_residuals(now%body, now%motion)
         case (vector_changes) ! of the vertical momentum and of the energy
-            vector(:2) = [now%momentum_change(), now%energy_change()]
+            vector(:2) = [vertical_momentum(now%body, now%motion) - now%momentum_of_start, now%energy_change()]
         case (vector_force)
             vector(:3) = now%force()
-        case (vector_force_beside_axis)
-            call fill_force_beside_axis(now, vector)
-        case (vector_errors)
-            call fill_errors(now, vector)
+        case (vector_force_beside_axis) ! along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0)
+            force = now%force()
+            associate (phi => now%motion%angle(1))
+                vector(:2) = [force(1) * sin(phi) - force(2) * cos(phi), force(1) * cos(phi) + force(2) * sin(phi)]
+            end associate
+        case (vector_errors) ! of the attitude, and of the axis tip, in the axes of the computation
+            if (.not. allocated(now%oracle)) then
+                allocate (now%oracle)
+                call prepare_exact_motion(now%case%body, now%case%start, now%oracle, status)
+            end if
+            exact = now%oracle%at(now%computed%t)
+            vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
+            vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
         case (vector_inherent_error)
-            vector(1) = now%inherent_error()
+            if (.not. allocated(now%conditioning)) then
+                allocate (now%conditioning)
+                call prepare_conditioning(now%case%body, now%case%start, now%conditioning, status)
+            end if
+            vector(1) = now%conditioning%floor_at(now%motion%t)
         case (vector_norm_error)
             vector(1) = now%motion%norm_error
         case (vector_axis_z_rate)
@@ -426,28 +391,6 @@ contains
         end select
     end subroutine fill_vector
 
-    !> The force along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0).
-    subroutine fill_force_beside_axis(now, vector)
-        type(motion_view_t), intent(inout) :: now
-        real(dp), intent(inout) :: vector(longest)
-        real(dp) :: force(3)
-        force = now%force()
-        associate (phi => now%motion%angle(1))
-            vector(1) = force(1) * sin(phi) - force(2) * cos(phi)
-            vector(2) = force(1) * cos(phi) + force(2) * sin(phi)
-        end associate
-    end subroutine fill_force_beside_axis
-
-    !> The errors of the attitude, and of the axis tip.
-    subroutine fill_errors(now, vector)
-        type(motion_view_t), intent(inout) :: now
-        real(dp), intent(inout) :: vector(longest)
-        type(motion_t) :: exact
-        exact = now%exact()
-        vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
-        vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
-    end subroutine fill_errors
-
     !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
     !> says what is to be proved, and of which data.
     subroutine set(self, columns, case, scene)
@@ -463,7 +406,7 @@ contains
         call self%view%set_case(case)
         self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         if (.not. present(scene)) return
-        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified), scene%certified, case%given_body, &
+        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified, ''), scene%certified, case%given_body, &
                                   case%given_start, data_radii(scene))
     end subroutine set
 

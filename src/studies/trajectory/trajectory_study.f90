@@ -64,13 +64,37 @@ contains
         end associate
     end subroutine check
 
-    !> What the proof will cost.
+    !> The time that the proof takes, if anything is to be proved. A motion that amplifies errors takes longer in its later parts,
+    !> which need more bits.
     subroutine forecast(self, job, options, summary)
         class(trajectory_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job !! the job; unchanged at the end
         type(options_t), intent(in) :: options !! options of the command line
         type(summary_t), intent(inout) :: summary !! lines are added
-        call describe_proof_cost(job, summary)
+        type(row_proof_t) :: proof
+        real(dp) :: printed(proof_count), began, time, part
+        logical :: wanted(proof_count)
+        integer :: i
+
+        wanted = wanted_proofs(job%columns%quantity(), job%input%scene%certified, '')
+        if (.not. any(wanted)) return
+        printed = 0
+        printed(proof_of_q0) = 1
+        began = seconds()
+        call proof%open(wanted, .false., job%case%given_body, job%case%given_start, data_radii(job%input%scene))
+        do i = halvings, 0, -1
+            part = 0.5_dp**i
+            call proof%prove(part * job%case%t_end, printed)
+            time = seconds() - began
+            if (time > long_enough .or. .not. proof%is_proved()) exit
+        end do
+        call proof%close()
+        if (proof%is_proved()) then
+            call summary%add('proof', 'about ' // rounded(time / part) // ' s, from the first ' // &
+                             decimal(part * job%case%t_end) // ' s of motion')
+        else
+            call summary%add('proof', 'at t = ' // decimal(part * job%case%t_end) // ': ' // proof%summary())
+        end if
     end subroutine forecast
 
     !> Computes the motion, and writes its table. A motion that fails has the rows up to the failure.
@@ -84,15 +108,18 @@ contains
         type(writer_t) :: writer
         type(event_recorder_t), allocatable, target :: recorder
         type(outcome_t) :: outcome
-        real(dp), allocatable :: times(:)
+        real(dp), allocatable :: times(:), cells(:, :)
         character(:), allocatable :: problem
         real(dp) :: began, elapsed
-        integer :: status, missing
+        integer :: status, missing, i, n
 
         code = exit_ok
         missing = 0
-        call make_times(job, times, error)
+        ! The exact solution computes the times one by one.
+        allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
+        if (status /= 0) call refuse_size(job, 'the times of ', error)
         if (allocated(error)) return
+        times = [(sample_time(job%case%t_end, size(times), i), i=1, size(times))]
         call begin_tables(job, options, writer, recorder, error)
         if (allocated(error)) return
         if (writer%table%is_complete) then
@@ -111,7 +138,16 @@ contains
         end if
         began = seconds()
         call compute_motion(job%case, job%plan, times, writer, outcome, recorder, job%input%scene)
-        if (allocated(writer%kept)) call add_sensitivities(job, writer, missing)
+        if (allocated(writer%kept)) then
+            ! The derivatives follow the columns of the table in the kept rows.
+            n = size(job%columns)
+            allocate (cells(2 * job%sensitivities%count, writer%rows))
+            call find_sensitivities(job, writer%chosen(n + 1:), writer%kept(n + 1:, :writer%rows), cells, writer%error)
+            missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
+            do i = 1, writer%rows
+                if (.not. allocated(writer%error)) call writer%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
+            end do
+        end if
         elapsed = seconds() - began
         code = code_of(outcome%status)
         call finish_tables(job, outcome, writer, recorder, error)
@@ -136,12 +172,18 @@ contains
         type(writer_t), intent(inout) :: writer
         type(event_recorder_t), allocatable, target, intent(out) :: recorder
         type(error_t), allocatable, intent(out) :: error
+        type(study_column_t), allocatable :: needed(:)
+        integer :: status
 
         writer%total = job%plan%samples
         if (job%sensitivities%count == 0) then
             call writer%set_columns(job%columns, job%case, job%input%scene)
         else
-            call keep_rows(job, writer, error)
+            ! The rows are kept: the columns of the table, then those of which there are derivatives.
+            allocate (needed, source=[job%columns, job%sensitivities%columns()])
+            call writer%set_columns(needed, job%case, job%input%scene)
+            allocate (writer%kept(size(needed), job%plan%samples), stat=status)
+            if (status /= 0) call refuse_size(job, '', error)
             if (allocated(error)) return
         end if
         call writer%progress%start(job%name, 'rows', writer%total, options%quiet, options%progress)
@@ -172,39 +214,6 @@ contains
         if (allocated(recorder)) call recorder%discard_table()
     end subroutine discard_tables
 
-    !> Has the rows kept: the columns of the table, then those of which there are derivatives.
-    subroutine keep_rows(job, writer, error)
-        type(job_t), intent(in) :: job
-        type(writer_t), intent(inout) :: writer
-        type(error_t), allocatable, intent(out) :: error
-        type(study_column_t), allocatable :: needed(:)
-        integer :: status
-
-        allocate (needed, source=[job%columns, job%sensitivities%columns()])
-        call writer%set_columns(needed, job%case, job%input%scene)
-        allocate (writer%kept(size(needed), job%plan%samples), stat=status)
-        if (status /= 0) error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' &
-                                         // to_text(job%plan%samples) // ' rows; use fewer span.samples')
-    end subroutine keep_rows
-
-    !> Computes the sensitivities in the kept rows, and writes these; `missing` is the number of those that do not exist.
-    subroutine add_sensitivities(job, writer, missing)
-        type(job_t), target, intent(in) :: job
-        type(writer_t), intent(inout) :: writer
-        integer, intent(out) :: missing
-        real(dp), allocatable :: cells(:, :)
-        integer :: n, i
-
-        n = size(job%columns)
-        allocate (cells(2 * job%sensitivities%count, writer%rows))
-        call find_sensitivities(job, writer%chosen(n + 1:), writer%kept(n + 1:, :writer%rows), cells, writer%error)
-        missing = count(.not. abs(cells(1::2, :)) <= huge(1.0_dp))
-        do i = 1, writer%rows
-            if (allocated(writer%error)) return
-            call writer%add_row([writer%kept(:n, i), cells(:, i)], writer%error)
-        end do
-    end subroutine add_sensitivities
-
     !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
     subroutine finish_tables(job, outcome, writer, recorder, error)
         type(job_t), intent(in) :: job
@@ -234,6 +243,7 @@ contains
         real(dp), intent(in) :: elapsed !! seconds that the motion took
         type(event_recorder_t), allocatable, intent(in) :: recorder
         type(summary_t), intent(inout) :: summary
+        character(:), allocatable :: often
         real(dp) :: setup, sample
 
         call summary%headline(job%input%path // ': trajectory of ' // to_text(rows) // ' rows -> ' // job%files%table)
@@ -253,42 +263,25 @@ contains
                              // status_meaning(status))
             if (outcome%doubtful_passages > 0) call summary%add('note', to_text(outcome%doubtful_passages) // ' passages of a &
                 &pole within the error of the motion: phi and psi may be off by whole turns')
-            if (job%input%scene%stop_at /= '' .and. is_good_end(status)) call summary%add('end', what_ended(job, recorder))
+            if (job%input%scene%stop_at == '' .or. .not. is_good_end(status)) return
         end associate
+        if (recorder%ended_by > 0) then
+            call summary%add('end', trim(recorder%events(recorder%ended_by)%name) // ' (stop_at)')
+        else
+            often = 'occurred fewer than ' // to_text(job%stop_after) // ' times'
+            if (job%stop_after == 1) often = 'did not occur'
+            call summary%add('end', "not at an event: '" // trim(job%input%scene%stop_at) // "' " // often // ' in the span')
+        end if
     end subroutine describe_run
 
-    !> The times of the rows; none for the exact solution, which computes them one by one.
-    subroutine make_times(job, times, error)
+    !> The error of rows that the memory does not hold.
+    subroutine refuse_size(job, what, error)
         type(job_t), intent(in) :: job
-        real(dp), allocatable, intent(out) :: times(:)
+        character(*), intent(in) :: what !! of the rows
         type(error_t), allocatable, intent(out) :: error
-        integer :: i, status
-
-        allocate (times(merge(0, job%plan%samples, job%plan%exact)), stat=status)
-        if (status /= 0) then
-            error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for the times of ' &
-                            // to_text(job%plan%samples) // ' rows; use fewer span.samples')
-            return
-        end if
-        do i = 1, size(times)
-            times(i) = sample_time(job%case%t_end, size(times), i)
-        end do
-    end subroutine make_times
-
-    !> Description of the event that ended the motion.
-    function what_ended(job, recorder) result(text)
-        type(job_t), intent(in) :: job
-        type(event_recorder_t), intent(in) :: recorder
-        character(:), allocatable :: text
-        if (recorder%ended_by > 0) then
-            text = trim(recorder%events(recorder%ended_by)%name) // ' (stop_at)'
-        else
-            text = 'not at an event: ''' // trim(job%input%scene%stop_at) // ''' occurred fewer than ' &
-                   // to_text(job%stop_after) // ' times in the span'
-            if (job%stop_after == 1) text = 'not at an event: ''' // trim(job%input%scene%stop_at) &
-                // ''' did not occur in the span'
-        end if
-    end function what_ended
+        error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' // what // &
+                        to_text(job%plan%samples) // ' rows; use fewer span.samples')
+    end subroutine refuse_size
 
     !> How a motion ended, and when if it is not complete.
     function ending_of(outcome) result(text)
@@ -297,37 +290,6 @@ contains
         text = status_name(outcome%status)
         if (.not. is_ok(outcome%status)) text = text // ' at t = ' // to_text(outcome%end_time())
     end function ending_of
-
-    !> Adds a line on the time that the proof takes, if anything is to be proved. A motion that amplifies errors takes longer in
-    !> its later parts, which need more bits.
-    subroutine describe_proof_cost(job, summary)
-        type(job_t), intent(in) :: job !! the job of the motion
-        type(summary_t), intent(inout) :: summary !! lines are added
-        type(row_proof_t) :: proof
-        real(dp) :: printed(proof_count), began, time, part
-        logical :: wanted(proof_count)
-        integer :: i
-
-        wanted = wanted_proofs(job%columns%quantity(), job%input%scene%certified)
-        if (.not. any(wanted)) return
-        printed = 0
-        printed(proof_of_q0) = 1
-        began = seconds()
-        call proof%open(wanted, .false., job%case%given_body, job%case%given_start, data_radii(job%input%scene))
-        do i = halvings, 0, -1
-            part = 0.5_dp**i
-            call proof%prove(part * job%case%t_end, printed)
-            time = seconds() - began
-            if (time > long_enough .or. .not. proof%is_proved()) exit
-        end do
-        call proof%close()
-        if (proof%is_proved()) then
-            call summary%add('proof', 'about ' // rounded(time / part) // ' s, from the first ' // &
-                             decimal(part * job%case%t_end) // ' s of motion')
-        else
-            call summary%add('proof', 'at t = ' // decimal(part * job%case%t_end) // ': ' // proof%summary())
-        end if
-    end subroutine describe_proof_cost
 
     !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
     subroutine measure_exact_cost(case, setup, sample)

@@ -4,19 +4,20 @@ module spintop_sweep_exact
     use spintop_case, only: case_t
     use spintop_kinds, only: dp, is_finite
     use spintop_conditioning, only: inherent_error
+    use spintop_event_recorder, only: event_recorder_t, exact_path_t
     use spintop_exact_block, only: compute_block, exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_regular_start, only: rates_describe
-    use spintop_status, only: is_ok, status_step_limit
+    use spintop_status, only: is_ok, status_ok, status_step_limit
+    use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, &
         note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_nutation, &
         of_period, of_turns
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
         set_details, precession_period, compute_stability
-    use spintop_sweep_stop, only: stop_exactly
     implicit none
     private
     public :: sweep_exact_t
@@ -67,10 +68,23 @@ contains
             do i = 1, size(list)
                 associate (slot => slots(list(i)))
                     if (size(task%events) > 0) then
-                        call stop_exactly(slot%case, task%events, task%stop_after, slot%max_steps, status, event_occurred(i))
+                        call stop_exactly(slot%case, task, slot%max_steps, status, event_occurred(i))
                         if (.not. is_ok(status)) call slot%fail(status)
                     end if
-                    call load_lane(slot%case, wanted, block, i)
+                end associate
+                associate (case => slots(list(i))%case)
+                    block%inertia1(i) = case%body%inertia(1)
+                    block%inertia3(i) = case%body%inertia(3)
+                    block%mgl(i) = case%body%mgl()
+                    block%phi(i) = case%start%angle(1)
+                    block%theta(i) = case%start%angle(2)
+                    block%psi(i) = case%start%angle(3)
+                    block%phi_rate(i) = case%start%rate(1)
+                    block%theta_rate(i) = case%start%rate(2)
+                    block%omega3(i) = case%start%omega(3)
+                    block%t_end(i) = case%t_end
+                    block%t_period(i) = 0
+                    if (wanted(of_period)) block%t_period(i) = precession_period(case%body, case%start)
                 end associate
             end do
             if (any(wanted([of_nutation, of_period, of_end, of_energy]))) then
@@ -85,25 +99,33 @@ contains
         end associate
     end subroutine compute
 
-    !> Puts a case into a lane of the block.
-    subroutine load_lane(case, wanted, block, lane)
-        type(case_t), intent(in) :: case
-        logical, intent(in) :: wanted(kinds_of_work)
-        type(exact_block_t), intent(inout) :: block
-        integer, intent(in) :: lane
-        block%inertia1(lane) = case%body%inertia(1)
-        block%inertia3(lane) = case%body%inertia(3)
-        block%mgl(lane) = case%body%mgl()
-        block%phi(lane) = case%start%angle(1)
-        block%theta(lane) = case%start%angle(2)
-        block%psi(lane) = case%start%angle(3)
-        block%phi_rate(lane) = case%start%rate(1)
-        block%theta_rate(lane) = case%start%rate(2)
-        block%omega3(lane) = case%start%omega(3)
-        block%t_end(lane) = case%t_end
-        block%t_period(lane) = 0
-        if (wanted(of_period)) block%t_period(lane) = precession_period(case%body, case%start)
-    end subroutine load_lane
+    !> Ends the span of a case at the event that ends its motion. `event_occurred` reports whether there was one, `status` whether
+    !> the allowed work was sufficient.
+    subroutine stop_exactly(case, task, max_steps, status, event_occurred)
+        type(case_t), intent(inout) :: case
+        type(task_t), intent(in) :: task
+        integer(int64), intent(inout) :: max_steps !! remaining work of the case
+        integer, intent(out) :: status
+        logical, intent(out) :: event_occurred
+        ! These objects are large, and a thread may have a small stack.
+        type(exact_path_t), allocatable :: path
+        type(event_recorder_t), allocatable :: recorder
+        real(dp) :: t_end
+
+        event_occurred = .false.
+        allocate (path, recorder)
+        call path%begin(case, looks_per_step * max_steps, status)
+        if (.not. is_ok(status)) then
+            ! The kernel reports the status.
+            status = status_ok
+            return
+        end if
+        call recorder%set(task%events, task%stop_after, case)
+        call recorder%search_exactly(path, case, t_end, status)
+        max_steps = max_steps - path%looks / looks_per_step
+        event_occurred = recorder%has_enough
+        case%t_end = t_end
+    end subroutine stop_exactly
 
     !> The quantities of the case in a lane of a computed block.
     subroutine unload_lane(block, lane, wanted, slot)
@@ -111,12 +133,26 @@ contains
         integer, intent(in) :: lane
         logical, intent(in) :: wanted(kinds_of_work)
         type(slot_t), intent(inout) :: slot
+        type(nutation_t) :: nutation
 
         if (.not. is_ok(block%status(lane))) then
             call slot%fail(block%status(lane))
             return
         end if
-        if (wanted(of_nutation)) call unload_nutation(block, lane, wanted, slot)
+        if (wanted(of_nutation)) then
+            nutation%theta_min = block%theta_min(lane)
+            nutation%theta_max = block%theta_max(lane)
+            nutation%delta_u = block%delta_u(lane)
+            nutation%period = block%period(lane)
+            nutation%precession = block%precession(lane)
+            nutation%precession_rate = block%precession_rate(lane)
+            if (.not. block%mgl(lane) > 0) then ! a free body
+                nutation%precession = whole_half_turns(nutation%precession)
+                nutation%precession_rate = nutation%precession / nutation%period
+            end if
+            nutation%phi_rate_max = block%phi_rate_max(lane)
+            call set_nutation(slot, nutation, wanted)
+        end if
         if (wanted(of_fast_top)) call set_fast_top(slot)
         if (wanted(of_period)) then
             call set_azimuth(slot, block%t_period(lane) > 0, block%phi_at_period(lane))
@@ -134,28 +170,6 @@ contains
             slot%result%of(at_inherent_error) = inherent_error(slot%case%body, slot%case%start, slot%case%t_end)
         end if
     end subroutine unload_lane
-
-    !> The whole nutation.
-    subroutine unload_nutation(block, lane, wanted, slot)
-        type(exact_block_t), intent(in) :: block
-        integer, intent(in) :: lane
-        logical, intent(in) :: wanted(kinds_of_work)
-        type(slot_t), intent(inout) :: slot
-        type(nutation_t) :: nutation
-        nutation%theta_min = block%theta_min(lane)
-        nutation%theta_max = block%theta_max(lane)
-        nutation%delta_u = block%delta_u(lane)
-        nutation%period = block%period(lane)
-        nutation%precession = block%precession(lane)
-        nutation%precession_rate = block%precession_rate(lane)
-        ! A free body.
-        if (.not. block%mgl(lane) > 0) then
-            nutation%precession = whole_half_turns(nutation%precession)
-            nutation%precession_rate = nutation%precession / nutation%period
-        end if
-        nutation%phi_rate_max = block%phi_rate_max(lane)
-        call set_nutation(slot, nutation, wanted)
-    end subroutine unload_nutation
 
     !> The end of the span, as far as a sweep table needs it. Angles about another axis need the whole attitude; counting
     !> their turns is work of the case.

@@ -1,12 +1,18 @@
 !> Cases of a sweep that are integrated together, in vector lanes: bodies without a closed form, of which the table
-!> contains the end of the span, or what the monitors in lanes measure.
+!> contains the end of the span, or what the monitors in lanes measure. What this engine cannot do, `takes` says.
 module spintop_sweep_lanes
-    use spintop_kinds, only: dp, is_equal, is_finite, is_zero
     use spintop_attitude, only: vertical_from_quaternion
+    use spintop_body, only: body_t
+    use spintop_case, only: case_t
     use spintop_effects, only: kernel_effects
+    use spintop_energy_lanes, only: energy_lanes_t
+    use spintop_event_text, only: column_event_t
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
-    use spintop_measures, only: measures_t, quantities
+    use spintop_kinds, only: dp, is_equal, is_finite, is_zero, no_number, pi
+    use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t
+    use spintop_lyapunov, only: growth_lanes_t
+    use spintop_measures, only: measures_t, quantities, watch_nothing, watch_theta, watch_turning, watches
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: nearly_plane, swings_over_poles
@@ -14,13 +20,12 @@ module spintop_sweep_lanes
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
     use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: compute_stability, find_free_constants, set_azimuth, set_end, set_fast_top, set_measured, &
-        watched_for
-    use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_fast_top, of_fastest, of_force, &
-        of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
-    use spintop_sweep_monitors, only: create_monitors
-    use spintop_sweep_stop, only: ends_in_lanes
-    use spintop_taylor_lanes, only: integrate_many, monitor_slot_t
+    use spintop_sweep_quantities, only: compute_stability, find_free_constants, precession_period, set_azimuth, set_end, &
+        set_fast_top, set_measured, watched_for
+    use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_energy, of_fast_top, of_fastest, &
+        of_force, of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
+    use spintop_taylor_lanes, only: integrate_many, lane_monitor_t, lanes, monitor_slot_t, taylor_lanes_t
+    use spintop_watched_quantities, only: watched_t
     implicit none
     private
     public :: sweep_lanes_t
@@ -36,6 +41,23 @@ module spintop_sweep_lanes
         procedure :: compute
         procedure, nopass :: shares_lanes
     end type sweep_lanes_t
+
+    !> The end of a motion is the period if it is by no more than this, relatively, before it.
+    real(dp), parameter :: rounding = 4 * epsilon(1.0_dp)
+
+    !> Watches the azimuth.
+    type, extends(lane_monitor_t) :: azimuth_lanes_t
+        !> The period, s, of lanes that have not reached it; of others it is beyond all times. phi at the start, and its change
+        !> in the period, rad.
+        real(dp), dimension(lanes), private :: period = huge(1.0_dp), start = 0, azimuth = no_number
+    contains
+        procedure :: begin
+        procedure :: observe
+        procedure :: finish
+    end type azimuth_lanes_t
+
+    !> Least sine of an inclination whose passages are found by its cosine.
+    real(dp), parameter :: least_sine = 1.0e-3_dp
 
 contains
 
@@ -75,6 +97,35 @@ contains
         sine = norm2(gamma(1:2))
         starts_beside_pole = sine > through_pole .and. sine < beside
     end function starts_beside_pole
+
+    !> Whether a monitor finds the events that end the motions: passages of one value of a column that is an angle or a
+    !> form of the motion, or turning points, of a body in the axes in which it was given.
+    pure logical function ends_in_lanes(events, case)
+        type(column_event_t), intent(in) :: events(:) !! the events, each of which ends the motion
+        type(case_t), intent(in) :: case !! the case: its axes and effects decide which columns are forms of the motion
+        integer :: i
+        ends_in_lanes = size(events) == 0
+        if (ends_in_lanes .or. case%turn%is_turned()) return
+        do i = 1, size(events)
+            associate (event => events(i)%event)
+                if (events(i)%column%name /= events(1)%column%name) return
+                if (event%every_turn .neqv. events(1)%event%every_turn) return
+                if (event%turn_by_turn .neqv. events(1)%event%turn_by_turn) return
+                if (.not. is_equal(event%level, events(1)%event%level)) return
+                select case (events(i)%column%passing)
+                case (watch_nothing)
+                    return
+                case (watch_theta)
+                    ! Near a pole cos(theta) does not determine theta.
+                    if (.not. (event%level > 0 .and. event%level < pi .and. sin(event%level) > least_sine)) return
+                case (watch_turning)
+                    if (.not. is_zero(event%level)) return
+                end select
+                if (allocated(case%body%effects) .and. quantities(events(i)%column%passing)%needs_plain_body) return
+            end associate
+        end do
+        ends_in_lanes = .true.
+    end function ends_in_lanes
 
     !> Whether monitors in lanes would find a quantity by equations that hold without effects.
     pure logical function needs_plain_body(wanted)
@@ -126,41 +177,119 @@ contains
                                 self%monitors, measures)
         end associate
         do i = 1, size(list)
-            measures(i)%ends = [slots(list(i))%case%start%angle(2), ends(i)%angle(2)]
-            call set_quantities(ends(i), outcomes(i), measures(i), task, alone, slots(list(i)))
+            associate (slot => slots(list(i)), last => ends(i), outcome => outcomes(i), found => measures(i), wanted => task%wanted)
+                found%ends = [slot%case%start%angle(2), last%angle(2)]
+                ! A motion with effects that came to a point where it has no series is left to others.
+                if (allocated(slot%case%body%effects) .and. &
+                    any(outcome%status == [status_non_finite, status_step_too_small])) then
+                    slot%lacks = lacks_motion
+                    cycle
+                end if
+                slot%status = outcome%status
+                if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
+                if (wanted(of_fast_top)) call set_fast_top(slot)
+                slot%result%of(at_evaluations) = real(outcome%counts%evaluations, dp)
+                if (.not. is_good_end(slot%status)) then
+                    call slot%fail(slot%status)
+                    cycle
+                end if
+                call set_end(slot, last, found%energy_error)
+                call slot%explain_turns(outcome%doubtful_passages, wanted)
+                if (size(task%events) == 0) call slot%store_growth(found%growth, wanted)
+                if (wanted(of_period)) call set_azimuth(slot, is_finite(found%azimuth), found%azimuth)
+                if (size(task%events) > 0 .and. .not. found%event_occurred) call slot%note%add(note_no_stop)
+                call set_measured(slot, found, wanted)
+                call find_free_constants(slot, wanted)
+            end associate
         end do
     end subroutine compute
 
-    !> Stores the quantities of a case. A motion with effects that came to a point where it has no series is left to others.
-    subroutine set_quantities(last, outcome, found, task, alone, slot)
-        type(motion_t), intent(in) :: last
-        type(outcome_t), intent(in) :: outcome
-        type(measures_t), intent(in) :: found
-        type(task_t), intent(in) :: task
-        logical, intent(in) :: alone(kinds_of_work)
-        type(slot_t), intent(inout) :: slot
 
-        if (allocated(slot%case%body%effects) .and. any(outcome%status == [status_non_finite, status_step_too_small])) then
-            slot%lacks = lacks_motion
-            return
+    !> Creates the monitors for the work and for the events.
+    subroutine create_monitors(wanted, controls, events, stop_after, slots)
+        logical, intent(in) :: wanted(kinds_of_work) !! what is to be computed
+        type(controls_t), intent(in) :: controls !! settings of the method
+        type(column_event_t), intent(in) :: events(:) !! the events that end the motion, `ends_in_lanes`
+        integer, intent(in) :: stop_after !! number of events after which the motion ends
+        type(monitor_slot_t), allocatable, intent(out) :: slots(:) !! the monitors
+        type(growth_lanes_t) :: growth
+        integer :: n, k
+        allocate (slots(4 + watches))
+        n = 0
+        ! First, so that the others see the motion up to its end.
+        if (size(events) > 0) then
+            associate (event => events(1)%event, column => events(1)%column)
+                call append(lane_watch_t(of=watched_t(column%passing, column%component, event%level), wanted=stop_after, &
+                                         rising=any(events%event%direction > 0), falling=any(events%event%direction < 0), &
+                                         every_turn=event%every_turn, turn_by_turn=event%turn_by_turn))
+            end associate
         end if
-        slot%status = outcome%status
-        associate (wanted => task%wanted)
-            if (is_good_end(slot%status)) call compute_stability(slot, last%t, alone)
-            if (wanted(of_fast_top)) call set_fast_top(slot)
-            slot%result%of(at_evaluations) = real(outcome%counts%evaluations, dp)
-            if (.not. is_good_end(slot%status)) then
-                call slot%fail(slot%status)
-                return
-            end if
-            call set_end(slot, last, found%energy_error)
-            call slot%explain_turns(outcome%doubtful_passages, wanted)
-            if (size(task%events) == 0) call slot%store_growth(found%growth, wanted)
-            if (wanted(of_period)) call set_azimuth(slot, is_finite(found%azimuth), found%azimuth)
-            if (size(task%events) > 0 .and. .not. found%event_occurred) call slot%note%add(note_no_stop)
-            call set_measured(slot, found, wanted)
-            call find_free_constants(slot, wanted)
+        if (wanted(of_period)) call append(azimuth_lanes_t())
+        associate (of => watched_for(wanted))
+            do k = 1, size(of)
+                call append(lane_watch_t(watched_t(of(k)), merge(count_turns, keep_extremes, of(k) == watch_turning)))
+            end do
         end associate
-    end subroutine set_quantities
+        if (wanted(of_energy)) call append(energy_lanes_t())
+        if (wanted(of_lyapunov) .or. wanted(of_singular)) then
+            call growth%set(controls, is_singular=wanted(of_singular), with_exponent=wanted(of_lyapunov))
+            call append(growth)
+        end if
+        slots = slots(:n)
+
+    contains
+
+        !> Appends a monitor to the list.
+        subroutine append(monitor)
+            class(lane_monitor_t), intent(in) :: monitor
+            n = n + 1
+            allocate (slots(n)%monitor, source=monitor)
+        end subroutine append
+
+    end subroutine create_monitors
+
+    !> A case begins in a lane.
+    subroutine begin(self, run, lane, body, start)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(body_t), intent(in) :: body !! mass properties of the body
+        type(motion_t), intent(in) :: start !! the motion at the start
+        real(dp) :: period
+        period = precession_period(body, start)
+        self%period(lane) = merge(period, huge(period), period > 0)
+        self%start(lane) = start%angle(1)
+        self%azimuth(lane) = no_number
+    end subroutine begin
+
+    !> Records the azimuth in lanes that reached the period in the last step.
+    subroutine observe(self, run)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        real(dp) :: angles(2)
+        integer :: lane
+        associate (now => run%now)
+            if (.not. any(now%t * (1 + rounding) >= self%period)) return
+            do lane = 1, lanes
+                if (.not. now%t(lane) * (1 + rounding) >= self%period(lane)) cycle
+                ! What the next step begins with is more accurate there.
+                if (self%period(lane) > now%t(lane) .and. now%t(lane) < now%t_end(lane)) cycle
+                angles = run%angles_at(lane, min(self%period(lane), now%t(lane)))
+                self%azimuth(lane) = angles(1) - self%start(lane)
+                self%period(lane) = huge(1.0_dp)
+            end do
+        end associate
+    end subroutine observe
+
+    !> The case in a lane is at its end.
+    subroutine finish(self, run, lane, last, found)
+        class(azimuth_lanes_t), intent(inout) :: self
+        type(taylor_lanes_t), intent(in) :: run !! the lanes
+        integer, intent(in) :: lane !! index of the lane
+        type(motion_t), intent(in) :: last !! the motion at the end
+        type(measures_t), intent(inout) :: found !! what is measured of the case
+        found%azimuth = self%azimuth(lane)
+        self%period(lane) = huge(1.0_dp)
+    end subroutine finish
 
 end module spintop_sweep_lanes

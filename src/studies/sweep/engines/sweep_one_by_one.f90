@@ -17,7 +17,7 @@ module spintop_sweep_one_by_one
     use spintop_nutation_recorder, only: nutation_recorder_t
     use spintop_poles, only: nearly_plane, swings_over_poles
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
-    use spintop_status, only: is_good_end, is_ok, status_step_limit, status_too_many_events, status_meanings
+    use spintop_status, only: is_good_end, is_ok, status_meanings, status_step_limit
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
@@ -25,7 +25,7 @@ module spintop_sweep_one_by_one
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
         of_energy, of_fast_top, of_fastest, of_growth, of_inherent, of_lyapunov, of_measured, of_multiplier, &
-        of_nutation, of_oracle, of_period, of_singular, of_turns, sweep_result_t
+        of_nutation, of_oracle, of_period, of_singular, of_turns
     implicit none
     private
     public :: sweep_stepping_t, perturbations_t
@@ -152,11 +152,17 @@ contains
         type(nutation_recorder_t), intent(inout), optional :: recorder
         type(witness_t) :: witness
         type(outcome_t) :: outcome
+        type(exact_motion_t), allocatable :: exact ! large, and a thread may have a small stack
         real(dp), allocatable :: times(:)
+        integer :: status
 
         associate (case => slot%case, plan => slot%plan, values => slot%result)
             if (.not. plan%exact) call plan%fit_steps(case%t_end)
-            call begin_witness(case, witness)
+            witness%case = case
+            witness%last = case%start
+            witness%period = precession_period(case%body, case%start)
+            witness%energy = kinetic_energy(case%body, case%start) + potential_energy(case%body, case%start)
+            witness%energy_scale = energy_scale(case%body, case%start)
             witness%counts_turns = wanted(of_turns)
             witness%sees_steps = wanted(of_energy)
             witness%wants_work = wanted(of_energy) .and. allocated(case%body%effects)
@@ -184,7 +190,16 @@ contains
             values%of(at_t_stuck) = outcome%t_stuck
             call set_end(slot, witness%last, witness%energy_error)
             call slot%explain_turns(outcome%doubtful_passages, wanted)
-            if (case%body%has_closed_form()) call compare_with_exact(case, wanted, witness%last, values)
+            if (.not. case%body%has_closed_form()) return
+            associate (last => witness%last)
+                if (wanted(of_oracle)) then
+                    allocate (exact)
+                    call prepare_exact_motion(case%body, case%start, exact, status)
+                    if (is_ok(status)) values%of(at_orientation_error) = &
+                        rotation_angle(exact%quaternion_at(last%t), last%quaternion)
+                end if
+                if (wanted(of_inherent)) values%of(at_inherent_error) = inherent_error(case%body, case%start, last%t)
+            end associate
         end associate
     end subroutine follow
 
@@ -207,15 +222,8 @@ contains
         if (.not. is_ok(status)) return
         t_end = case%t_end
         if (present(recorder)) then
-            call recorder%begin(case%body, path%exact%at(0.0_dp))
-            call recorder%judge(case%body, case%start)
-            call recorder%find_events(path, t_end)
-            if (recorder%has_enough) then
-                t_end = recorder%t
-            else if (recorder%t < t_end) then
-                status = merge(status_too_many_events, status_step_limit, recorder%is_full)
-                return
-            end if
+            call recorder%search_exactly(path, case, t_end, status)
+            if (.not. is_ok(status)) return
             call path%restart(case, looks_per_step * max_steps)
         end if
         path%counts_turns = witness%counts_turns
@@ -229,40 +237,11 @@ contains
         end associate
     end subroutine walk
 
-    !> The error at the end with respect to the exact solution, and the inherent error.
-    subroutine compare_with_exact(case, wanted, last, values)
-        type(case_t), intent(in) :: case
-        logical, intent(in) :: wanted(kinds_of_work)
-        type(motion_t), intent(in) :: last
-        type(sweep_result_t), intent(inout) :: values
-        type(exact_motion_t) :: exact
-        integer :: status
-        if (wanted(of_oracle)) then
-            call prepare_exact_motion(case%body, case%start, exact, status)
-            if (is_ok(status)) then
-                values%of(at_orientation_error) = rotation_angle(exact%quaternion_at(last%t), last%quaternion)
-            end if
-        end if
-        if (wanted(of_inherent)) then
-            values%of(at_inherent_error) = inherent_error(case%body, case%start, last%t)
-        end if
-    end subroutine compare_with_exact
-
     !> Whether two times are equal to rounding.
     elemental logical function matches(a, b)
         real(dp), intent(in) :: a, b
         matches = abs(a - b) <= 4 * spacing(max(a, b))
     end function matches
-
-    subroutine begin_witness(case, witness)
-        type(case_t), intent(in) :: case
-        type(witness_t), intent(out) :: witness
-        witness%case = case
-        witness%last = case%start
-        witness%period = precession_period(case%body, case%start)
-        witness%energy = kinetic_energy(case%body, case%start) + potential_energy(case%body, case%start)
-        witness%energy_scale = energy_scale(case%body, case%start)
-    end subroutine begin_witness
 
     !> Receives a state of a formulation.
     subroutine observe(self, formulation, t, y, near)

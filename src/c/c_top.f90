@@ -17,10 +17,9 @@ module spintop_c_top
     use spintop_kinds, only: dp, is_finite, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_options, only: options_t
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: kind_trajectory, study_kinds
+    use spintop_scene_keys, only: scene_t, kind_trajectory, study_kinds
     use spintop_sensitivity, only: other_accuracies, sensitive_key_t, sensitivities_t, varied_motions_t
     use spintop_status, only: code_of, is_good_end, is_ok, status_bad_samples, status_non_finite, status_ok
     use spintop_stepper, only: looks_per_step

@@ -1,4 +1,5 @@
-!> An assignment `key(subscripts) = values`: its values, which may have units, are read, checked and stored.
+!> Reads assignments `key(subscripts) = values` of an input into its table: the values, which may have units, are read,
+!> checked and stored.
 module spintop_assignment
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: diagnostics_t, place_t
@@ -14,7 +15,7 @@ module spintop_assignment
     use spintop_units, only: convert_unit, units_of
     implicit none
     private
-    public :: assignment_t, read_values, skip_values, read_quantity, names_a_unit, has_unit
+    public :: reader_t, assignment_t, names_a_unit
 
     character(*), parameter :: quotes_hint = 'a number with its unit is in quotes, as ''20 deg'''
 
@@ -24,96 +25,84 @@ module spintop_assignment
         logical :: quotes_optional = .false.
         logical :: refused = .false.     !! an error makes the other values void
         integer :: group = 0             !! which of the groups of this name it stands in, if these may be repeated
-        integer, private :: rank = 0     !! dimensions of what the key names: 0 for a value, 1 for a list, 2 for rows
-        integer, private :: row = 1, first = 1, last = 1
-        logical, private :: whole = .true. !! the key or its row, without bounds
+        integer :: rank = 0              !! dimensions of what the key names: 0 for a value, 1 for a list, 2 for rows
+        integer :: row = 1, first = 1, last = 1
+        logical :: whole = .true.        !! the key or its row, without bounds
         integer :: count = 0             !! values so far
+    end type assignment_t
+
+    !> Reads a source into a table of parameters, one assignment after another.
+    type :: reader_t
+        type(scanner_t) :: scanner
+        type(parameter_table_t), pointer :: table => null()
+        type(diagnostics_t), pointer :: diagnostics => null() !! errors with their places are added
+        character(:), allocatable :: group                    !! the group that is read, '' for none
+        type(parameter_t), pointer :: parameter => null()     !! the parameter that is read
+        type(assignment_t) :: now
     contains
         procedure :: read_subscripts
         procedure :: begin
+        procedure :: read_values
+        procedure :: at_end_of_values
         procedure :: store_values
         procedure :: finish
         procedure :: refuse
-    end type assignment_t
+    end type reader_t
 
 contains
 
-    !> Reads the subscripts, if there are any: `(2)`, `(1,:)`, `(1,2:4)`, `(:3)`.
-    subroutine read_subscripts(self, parameter, scanner, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter !! the parameter
-        type(scanner_t), intent(inout) :: scanner !! the scanner, after the key
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+    !> Reads the subscripts of the key, if there are any: `(2)`, `(1,:)`, `(1,2:4)`, `(:3)`.
+    subroutine read_subscripts(self)
+        class(reader_t), intent(inout) :: self
         type(token_t) :: token
         integer :: bounds(2, 2), dimensions
 
-        self%last = parameter%extents(2)
-        self%rank = parameter%rank
-        if (parameter%elements == one_per_group .and. self%group > 0) call select_group(self)
-        call scanner%peek(token)
-        if (token%kind /= token_open) then
-            if (self%rank == 2) call self%refuse(parameter, diagnostics, self%place, &
-                parameter%key // ' has rows', 'name one: ' // parameter%key // '(1,:) = ...')
-            return
-        end if
-        call scanner%next(token)
-        call read_bounds(scanner, bounds, dimensions, token)
-        self%place%width = token%place%column - self%place%column + 1
-        if (self%rank == 0) then
-            call self%refuse(parameter, diagnostics, self%place, &
-                parameter%key // ' is a single value', 'it takes no subscript')
-        else if (dimensions /= self%rank) then
-            call self%refuse(parameter, diagnostics, self%place, 'bad subscript of ' // &
-                parameter%key, 'write ' // example(parameter, self%rank) // '; strides are not supported')
-        else if (self%rank == 2 .and. &
-            (bounds(1, 1) < 1 .or. bounds(1, 1) /= bounds(2, 1))) then
-            call self%refuse(parameter, diagnostics, self%place, &
-                'one row at a time', 'write ' // example(parameter, self%rank))
-        else
-            if (self%rank == 2) self%row = bounds(1, 1)
-            call set_bounds(self, parameter, bounds(:, dimensions), diagnostics)
-        end if
+        associate (now => self%now, parameter => self%parameter, key => self%parameter%key)
+            now%last = parameter%extents(2)
+            now%rank = parameter%rank
+            if (parameter%elements == one_per_group .and. now%group > 0) then
+                ! In the n-th group of a name a key stands for element n of its list, or for row n.
+                now%rank = now%rank - 1
+                if (now%rank == 1) now%row = now%group
+                if (now%rank == 0) now%first = now%group
+                if (now%rank == 0) now%last = now%group
+            end if
+            call self%scanner%peek(token)
+            if (token%kind /= token_open) then
+                if (now%rank == 2) call self%refuse(now%place, key // ' has rows', 'name one: ' // key // '(1,:) = ...')
+                return
+            end if
+            call self%scanner%next(token)
+            call read_bounds(self%scanner, bounds, dimensions, token)
+            now%place%width = token%place%column - now%place%column + 1
+            if (now%rank == 0) then
+                call self%refuse(now%place, key // ' is a single value', 'it takes no subscript')
+            else if (dimensions /= now%rank) then
+                call self%refuse(now%place, 'bad subscript of ' // key, &
+                                 'write ' // example(key, now%rank) // '; strides are not supported')
+            else if (now%rank == 2 .and. (bounds(1, 1) < 1 .or. bounds(1, 1) /= bounds(2, 1))) then
+                call self%refuse(now%place, 'one row at a time', 'write ' // example(key, now%rank))
+            else
+                if (now%rank == 2) now%row = bounds(1, 1)
+                now%first = max(bounds(1, dimensions), 1)
+                if (bounds(2, dimensions) > 0) now%last = bounds(2, dimensions)
+                now%whole = all(bounds(:, dimensions) < 1)
+                if (now%row < 1 .or. now%row > parameter%extents(1) .or. now%first > now%last &
+                    .or. now%last > parameter%extents(2)) then
+                    call self%refuse(now%place, 'subscript out of bounds', 'the array is ' // parameter%full_name())
+                end if
+            end if
+        end associate
     end subroutine read_subscripts
 
-    !> In the n-th group of a name a key stands for element n of its list, or for row n.
-    pure subroutine select_group(self)
-        class(assignment_t), intent(inout) :: self
-        self%rank = self%rank - 1
-        if (self%rank == 1) then
-            self%row = self%group
-        else
-            self%first = self%group
-            self%last = self%group
-        end if
-    end subroutine select_group
-
-    !> Example of the subscripts of a parameter.
-    function example(parameter, rank) result(text)
-        type(parameter_t), intent(in) :: parameter
+    !> Example of the subscripts of a key.
+    pure function example(key, rank) result(text)
+        character(*), intent(in) :: key
         integer, intent(in) :: rank
         character(:), allocatable :: text
-        if (rank == 1) then
-            text = parameter%key // '(2) or ' // parameter%key // '(2:3)'
-        else
-            text = parameter%key // '(1,:) or ' // parameter%key // '(1,2:3)'
-        end if
+        text = key // '(1,:) or ' // key // '(1,2:3)'
+        if (rank == 1) text = key // '(2) or ' // key // '(2:3)'
     end function example
-
-    subroutine set_bounds(self, parameter, bounds, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
-        integer, intent(in) :: bounds(2)
-        type(diagnostics_t), intent(inout) :: diagnostics
-
-        self%first = max(bounds(1), 1)
-        if (bounds(2) > 0) self%last = bounds(2)
-        self%whole = bounds(1) < 1 .and. bounds(2) < 1
-        if (self%row < 1 .or. self%row > parameter%extents(1) .or. self%first > self%last &
-            .or. self%last > parameter%extents(2)) then
-            call self%refuse(parameter, diagnostics, self%place, 'subscript out of bounds', &
-                'the array is ' // parameter%full_name())
-        end if
-    end subroutine set_bounds
 
     !> Reads bounds up to the closing parenthesis; absent ones are -1. `dimensions` is 0 if they are not
     !> valid.
@@ -161,321 +150,276 @@ contains
     end subroutine read_bounds
 
     !> Checks that no element was assigned before, and makes room.
-    subroutine begin(self, parameter, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter !! the parameter
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+    subroutine begin(self)
+        class(reader_t), intent(inout) :: self
         integer :: i
 
-        if (self%refused) return
-        do i = self%first, self%last
-            if (parameter%places(self%row, i)%source /= self%place%source) cycle
-            call self%refuse(parameter, diagnostics, self%place, parameter%key // &
-                ' is given a second time', 'first on line ' // &
-                to_text(parameter%places(self%row, i)%line))
-            return
-        end do
-        if (self%whole .and. parameter%elements == leading_elements) then
-            call parameter%clear_row(self%row)
-        end if
-        parameter%key_place = self%place
+        if (self%now%refused) return
+        associate (now => self%now, parameter => self%parameter)
+            do i = now%first, now%last
+                if (parameter%places(now%row, i)%source /= now%place%source) cycle
+                call self%refuse(now%place, parameter%key // ' is given a second time', &
+                                 'first on line ' // to_text(parameter%places(now%row, i)%line))
+                return
+            end do
+            if (now%whole .and. parameter%elements == leading_elements) call parameter%clear_row(now%row)
+            parameter%key_place = now%place
+        end associate
     end subroutine begin
 
     !> Stores a value `repeats` times.
-    subroutine store_values(self, parameter, token, text, repeats, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter !! the parameter
+    subroutine store_values(self, token, text, repeats)
+        class(reader_t), intent(inout) :: self
         type(token_t), intent(in) :: token !! the token of the value
         character(*), intent(in) :: text !! the value, without quotes
         integer, intent(in) :: repeats !! number of consecutive elements with this value
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         character(:), allocatable :: hint, problem
         real(dp) :: factor
-        integer :: i
+        integer :: i, room
 
-        do i = 1, repeats
-            if (self%refused) return
-            self%count = self%count + 1
-            if (self%count > self%last - self%first + 1) then
+        associate (now => self%now, parameter => self%parameter)
+            room = now%last - now%first + 1
+            do i = 1, repeats
+                if (now%refused) return
+                now%count = now%count + 1
+                if (now%count > room) exit
+                call store_element(self, token, text, now%first + now%count - 1)
                 if (parameter%faulty) return
-                hint = 'it takes ' // values(self%last - self%first + 1)
-                if (self%last == self%first .and. self%rank > 0) hint = hint // '; several: ' &
-                    // parameter%key // ' = ..., or ' // example(parameter, self%rank)
-                if (token%touches .and. parameter%kind == kind_text) then
-                    hint = hint // '; a quote inside a text is written twice'
-                end if
-                problem = ''
-                if (parameter%kind == kind_real .and. has_unit('1 ' // text)) then
-                    hint = quotes_hint
-                    call convert_unit(text, text, factor, problem)
-                end if
-                if (problem == '') problem = 'too many values for ' // parameter%key
-                call self%refuse(parameter, diagnostics, token%place, problem, hint)
-                return
+            end do
+            if (now%count <= room .or. parameter%faulty) return
+            hint = 'it takes ' // to_text(room) // ' values'
+            if (room == 1) hint = 'it takes one value'
+            if (room == 1 .and. now%rank > 0) hint = hint // '; several: ' &
+                // parameter%key // ' = ..., or ' // example(parameter%key, now%rank)
+            if (token%touches .and. parameter%kind == kind_text) then
+                hint = hint // '; a quote inside a text is written twice'
             end if
-            call store_element(self, parameter, token, text, self%first + self%count - 1, diagnostics)
-            if (parameter%faulty) return
-        end do
+            problem = ''
+            if (parameter%kind == kind_real .and. has_unit('1 ' // text)) then
+                hint = quotes_hint
+                call convert_unit(text, text, factor, problem)
+            end if
+            if (problem == '') problem = 'too many values for ' // parameter%key
+            call self%refuse(token%place, problem, hint)
+        end associate
     end subroutine store_values
 
     !> Checks that the number of values is sufficient.
-    subroutine finish(self, parameter, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter !! the parameter
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+    subroutine finish(self)
+        class(reader_t), intent(inout) :: self
         logical :: all_needed
 
-        if (self%refused .or. parameter%faulty) return
-        all_needed = parameter%elements == all_elements .or. .not. self%whole .or. self%group > 0
-        if (self%count == 0) then
-            call self%refuse(parameter, diagnostics, self%place, &
-                'no value for ' // parameter%key, 'omit the key to use the default')
-        else if (all_needed .and. self%first + self%count <= self%last) then
-            call self%refuse(parameter, diagnostics, self%place, 'too few values for ' // &
-                parameter%key, 'it takes ' // to_text(self%last - self%first + 1) // &
-                ', but has ' // to_text(self%count))
-        end if
+        associate (now => self%now, parameter => self%parameter)
+            if (now%refused .or. parameter%faulty) return
+            all_needed = parameter%elements == all_elements .or. .not. now%whole .or. now%group > 0
+            if (now%count == 0) then
+                call self%refuse(now%place, 'no value for ' // parameter%key, 'omit the key to use the default')
+            else if (all_needed .and. now%first + now%count <= now%last) then
+                call self%refuse(now%place, 'too few values for ' // parameter%key, 'it takes ' // &
+                                 to_text(now%last - now%first + 1) // ', but has ' // to_text(now%count))
+            end if
+        end associate
     end subroutine finish
 
-    pure function values(number) result(text)
-        integer, intent(in) :: number
-        character(:), allocatable :: text
-        text = to_text(number) // ' values'
-        if (number == 1) text = 'one value'
-    end function values
-
-    subroutine store_element(self, parameter, token, text, column, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
+    !> Reads, checks and stores the value of an element of the row that is read.
+    subroutine store_element(self, token, text, column)
+        type(reader_t), intent(inout) :: self
         type(token_t), intent(in) :: token
         character(*), intent(in) :: text
         integer, intent(in) :: column
-        type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: problem, hint, unit
         real(dp) :: number
         integer :: whole_number
         integer(int64) :: long_number
         logical :: flag
 
-        parameter%places(self%row, column) = token%place
-        if (parameter%kind == kind_text) then
-            call store_word(self, parameter, token, text, column, diagnostics)
-            return
-        end if
-        allocate (character(0) :: unit)
-        if (parameter%kind == kind_real .and. (token%kind == token_string .or. self%quotes_optional .and. has_unit(text))) then
-            call read_quantity(parameter, trim(adjustl(text)), number, unit, problem, hint)
-        else if (token%kind == token_string) then
-            problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
-            hint = 'expected a value without quotes'
-        else
+        associate (parameter => self%parameter, row => self%now%row)
+            parameter%places(row, column) = token%place
+            if (parameter%kind == kind_text) then
+                call store_word(self, token, text, column)
+                return
+            end if
+            allocate (character(0) :: unit)
+            if (parameter%kind == kind_real .and. &
+                (token%kind == token_string .or. self%now%quotes_optional .and. has_unit(text))) then
+                call read_quantity(parameter, trim(adjustl(text)), number, unit, problem, hint)
+            else if (token%kind == token_string) then
+                problem = quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key
+                hint = 'expected a value without quotes'
+            else
+                select case (parameter%kind)
+                case (kind_real)
+                    call read_real(text, number, problem, hint)
+                    if (has_unit(text)) hint = quotes_hint
+                case (kind_integer)
+                    call read_integer(text, whole_number, problem, hint)
+                    number = whole_number
+                case (kind_long)
+                    call read_long(text, long_number, problem, hint)
+                    number = real(long_number, dp)
+                case default
+                    call read_logical(text, flag, problem, hint)
+                end select
+            end if
+            if (problem == '' .and. parameter%is_number()) then
+                if (.not. parameter%range%contains(number)) then
+                    problem = parameter%element_name(row, column) // ' is out of range'
+                    hint = parameter%range%demand() // parameter%in_other_units()
+                end if
+            end if
+            if (problem /= '') then
+                call fail(self, token%place, problem, hint)
+                return
+            end if
             select case (parameter%kind)
             case (kind_real)
-                call read_real(text, number, problem, hint)
-                if (has_unit(text)) hint = quotes_hint
+                parameter%reals(row, column) = number
+                call parameter%set_unit(row, column, unit)
             case (kind_integer)
-                call read_integer(text, whole_number, problem, hint)
-                number = whole_number
+                parameter%integers(row, column) = whole_number
             case (kind_long)
-                call read_long(text, long_number, problem, hint)
-                number = real(long_number, dp)
+                parameter%long = long_number
             case default
-                call read_logical(text, flag, problem, hint)
+                parameter%flag = flag
             end select
-        end if
-        if (problem == '' .and. parameter%is_number()) then
-            if (.not. parameter%range%contains(number)) then
-                problem = parameter%element_name(self%row, column) // ' is out of range'
-                hint = 'must be ' // parameter%rule
-                if (scan(parameter%rule, '[(') == 1) hint = 'must be in ' // parameter%rule
-                hint = hint // parameter%in_other_units()
-            end if
-        end if
-        if (problem /= '') then
-            call fail(self, parameter, diagnostics, token%place, problem, hint)
-            return
-        end if
-        select case (parameter%kind)
-        case (kind_real)
-            parameter%reals(self%row, column) = number
-            call parameter%set_unit(self%row, column, unit)
-        case (kind_integer)
-            parameter%integers(self%row, column) = whole_number
-        case (kind_long)
-            parameter%long = long_number
-        case default
-            parameter%flag = flag
-        end select
+        end associate
     end subroutine store_element
 
-    subroutine store_word(self, parameter, token, text, column, diagnostics)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter
+    !> Checks a text, or a word for one of some choices, and stores it.
+    subroutine store_word(self, token, text, column)
+        type(reader_t), intent(inout) :: self
         type(token_t), intent(in) :: token
         character(*), intent(in) :: text
         integer, intent(in) :: column
-        type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: word
         integer :: i
 
         word = text
-        if (token%kind == token_word .and. .not. self%quotes_optional) then
-            call self%refuse(parameter, diagnostics, token%place, &
-                'a text needs quotes', 'write ' // quoted(abbreviate(text)))
-        else if (.not. token%closed) then
-            call self%refuse(parameter, diagnostics, token%place, &
-                'the quote is not closed on its line', 'the closing quote is missing')
-        else if (.not. is_plain(text)) then
-            call self%refuse(parameter, diagnostics, token%place, &
-                'a tab, a control character or a byte that is not UTF-8', 'expected plain text')
-        else if (len_trim(text) > parameter%text_length()) then
-            call self%refuse(parameter, diagnostics, token%place, 'the text is too long', &
-                'at most ' // to_text(parameter%text_length()) // ' bytes')
-        else if (text == '' .and. parameter%rank > 0) then
-            call self%refuse(parameter, diagnostics, token%place, 'an empty text in a list')
-        else if (size(parameter%choices) > 0) then
-            do i = size(parameter%choices), 1, -1
-                if (parameter%choices(i)%text == lower_case(trim(text))) exit
-            end do
-            if (names_file(parameter%choices, trim(text))) then
-                word = text
-            else if (i > 0) then
-                word = parameter%choices(i)%text
-            else
-                call fail(self, parameter, diagnostics, token%place, quoted(abbreviate(text)) // &
-                    ' is not a valid value for ' // parameter%key, &
-                    suggest_word(text, parameter%choices, parameter%aliases))
+        associate (parameter => self%parameter)
+            if (token%kind == token_word .and. .not. self%now%quotes_optional) then
+                call self%refuse(token%place, 'a text needs quotes', 'write ' // quoted(abbreviate(text)))
+            else if (.not. token%closed) then
+                call self%refuse(token%place, 'the quote is not closed on its line', 'the closing quote is missing')
+            else if (.not. is_plain(text)) then
+                call self%refuse(token%place, 'a tab, a control character or a byte that is not UTF-8', 'expected plain text')
+            else if (len_trim(text) > parameter%text_length()) then
+                call self%refuse(token%place, 'the text is too long', 'at most ' // to_text(parameter%text_length()) // ' bytes')
+            else if (text == '' .and. parameter%rank > 0) then
+                call self%refuse(token%place, 'an empty text in a list')
+            else if (size(parameter%choices) > 0) then
+                do i = size(parameter%choices), 1, -1
+                    if (parameter%choices(i)%text == lower_case(trim(text))) exit
+                end do
+                if (names_file(parameter%choices, trim(text))) then
+                    word = text
+                else if (i > 0) then
+                    word = parameter%choices(i)%text
+                else
+                    call fail(self, token%place, quoted(abbreviate(text)) // ' is not a valid value for ' // parameter%key, &
+                              suggest_word(text, parameter%choices, parameter%aliases))
+                end if
             end if
-        end if
-        if (.not. parameter%faulty) call parameter%add_text(column, word)
+            if (.not. parameter%faulty) call parameter%add_text(column, word)
+        end associate
     end subroutine store_word
 
     !> Reports an error in a value.
-    subroutine fail(self, parameter, diagnostics, place, message, hint)
-        class(assignment_t), intent(in) :: self
-        type(parameter_t), intent(inout) :: parameter
-        type(diagnostics_t), intent(inout) :: diagnostics
+    subroutine fail(self, place, message, hint)
+        class(reader_t), intent(inout) :: self
         type(place_t), intent(in) :: place
         character(*), intent(in) :: message
         character(*), intent(in), optional :: hint
-        if (.not. self%refused) call diagnostics%error(place, message, hint)
-        parameter%faulty = .true.
+        if (.not. self%now%refused) call self%diagnostics%error(place, message, hint)
+        self%parameter%faulty = .true.
     end subroutine fail
 
     !> Reports an error that makes the other values of the assignment void.
-    subroutine refuse(self, parameter, diagnostics, place, message, hint)
-        class(assignment_t), intent(inout) :: self
-        type(parameter_t), intent(inout) :: parameter !! the parameter
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+    subroutine refuse(self, place, message, hint)
+        class(reader_t), intent(inout) :: self
         type(place_t), intent(in) :: place !! place in the source
         character(*), intent(in) :: message !! what is wrong
         character(*), intent(in), optional :: hint !! what is expected
-        call fail(self, parameter, diagnostics, place, message, hint)
-        self%refused = .true.
+        call fail(self, place, message, hint)
+        self%now%refused = .true.
     end subroutine refuse
 
-    !> Reads the values after an equals sign into the parameter.
-    subroutine read_values(scanner, group, table, parameter, assignment, diagnostics)
-        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
-        character(*), intent(in) :: group !! name of the group that has the key
-        type(parameter_table_t), intent(in) :: table !! the parameters of an input
-        type(parameter_t), intent(inout) :: parameter !! the parameter
-        type(assignment_t), intent(inout) :: assignment !! the assignment
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+    !> Reads the values after the equals sign into the parameter.
+    subroutine read_values(self)
+        class(reader_t), intent(inout) :: self
         type(token_t) :: token
         logical :: after_value
 
         after_value = .false.
         do
-            if (at_end_of_values(scanner, group, table, parameter%kind == kind_text)) return
-            call scanner%next(token)
+            if (self%at_end_of_values(words_expected=self%parameter%kind == kind_text)) return
+            call self%scanner%next(token)
             select case (token%kind)
             case (token_word)
-                call read_word(scanner, token, parameter, assignment, diagnostics)
+                call read_word(self, token)
             case (token_string)
-                call assignment%store_values(parameter, token, scanner%string(token), 1, diagnostics)
+                call self%store_values(token, self%scanner%string(token), 1)
             case (token_comma)
-                if (.not. after_value) call assignment%refuse(parameter, diagnostics, &
-                    token%place, 'no value before the comma')
+                if (.not. after_value) call self%refuse(token%place, 'no value before the comma')
             case (token_slash)
-                call assignment%refuse(parameter, diagnostics, token%place, &
-                    'a slash inside a value', 'a number, not an expression; a text in quotes')
+                call self%refuse(token%place, 'a slash inside a value', 'a number, not an expression; a text in quotes')
             case default
-                call assignment%refuse(parameter, diagnostics, token%place, &
-                    'unexpected ' // quoted(scanner%word(token)))
+                call self%refuse(token%place, 'unexpected ' // quoted(self%scanner%word(token)))
             end select
             after_value = token%kind /= token_comma
         end do
     end subroutine read_values
 
     !> Reads a value without quotes, or a repeated one: `3*0.0`, `2*'ode45'`.
-    subroutine read_word(scanner, token, parameter, assignment, diagnostics)
-        type(scanner_t), intent(inout) :: scanner
+    subroutine read_word(self, token)
+        type(reader_t), intent(inout) :: self
         type(token_t), intent(inout) :: token
-        type(parameter_t), intent(inout) :: parameter
-        type(assignment_t), intent(inout) :: assignment
-        type(diagnostics_t), intent(inout) :: diagnostics
         type(token_t) :: after
         character(:), allocatable :: word, problem, hint
         integer :: star, repeats
 
-        word = scanner%word(token)
+        word = self%scanner%word(token)
         star = index(word, '*')
         if (star < 2 .or. verify(word(:max(0, star - 1)), '0123456789') > 0) then
-            call assignment%store_values(parameter, token, word, 1, diagnostics)
+            call self%store_values(token, word, 1)
             return
         end if
         call read_integer(word(:star - 1), repeats, problem, hint)
-        call scanner%peek(after)
+        call self%scanner%peek(after)
         if (problem /= '' .or. repeats == 0) then
-            call assignment%refuse(parameter, diagnostics, token%place, 'bad repeat count')
+            call self%refuse(token%place, 'bad repeat count')
         else if (star < len(word)) then
-            call assignment%store_values(parameter, token, word(star + 1:), repeats, diagnostics)
+            call self%store_values(token, word(star + 1:), repeats)
         else if (after%kind == token_string .and. after%touches) then
-            call scanner%next(token)
-            call assignment%store_values(parameter, token, scanner%string(token), repeats, diagnostics)
+            call self%scanner%next(token)
+            call self%store_values(token, self%scanner%string(token), repeats)
         else
-            call assignment%refuse(parameter, diagnostics, token%place, &
-                'no value after ' // abbreviate(word))
+            call self%refuse(token%place, 'no value after ' // abbreviate(word))
         end if
     end subroutine read_word
 
-    !> Skips values of an unknown key.
-    subroutine skip_values(scanner, group, table)
-        type(scanner_t), intent(inout) :: scanner !! the scanner, after the equals sign
-        character(*), intent(in) :: group !! name of the group that has the key
-        type(parameter_table_t), intent(in) :: table !! the parameters of an input
-        type(token_t) :: token
-        do while (.not. at_end_of_values(scanner, group, table, .true.))
-            call scanner%next(token)
-        end do
-    end subroutine skip_values
-
     !> Whether the values of an assignment end here: at the end of the group, at the next `key =`, or at a
     !> name at the beginning of a line that cannot be a value (its equals sign is missing).
-    logical function at_end_of_values(scanner, group, table, words_expected) result(at_end)
-        type(scanner_t), intent(inout) :: scanner
-        character(*), intent(in) :: group
-        type(parameter_table_t), intent(in) :: table
-        logical, intent(in) :: words_expected
+    logical function at_end_of_values(self, words_expected) result(at_end)
+        class(reader_t), intent(inout) :: self
+        logical, intent(in) :: words_expected !! whether a value may be any word
         type(token_t) :: token
 
         at_end = .false.
-        call scanner%peek(token)
+        call self%scanner%peek(token)
         select case (token%kind)
         case (token_end, token_group)
             at_end = .true.
         case (token_slash)
-            at_end = .not. scanner%is_inside_word()
+            at_end = .not. self%scanner%is_inside_word()
         case (token_word)
-            at_end = scanner%key_follows()
-            if (at_end .or. .not. token%starts_line .or. .not. scanner%is_name(token)) return
-            select case (lower_case(scanner%word(token)))
+            at_end = self%scanner%key_follows()
+            if (at_end .or. .not. token%starts_line .or. .not. self%scanner%is_name(token)) return
+            select case (lower_case(self%scanner%word(token)))
             case ('t', 'f', 'true', 'false', 'nan', 'inf', 'infinity')
                 at_end = .false.
             case default
                 at_end = .not. words_expected .or. &
-                    table%find(group // '.' // lower_case(scanner%word(token))) > 0
+                    self%table%find(self%group // '.' // lower_case(self%scanner%word(token))) > 0
             end select
         end select
     end function at_end_of_values

@@ -6,11 +6,11 @@
 !> `key(2) = a` and ranges `key(2:3) = a, b`, or, if it has rows, by `key(1,:) = a, b`. All errors are collected;
 !> reading continues after an error.
 module spintop_namelist
-    use spintop_assignment, only: assignment_t, read_values, skip_values, names_a_unit
+    use spintop_assignment, only: assignment_t, names_a_unit, reader_t
     use spintop_diagnostics, only: diagnostics_t, place_t
     use spintop_errors, only: error_t
     use spintop_files, only: read_file
-    use spintop_parameter, only: one_per_group, parameter_t, quoted, kind_real, kind_text
+    use spintop_parameter, only: one_per_group, quoted, kind_real, kind_text
     use spintop_parameters, only: missing_element, parameter_table_t
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_end, token_equals, &
         token_group, token_open, token_other, token_slash, token_t, token_word, token_string
@@ -18,7 +18,7 @@ module spintop_namelist
     use spintop_text, only: abbreviate, lower_case, string_t, to_text
     implicit none
     private
-    public :: read_namelist, find_foreign, input_of_table, read_override
+    public :: read_namelist, read_override
 
     !> Quotes around texts.
     character(*), parameter :: quotes = '''"'
@@ -36,13 +36,14 @@ contains
     subroutine read_namelist(path, overrides, table, diagnostics, error, given, in_table)
         character(*), intent(in) :: path !! path of the file, or the name of the given text
         type(string_t), intent(in) :: overrides(:) !! overrides `group.key=value`
-        type(parameter_table_t), intent(inout) :: table !! the parameters of an input
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
+        type(parameter_table_t), target, intent(inout) :: table !! the parameters of an input
+        type(diagnostics_t), target, intent(inout) :: diagnostics !! errors with their places are added
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         character(*), intent(in), optional :: given !! the text, in place of that of a file
         logical, intent(in), optional :: in_table !! whether the input is that of a table
         type(error_t), allocatable :: unreadable
-        character(:), allocatable :: text
+        type(reader_t) :: reader
+        character(:), allocatable :: text, missing
         logical :: is_table
         integer :: i
 
@@ -62,60 +63,63 @@ contains
         end if
         if (is_table) text = input_of_table(text)
         call diagnostics%add_source(path, text, table%place%source)
-        call read_groups(text, table, diagnostics)
+        reader%table => table
+        reader%diagnostics => diagnostics
+        call read_groups(reader, text)
         do i = 1, size(overrides)
             call read_override(overrides(i)%text, table, diagnostics)
         end do
         do i = 1, table%count
-            call check_complete(table%parameters(i), diagnostics)
+            associate (parameter => table%parameters(i))
+                if (parameter%faulty) cycle
+                missing = missing_element(parameter)
+                if (missing == '') cycle
+                call diagnostics%error(parameter%key_place, missing // ' is missing', &
+                                       'the elements that are given require it')
+                parameter%faulty = .true.
+            end associate
         end do
     end subroutine read_namelist
 
-    !> The place of byte `i` of a source.
-    pure type(place_t) function place_of_byte(text, i, source) result(place)
+    !> Reads all groups of a source, unless it has characters without a meaning.
+    subroutine read_groups(reader, text)
+        type(reader_t), intent(inout) :: reader
         character(*), intent(in) :: text
-        integer, intent(in) :: i, source
-        integer :: k
-        place%source = source
-        place%line = 1 + count([(text(k:k) == new_line('a'), k=1, i - 1)])
-        place%column = i - index(text(:i - 1), new_line('a'), back=.true.)
-    end function place_of_byte
-
-    subroutine read_groups(text, table, diagnostics)
-        character(*), intent(in) :: text
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(scanner_t) :: scanner
         type(token_t) :: token
+        type(place_t) :: place
         logical :: any_group
+        integer :: nul, k
 
-        if (index(text, char(0)) > 0) then
-            call diagnostics%error(place_of_byte(text, index(text, char(0)), table%place%source), &
-                'not a text file: it has NUL bytes', 'expected a namelist in ASCII or UTF-8')
-            return
-        end if
-        call scanner%start(text, table%place%source, comments=.true.)
-        call refuse_foreign(scanner, diagnostics)
-        if (diagnostics%has_errors()) return
-        call scanner%start(text, table%place%source, comments=.true.)
-        any_group = .false.
-        call scanner%next(token)
-        do while (token%kind /= token_end)
-            if (token%kind == token_group) then
-                any_group = .true.
-                call read_group(scanner, token, table, diagnostics)
-                call scanner%next(token)
-            else
-                call diagnostics%error(token%place, 'text outside a group', &
-                    'a group is &name ... /, a comment starts with !')
-                any_group = .true.
-                do while (token%kind /= token_group .and. token%kind /= token_end)
-                    call scanner%next(token)
-                end do
+        associate (scanner => reader%scanner, diagnostics => reader%diagnostics, source => reader%table%place%source)
+            nul = index(text, char(0))
+            if (nul > 0) then
+                place = place_t(source, 1 + count([(text(k:k) == new_line('a'), k=1, nul - 1)]), &
+                                nul - index(text(:nul - 1), new_line('a'), back=.true.))
+                call diagnostics%error(place, 'not a text file: it has NUL bytes', 'expected a namelist in ASCII or UTF-8')
+                return
             end if
-        end do
-        if (.not. any_group) call diagnostics%error(table%place, 'the file has no group', &
-            'it should start with &' // table%groups(1)%name)
+            call scanner%start(text, source, comments=.true.)
+            call refuse_foreign(scanner, diagnostics)
+            if (diagnostics%has_errors()) return
+            call scanner%start(text, source, comments=.true.)
+            any_group = .false.
+            call scanner%next(token)
+            do while (token%kind /= token_end)
+                any_group = .true.
+                if (token%kind == token_group) then
+                    call read_group(reader, token)
+                    call scanner%next(token)
+                else
+                    call diagnostics%error(token%place, 'text outside a group', &
+                                           'a group is &name ... /, a comment starts with !')
+                    do while (token%kind /= token_group .and. token%kind /= token_end)
+                        call scanner%next(token)
+                    end do
+                end if
+            end do
+            if (.not. any_group) call diagnostics%error(reader%table%place, 'the file has no group', &
+                                                        'it should start with &' // reader%table%groups(1)%name)
+        end associate
     end subroutine read_groups
 
     !> Reports characters that have no meaning in a namelist, the first of each line; a colon has one within parentheses.
@@ -141,8 +145,13 @@ contains
             case (token_word, token_colon, token_other)
                 if (token%place%line == line .or. (token%kind == token_colon .and. has_subscripts)) cycle
                 word = scanner%word(token)
-                call find_foreign(word, first, width, hint)
-                if (first == 0) cycle
+                found: do first = 1, len(word)
+                    do width = 1, min(3, len(word) - first + 1)
+                        hint = meant_by(word(first:first + width - 1))
+                        if (hint /= '') exit found
+                    end do
+                end do found
+                if (first > len(word)) cycle
                 line = token%place%line
                 token%place%column = token%place%column + first - 1
                 token%place%width = width
@@ -152,172 +161,136 @@ contains
     end subroutine refuse_foreign
 
     !> Reads a group, from the end of its name to its slash.
-    subroutine read_group(scanner, start, table, diagnostics)
-        type(scanner_t), intent(inout) :: scanner
+    subroutine read_group(reader, start)
+        type(reader_t), intent(inout) :: reader
         type(token_t), intent(in) :: start
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        character(:), allocatable :: name, before
+        character(:), allocatable :: before
         type(token_t) :: token
         integer :: number
 
-        name = scanner%word(start)
-        name = lower_case(name(2:))
-        call open_group(name, start%place, table, diagnostics, number)
-        do
-            call scanner%peek(token)
-            select case (token%kind)
-            case (token_end, token_group)
-                if (is_legacy_end(scanner, token)) then
+        before = reader%scanner%word(start)
+        reader%group = lower_case(before(2:))
+        call open_group(reader, start%place, number)
+        associate (scanner => reader%scanner, diagnostics => reader%diagnostics)
+            do
+                call scanner%peek(token)
+                select case (token%kind)
+                case (token_end, token_group)
+                    if (lower_case(scanner%word(token)) == '&end') then
+                        call scanner%next(token)
+                        call diagnostics%error(token%place, 'a group ends with /', 'write / here')
+                    else
+                        before = 'line ' // to_text(token%place%line)
+                        if (token%kind == token_end) before = 'the end of the file'
+                        call diagnostics%error(start%place, 'group &' // reader%group // ' has no closing slash', &
+                                               'a line with / is missing before ' // before)
+                    end if
+                    return
+                case (token_slash)
                     call scanner%next(token)
-                    call diagnostics%error(token%place, 'a group ends with /', 'write / here')
-                else
-                    before = 'line ' // to_text(token%place%line)
-                    if (token%kind == token_end) before = 'the end of the file'
-                    call diagnostics%error(start%place, 'group &' // name // &
-                        ' has no closing slash', 'a line with / is missing before ' // before)
-                end if
-                return
-            case (token_slash)
-                call scanner%next(token)
-                call close_group(scanner, diagnostics)
-                return
-            case (token_comma)
-                call scanner%next(token)
-                call diagnostics%error(token%place, 'a comma without a value')
-            case default
-                call read_assignment(scanner, name, number, table, diagnostics)
-            end select
-        end do
+                    ! After it the line must be empty, or another group begins.
+                    call scanner%peek(token)
+                    if (token%starts_line .or. token%kind == token_end .or. token%kind == token_group) return
+                    call diagnostics%error(token%place, 'text after the slash that ends the group', 'a comment starts with !')
+                    call skip_line(scanner, token_group)
+                    return
+                case (token_comma)
+                    call scanner%next(token)
+                    call diagnostics%error(token%place, 'a comma without a value')
+                case default
+                    call read_assignment(reader, number)
+                end select
+            end do
+        end associate
     end subroutine read_group
 
-    subroutine open_group(name, place, table, diagnostics, number)
-        character(*), intent(in) :: name
+    !> Finds the group that begins, and counts it.
+    subroutine open_group(reader, place, number)
+        type(reader_t), intent(inout) :: reader
         type(place_t), intent(in) :: place
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
         integer, intent(out) :: number !! which of the groups of this name it is; 0 if it is unknown, or one too many
-        integer :: i, most
+        integer :: i
 
         number = 0
-        i = table%find_group(name)
-        if (i == 0) then
-            call diagnostics%error(place, 'unknown group &' // abbreviate(name), &
-                suggest_group(table, name))
-            return
-        end if
-        most = most_groups(table, name)
-        associate (group => table%groups(i))
-            if (group%count < most) then
-                group%count = group%count + 1
-                if (group%count == 1) group%place = place
-                number = group%count
-            else if (most == 1) then
+        associate (name => reader%group, table => reader%table, diagnostics => reader%diagnostics)
+            i = table%find_group(name)
+            if (i == 0) then
+                call diagnostics%error(place, 'unknown group &' // abbreviate(name), suggest_group(table, name))
+            else if (table%groups(i)%count < table%groups(i)%most) then
+                number = table%groups(i)%count + 1
+                table%groups(i)%count = number
+                if (number == 1) table%groups(i)%place = place
+            else if (table%groups(i)%most == 1) then
                 call diagnostics%error(place, 'group &' // name // ' is given a second time', &
-                    'first on line ' // to_text(group%place%line))
+                                       'first on line ' // to_text(table%groups(i)%place%line))
             else
-                call diagnostics%error(place, 'too many groups &' // name, 'at most ' // to_text(most))
+                call diagnostics%error(place, 'too many groups &' // name, 'at most ' // to_text(table%groups(i)%most))
             end if
         end associate
     end subroutine open_group
 
-    !> How often a group may occur.
-    pure integer function most_groups(table, name) result(most)
-        type(parameter_table_t), intent(in) :: table
-        character(*), intent(in) :: name
-        integer :: i
-        do i = 1, table%count
-            if (table%parameters(i)%group == name) exit
-        end do
-        most = table%parameters(i)%most_groups()
-    end function most_groups
-
-    logical function is_legacy_end(scanner, token)
-        type(scanner_t), intent(in) :: scanner
-        type(token_t), intent(in) :: token
-        is_legacy_end = token%kind == token_group
-        if (is_legacy_end) is_legacy_end = lower_case(scanner%word(token)) == '&end'
-    end function is_legacy_end
-
-    !> After the slash the line must be empty, or another group begins.
-    subroutine close_group(scanner, diagnostics)
-        type(scanner_t), intent(inout) :: scanner
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(token_t) :: token
-
-        call scanner%peek(token)
-        if (token%starts_line .or. token%kind == token_end .or. token%kind == token_group) return
-        call diagnostics%error(token%place, 'text after the slash that ends the group', &
-            'a comment starts with !')
-        call skip_line(scanner, token_group)
-    end subroutine close_group
-
     !> Reads `key = values`; key and values of an unknown group are skipped.
-    subroutine read_assignment(scanner, group, group_number, table, diagnostics)
-        type(scanner_t), intent(inout) :: scanner
-        character(*), intent(in) :: group
+    subroutine read_assignment(reader, group_number)
+        type(reader_t), intent(inout) :: reader
         integer, intent(in) :: group_number !! which of the groups of this name it is; 0 if it is not to be read
-        type(parameter_table_t), intent(inout) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(assignment_t) :: assignment
         type(token_t) :: token
         integer :: number
         logical :: has_equals
 
-        has_equals = scanner%key_follows()
-        call scanner%next(token)
+        has_equals = reader%scanner%key_follows()
+        call reader%scanner%next(token)
         if (token%kind /= token_word) then
-            call diagnostics%error(token%place, 'expected a key here', 'key = value, or / to end')
-            call skip_line(scanner, token_slash)
+            call reader%diagnostics%error(token%place, 'expected a key here', 'key = value, or / to end')
+            call skip_line(reader%scanner, token_slash)
             return
         end if
         number = 0
-        if (group_number > 0) call find_key(scanner%word(token), group, token%place, table, diagnostics, number)
+        if (group_number > 0) call find_key(reader, token, number)
         if (number > 0 .and. .not. has_equals) then
-            call diagnostics%error(token%place, 'no = after ' // scanner%word(token))
-            table%parameters(number)%faulty = .true.
+            call reader%diagnostics%error(token%place, 'no = after ' // reader%scanner%word(token))
+            reader%table%parameters(number)%faulty = .true.
         end if
         if (number == 0 .or. .not. has_equals) then
-            call skip_values(scanner, group, table)
+            do while (.not. reader%at_end_of_values(words_expected=.true.))
+                call reader%scanner%next(token)
+            end do
             return
         end if
-        assignment%place = token%place
-        associate (parameter => table%parameters(number))
-            if (parameter%elements == one_per_group) assignment%group = group_number
-            call assignment%read_subscripts(parameter, scanner, diagnostics)
-            do while (token%kind /= token_equals)
-                call scanner%next(token)
-            end do
-            call assignment%begin(parameter, diagnostics)
-            call read_values(scanner, group, table, parameter, assignment, diagnostics)
-            call assignment%finish(parameter, diagnostics)
-        end associate
+        reader%parameter => reader%table%parameters(number)
+        reader%now = assignment_t(token%place)
+        if (reader%parameter%elements == one_per_group) reader%now%group = group_number
+        call reader%read_subscripts()
+        do while (token%kind /= token_equals)
+            call reader%scanner%next(token)
+        end do
+        call reader%begin()
+        call reader%read_values()
+        call reader%finish()
     end subroutine read_assignment
 
-    !> Finds a key of a group; 0 and an error if the group has no such key.
-    subroutine find_key(word, group, place, table, diagnostics, number)
-        character(*), intent(in) :: word, group
-        type(place_t), intent(in) :: place
-        type(parameter_table_t), intent(in) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
+    !> Finds a key of the group; 0 and an error if the group has no such key.
+    subroutine find_key(reader, token, number)
+        type(reader_t), intent(inout) :: reader
+        type(token_t), intent(in) :: token !! the key
         integer, intent(out) :: number
         character(:), allocatable :: key
         integer :: last_part
 
-        key = lower_case(word)
-        number = table%find(group // '.' // key)
-        if (number > 0) return
-        last_part = scan(key, '.%', back=.true.) + 1
-        if (table%find(group // '.' // key(last_part:)) > 0) then
-            call diagnostics%error(place, 'a key stands without its group', &
-                'write ' // key(last_part:))
-        else if (homes_of(table, key) /= '') then
-            call diagnostics%error(place, 'key ' // quoted(key) // ' is not in group &' // group, &
-                'it belongs to ' // homes_of(table, key))
-        else
-            call diagnostics%error(place, 'unknown key ' // quoted(abbreviate(word)) // &
-                ' in group &' // group, suggest_key(table, group, key))
-        end if
+        key = lower_case(reader%scanner%word(token))
+        associate (group => reader%group, table => reader%table, diagnostics => reader%diagnostics)
+            number = table%find(group // '.' // key)
+            if (number > 0) return
+            last_part = scan(key, '.%', back=.true.) + 1
+            if (table%find(group // '.' // key(last_part:)) > 0) then
+                call diagnostics%error(token%place, 'a key stands without its group', 'write ' // key(last_part:))
+            else if (homes_of(table, key) /= '') then
+                call diagnostics%error(token%place, 'key ' // quoted(key) // ' is not in group &' // group, &
+                                       'it belongs to ' // homes_of(table, key))
+            else
+                call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(reader%scanner%word(token))) // &
+                                       ' in group &' // group, suggest_key(table, group, key))
+            end if
+        end associate
     end subroutine find_key
 
     !> Moves to the next line, or to a token of a kind before that.
@@ -331,35 +304,6 @@ contains
             call scanner%next(token)
         end do
     end subroutine skip_line
-
-    !> Checks that no element is missing that other elements require.
-    subroutine check_complete(parameter, diagnostics)
-        type(parameter_t), intent(inout) :: parameter
-        type(diagnostics_t), intent(inout) :: diagnostics
-        character(:), allocatable :: missing
-
-        if (parameter%faulty) return
-        missing = missing_element(parameter)
-        if (missing == '') return
-        call diagnostics%error(parameter%key_place, missing // ' is missing', 'the elements that are given require it')
-        parameter%faulty = .true.
-    end subroutine check_complete
-
-    !> Finds the first such character of a text.
-    subroutine find_foreign(text, at, width, hint)
-        character(*), intent(in) :: text !! some of a namelist, without its texts in quotes
-        integer, intent(out) :: at       !! its first byte, or 0 if there is none
-        integer, intent(out) :: width    !! its number of bytes
-        character(:), allocatable, intent(out) :: hint !! what to write in its place
-        hint = ''
-        do at = 1, len(text)
-            do width = 1, min(3, len(text) - at + 1)
-                hint = meant_by(text(at:at + width - 1))
-                if (hint /= '') return
-            end do
-        end do
-        at = 0
-    end subroutine find_foreign
 
     !> What to write in the place of a character; '' if it is not known.
     pure function meant_by(character) result(hint)
@@ -426,82 +370,69 @@ contains
     !> separated by commas. It replaces a value from the file or from an earlier override.
     subroutine read_override(text, table, diagnostics)
         character(*), intent(in) :: text !! `group.key=value`
-        type(parameter_table_t), intent(inout) :: table !! the parameters of an input
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
-        type(scanner_t) :: scanner
-        type(assignment_t) :: assignment
+        type(parameter_table_t), target, intent(inout) :: table !! the parameters of an input
+        type(diagnostics_t), target, intent(inout) :: diagnostics !! errors with their places are added
+        type(reader_t) :: reader
         type(token_t) :: token
-        character(:), allocatable :: rest
+        character(:), allocatable :: name, group, key, rest
         integer :: source, number
 
+        reader%table => table
+        reader%diagnostics => diagnostics
+        reader%group = ''
         call diagnostics%add_source('--set', text, source)
-        call scanner%start(text, source, comments=.false.)
-        call scanner%next(token)
+        call reader%scanner%start(text, source, comments=.false.)
+        call reader%scanner%next(token)
         if (token%kind /= token_word .or. index(text, '=') == 0) then
             call diagnostics%error(token%place, 'an override is GROUP.KEY=VALUE')
             return
         end if
-        call find_parameter(lower_case(scanner%word(token)), token, table, diagnostics, number)
-        if (number == 0) return
-
-        assignment%place = token%place
-        assignment%quotes_optional = .true.
-        associate (parameter => table%parameters(number))
-            call assignment%read_subscripts(parameter, scanner, diagnostics)
-            call scanner%next(token)
-            if (token%kind /= token_equals) then
-                call assignment%refuse(parameter, diagnostics, token%place, &
-                    'expected an equals sign', 'an override is GROUP.KEY=VALUE')
-                return
-            end if
-            call assignment%begin(parameter, diagnostics)
-            rest = scanner%rest()
-            if (scan(adjustl(rest), quotes) /= 1 .and. (parameter%kind == kind_text .or. &
-                                                        (parameter%kind == kind_real .and. names_a_unit(rest)))) then
-                call read_plain_words(text, len(text) - len(rest), parameter, assignment, diagnostics)
-            else
-                call read_values(scanner, '', table, parameter, assignment, diagnostics)
-                call scanner%peek(token)
-                if (token%kind /= token_end) call assignment%refuse(parameter, diagnostics, token%place, &
-                    'unexpected text after the value', 'use one --set for each GROUP.KEY=VALUE')
-            end if
-            call assignment%finish(parameter, diagnostics)
-        end associate
-    end subroutine read_override
-
-    subroutine find_parameter(name, token, table, diagnostics, number)
-        character(*), intent(in) :: name
-        type(token_t), intent(in) :: token
-        type(parameter_table_t), intent(in) :: table
-        type(diagnostics_t), intent(inout) :: diagnostics
-        integer, intent(out) :: number
-        character(:), allocatable :: group, key
-
+        name = lower_case(reader%scanner%word(token))
         number = table%find(name)
-        if (number > 0) return
-        group = name(:index(name // '.', '.') - 1)
-        key = name(min(len(name), len(group) + 1) + 1:)
-        if (table%find_group(group) > 0) then
-            call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // &
-                ' in group &' // group, suggest_key(table, group, key))
-        else if (key == '' .and. homes_of(table, name) /= '') then
-            call diagnostics%error(token%place, 'an override names the group too', &
-                'it belongs to ' // homes_of(table, name))
-        else
-            call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), &
-                suggest_group(table, group))
+        if (number == 0) then
+            group = name(:index(name // '.', '.') - 1)
+            key = name(min(len(name), len(group) + 1) + 1:)
+            if (table%find_group(group) > 0) then
+                call diagnostics%error(token%place, 'unknown key ' // quoted(abbreviate(key)) // ' in group &' // group, &
+                                       suggest_key(table, group, key))
+            else if (key == '' .and. homes_of(table, name) /= '') then
+                call diagnostics%error(token%place, 'an override names the group too', 'it belongs to ' // homes_of(table, name))
+            else
+                call diagnostics%error(token%place, 'unknown group &' // abbreviate(group), suggest_group(table, group))
+            end if
+            return
         end if
-    end subroutine find_parameter
+
+        reader%parameter => table%parameters(number)
+        reader%now = assignment_t(token%place, quotes_optional=.true.)
+        call reader%read_subscripts()
+        call reader%scanner%next(token)
+        if (token%kind /= token_equals) then
+            call reader%refuse(token%place, 'expected an equals sign', 'an override is GROUP.KEY=VALUE')
+            return
+        end if
+        call reader%begin()
+        rest = reader%scanner%rest()
+        if (scan(adjustl(rest), quotes) /= 1 .and. (reader%parameter%kind == kind_text .or. &
+                                                    (reader%parameter%kind == kind_real .and. names_a_unit(rest)))) then
+            call read_plain_words(reader, text, len(text) - len(rest))
+        else
+            call reader%read_values()
+            call reader%scanner%peek(token)
+            if (token%kind /= token_end) call reader%refuse(token%place, 'unexpected text after the value', &
+                                                            'use one --set for each GROUP.KEY=VALUE')
+        end if
+        call reader%finish()
+    end subroutine read_override
 
     !> Texts without quotes around the first. In a list each ends at the next comma that is neither within parentheses, as in
     !> `theta__top.inertia_tensor(1,2)`, nor within quotes.
-    subroutine read_plain_words(text, start, parameter, assignment, diagnostics)
+    subroutine read_plain_words(reader, text, start)
+        type(reader_t), intent(inout) :: reader
         character(*), intent(in) :: text
         integer, intent(in) :: start !! number of bytes before the words
-        type(parameter_t), intent(inout) :: parameter
-        type(assignment_t), intent(inout) :: assignment
-        type(diagnostics_t), intent(inout) :: diagnostics
-        type(token_t) :: token
+        type(scanner_t) :: scanner
+        type(token_t) :: token, found
         character(:), allocatable :: word
         integer :: first, last
 
@@ -510,21 +441,25 @@ contains
         do while (last < len(text))
             first = last + 1
             last = len(text) + 1
-            if (parameter%rank > 0) last = end_of_word(text, first)
+            if (reader%parameter%rank > 0) last = end_of_word(text, first)
             word = trim(adjustl(text(first:last - 1)))
             token%kind = token_word
             token%closed = .true.
-            token%place = assignment%place
+            token%place = reader%now%place
             token%place%column = first + verify(text(first:last - 1) // '.', ' ') - 1
             token%place%width = len(word)
-            if (parameter%rank > 0 .and. scan(word, quotes) == 1) then
-                call remove_quotes(word, token)
-                if (token%kind /= token_string) then
-                    call assignment%refuse(parameter, diagnostics, token%place, 'text after the closing quote')
+            if (reader%parameter%rank > 0 .and. scan(word, quotes) == 1) then
+                call scanner%start(word, token%place%source, comments=.false.)
+                call scanner%next(found)
+                if (found%last < len(word)) then
+                    call reader%refuse(token%place, 'text after the closing quote')
                     return
                 end if
+                token%kind = token_string
+                token%closed = found%closed
+                word = scanner%string(found)
             end if
-            call assignment%store_values(parameter, token, word, 1, diagnostics)
+            call reader%store_values(token, word, 1)
         end do
     end subroutine read_plain_words
 
@@ -555,19 +490,5 @@ contains
             if (last <= len(text)) return
         end do
     end function end_of_word
-
-    !> Removes the quotes around a word, which begins with one; the token becomes a string unless text follows.
-    subroutine remove_quotes(word, token)
-        character(:), allocatable, intent(inout) :: word
-        type(token_t), intent(inout) :: token
-        type(scanner_t) :: scanner
-        type(token_t) :: found
-        call scanner%start(word, token%place%source, comments=.false.)
-        call scanner%next(found)
-        if (found%last < len(word)) return
-        token%kind = token_string
-        token%closed = found%closed
-        word = scanner%string(found)
-    end subroutine remove_quotes
 
 end module spintop_namelist

@@ -9,50 +9,28 @@ module spintop_number_slot
     type :: range_t
         real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp)
         logical :: lower_open = .false., upper_open = .false.
+        character(:), allocatable :: rule !! the range as written
     contains
         procedure :: contains => range_contains
         procedure :: nearest => nearest_in_range
-        procedure :: ends => ends_of_range
+        procedure :: demand
     end type range_t
 
     !> A real or an integer variable, with real values.
     type :: number_slot_t
-        character(:), allocatable :: rule !! the range as written
-        type(range_t), private :: range
-        real(dp), pointer, private :: real_value => null()
-        integer, pointer, private :: integer_value => null()
+        type(range_t) :: range !! of its values
+        real(dp), pointer :: real_value => null()
+        integer, pointer :: integer_value => null()
     contains
-        procedure :: bind_real
-        procedure :: bind_integer
         procedure :: set
         procedure :: get
         procedure :: is_whole
         procedure :: is_same
         procedure :: refusal
         procedure :: accepts
-        procedure :: nearest => nearest_in_slot
-        procedure :: ends => ends_of_slot
     end type number_slot_t
 
 contains
-
-    !> Binds the slot to a real variable and its range.
-    subroutine bind_real(self, variable, range)
-        class(number_slot_t), intent(inout) :: self
-        real(dp), pointer, intent(in) :: variable !! the variable
-        type(range_t), intent(in) :: range !! range of valid values
-        self%real_value => variable
-        self%range = range
-    end subroutine bind_real
-
-    !> Binds the slot to an integer variable and its range.
-    subroutine bind_integer(self, variable, range)
-        class(number_slot_t), intent(inout) :: self
-        integer, pointer, intent(in) :: variable !! the variable
-        type(range_t), intent(in) :: range !! range of valid values
-        self%integer_value => variable
-        self%range = range
-    end subroutine bind_integer
 
     !> Sets the variable, if there is one. The value must have an empty `refusal`.
     subroutine set(self, value)
@@ -100,20 +78,6 @@ contains
         end if
     end function accepts
 
-    !> The value in the range that is nearest to another; beyond an open end that value itself.
-    pure real(dp) function nearest_in_slot(self, value) result(nearest_value)
-        class(number_slot_t), intent(in) :: self
-        real(dp), intent(in) :: value !! the other value
-        nearest_value = self%range%nearest(value)
-    end function nearest_in_slot
-
-    !> The ends of the range, open or not; -huge and huge where there is none.
-    pure function ends_of_slot(self) result(ends)
-        class(number_slot_t), intent(in) :: self
-        real(dp) :: ends(2)
-        ends = self%range%ends()
-    end function ends_of_slot
-
     !> The reason why the variable cannot have a value ('must be > 0'), or ''.
     function refusal(self, value) result(reason)
         class(number_slot_t), intent(in) :: self
@@ -124,8 +88,7 @@ contains
         if (.not. is_finite(value)) then
             reason = 'must be finite'
         else if (.not. self%range%contains(value)) then
-            reason = 'must be ' // self%rule
-            if (scan(self%rule, '[(') == 1) reason = 'must be in ' // self%rule
+            reason = self%range%demand()
         else if (associated(self%integer_value)) then
             if (.not. is_equal(value, anint(value))) then
                 reason = 'must be a whole number'
@@ -153,30 +116,34 @@ contains
         if (.not. self%upper_open) nearest = min(nearest, self%upper)
     end function nearest_in_range
 
-    !> The ends, open or not; -huge and huge where there is none.
-    pure function ends_of_range(self) result(ends)
+    !> What a number must be, as `must be > 0` or `must be in [0, pi]`.
+    pure function demand(self) result(text)
         class(range_t), intent(in) :: self
-        real(dp) :: ends(2)
-        ends = [self%lower, self%upper]
-    end function ends_of_range
+        character(:), allocatable :: text
+        text = 'must be '
+        if (scan(self%rule, '[(') == 1) text = 'must be in '
+        text = text // self%rule
+    end function demand
 
     !> Reads a rule. Numbers may be multiples of pi, or half of one: `2 pi`, `-pi/2`.
     subroutine parse_range(rule, range, valid)
         character(*), intent(in) :: rule !! the range as written
         type(range_t), intent(out) :: range !! the interval
         logical, intent(out) :: valid !! false if the rule cannot be read
-        integer :: comma, last
+        integer :: comma, first, last
 
+        range%rule = rule
         valid = .true.
         last = len_trim(rule)
         if (last == 0) return
+        first = verify(rule // '0', '<>=') ! of the number after `>`, `>=`, `<` or `<=`
         select case (rule(1:1))
         case ('>')
             range%lower_open = rule(2:min(2, last)) /= '='
-            call read_bound(after_sign(rule(:last)), range%lower, valid)
+            call read_bound(rule(first:last), range%lower, valid)
         case ('<')
             range%upper_open = rule(2:min(2, last)) /= '='
-            call read_bound(after_sign(rule(:last)), range%upper, valid)
+            call read_bound(rule(first:last), range%upper, valid)
         case ('[', '(')
             comma = index(rule, ',')
             valid = comma > 0 .and. scan(rule(last:last), '])') > 0
@@ -190,13 +157,7 @@ contains
         end select
     end subroutine parse_range
 
-    !> The number after `>`, `>=`, `<` or `<=`.
-    pure function after_sign(rule) result(bound)
-        character(*), intent(in) :: rule
-        character(:), allocatable :: bound
-        bound = rule(verify(rule // '0', '<>='):)
-    end function after_sign
-
+    !> Reads an end: a number, or a multiple of pi.
     subroutine read_bound(text, bound, valid)
         character(*), intent(in) :: text
         real(dp), intent(out) :: bound

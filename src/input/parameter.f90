@@ -40,7 +40,6 @@ module spintop_parameter
         character(:), allocatable :: unit
         !> The key whose texts name what has the unit of each element, as sweep.parameter; '' for none.
         character(:), allocatable :: unit_of
-        character(:), allocatable :: rule    !! the range as written, see spintop_number_slot
         character(:), allocatable :: what    !! one line that says what it is
         character(:), allocatable :: default !! as in a namelist, '' for none
         type(range_t) :: range
@@ -67,7 +66,6 @@ module spintop_parameter
         procedure :: add_text
         procedure :: text_length
         procedure :: text_at
-        procedure :: set_own_unit
         procedure :: set_unit
         procedure :: is_given
         procedure :: is_set => is_element_set
@@ -76,7 +74,7 @@ module spintop_parameter
         procedure :: row_text
         procedure :: element_name
         procedure :: full_name
-        procedure :: is_number, most_groups
+        procedure :: is_number
         procedure :: in_other_units
     end type parameter_t
 
@@ -122,12 +120,6 @@ contains
         is_number = any(self%kind == [kind_real, kind_integer, kind_long])
     end function is_number
 
-    !> How often its group may occur.
-    pure integer function most_groups(self) result(most)
-        class(parameter_t), intent(in) :: self
-        most = merge(self%extents(merge(2, 1, self%rank == 1)), 1, self%elements == one_per_group)
-    end function most_groups
-
     !> The other key that takes the value in another unit, as the end of a sentence; '' if there is none.
     pure function in_other_units(self) result(text)
         class(parameter_t), intent(in) :: self
@@ -160,18 +152,6 @@ contains
         end do
     end function text_at
 
-    !> Sets the unit, or whose it is.
-    subroutine set_own_unit(self, unit)
-        class(parameter_t), intent(inout) :: self
-        character(*), intent(in) :: unit !! the unit, or `of sweep.parameter`: element i has that of what element i names there
-        character(*), parameter :: of = 'of '
-        self%unit = unit
-        self%unit_of = ''
-        if (index(unit, of) /= 1) return
-        self%unit = ''
-        self%unit_of = unit(len(of) + 1:)
-    end subroutine set_own_unit
-
     !> Sets the unit in which an element was given.
     subroutine set_unit(self, row, column, unit)
         class(parameter_t), intent(inout) :: self
@@ -188,15 +168,10 @@ contains
         text_length = size(self%letters, 1)
     end function text_length
 
-    !> Whether the input gave any element (or the element of that row and column).
-    pure logical function is_given(self, row, column)
+    !> Whether the input gave any element.
+    pure logical function is_given(self)
         class(parameter_t), intent(in) :: self
-        integer, intent(in), optional :: row, column !! row and column of the element; without them any element
-        if (present(row) .and. present(column)) then
-            is_given = self%places(row, column)%source > 0
-        else
-            is_given = any(self%places%source > 0)
-        end if
+        is_given = any(self%places%source > 0)
     end function is_given
 
     !> Whether an element has a value, given or by default.
@@ -238,28 +213,6 @@ contains
         end select
     end subroutine clear_row
 
-    !> One element as in a namelist; '' if it has no value.
-    function element_text(self, row, column) result(text)
-        class(parameter_t), intent(in) :: self
-        integer, intent(in) :: row, column
-        character(:), allocatable :: text
-
-        text = ''
-        if (.not. self%is_set(row, column)) return
-        select case (self%kind)
-        case (kind_real)
-            text = to_text(self%reals(row, column))
-        case (kind_integer)
-            text = to_text(self%integers(row, column))
-        case (kind_long)
-            text = to_text(self%long)
-        case (kind_text)
-            text = quoted(trim(self%text_at(column)))
-        case (kind_logical)
-            text = trim(merge('.true. ', '.false.', self%flag))
-        end select
-    end function element_text
-
     !> The elements of a row as a list, without those that have no value.
     subroutine row_text(self, row, elements, columns)
         class(parameter_t), intent(in) :: self
@@ -275,7 +228,18 @@ contains
             if (.not. self%is_set(row, i)) cycle
             found = found + 1
             columns(found) = i
-            elements(found)%text = element_text(self, row, i)
+            select case (self%kind)
+            case (kind_real)
+                elements(found)%text = to_text(self%reals(row, i))
+            case (kind_integer)
+                elements(found)%text = to_text(self%integers(row, i))
+            case (kind_long)
+                elements(found)%text = to_text(self%long)
+            case (kind_text)
+                elements(found)%text = quoted(trim(self%text_at(i)))
+            case (kind_logical)
+                elements(found)%text = trim(merge('.true. ', '.false.', self%flag))
+            end select
         end do
     end subroutine row_text
 

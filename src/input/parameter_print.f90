@@ -15,54 +15,30 @@ contains
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         type(string_t), allocatable, intent(out) :: lines(:) !! lines of text
         character(*), intent(in), optional :: groups !! 'a|b': print only these
-        integer :: group, i, before, most, number
+        integer :: group, i, before, number
 
         allocate (lines(0))
         do group = 1, size(table%groups)
-            associate (name => table%groups(group)%name)
+            associate (name => table%groups(group)%name, most => table%groups(group)%most)
                 if (present(groups)) then
                     if (index('|' // groups // '|', '|' // name // '|') == 0) cycle
                 end if
-                most = 1
-                do i = 1, table%count
-                    if (table%parameters(i)%group == name) most = table%parameters(i)%most_groups()
-                end do
                 do number = 1, most
                     before = size(lines)
+                    call append(lines, '&' // name)
                     do i = 1, table%count
-                        if (table%parameters(i)%group /= name) cycle
-                        if (most > 1) then
-                            call print_one(table%parameters(i), number, name, before, lines)
-                        else if (table%parameters(i)%value_text() /= '') then
-                            if (size(lines) == before) call append(lines, '&' // name)
-                            call print_parameter(table%parameters(i), lines)
-                        end if
+                        if (table%parameters(i)%group == name) &
+                            call print_parameter(table%parameters(i), merge(number, 0, most > 1), lines)
                     end do
-                    if (size(lines) > before) call append(lines, '/')
+                    if (size(lines) > before + 1) then
+                        call append(lines, '/')
+                    else
+                        lines = lines(:before)
+                    end if
                 end do
             end associate
         end do
     end subroutine print_namelist
-
-    !> What the group of a number has of a parameter of repeated groups.
-    subroutine print_one(parameter, number, name, before, lines)
-        type(parameter_t), intent(in) :: parameter
-        integer, intent(in) :: number, before !! number of the group, and of the lines before it
-        character(*), intent(in) :: name
-        type(string_t), allocatable, intent(inout) :: lines(:)
-        type(string_t), allocatable :: elements(:)
-        integer, allocatable :: columns(:)
-        integer :: i
-
-        allocate (elements(0)) ! else gfortran 12 warns of its bounds
-        call parameter%row_text(merge(1, number, parameter%rank == 1), elements, columns)
-        do i = 1, size(columns)
-            if (parameter%rank == 1 .and. columns(i) /= number) cycle
-            if (size(lines) == before) call append(lines, '&' // name)
-            if (parameter%rank == 1) call append(lines, '    ' // parameter%key // ' = ' // elements(i)%text)
-            if (parameter%rank == 2 .and. i == 1) call append_words(lines, '    ' // parameter%key // ' = ', elements)
-        end do
-    end subroutine print_one
 
     !> The groups in which the input gives something, as `a|b`.
     function given_groups(table) result(groups)
@@ -80,8 +56,10 @@ contains
         end do
     end function given_groups
 
-    subroutine print_parameter(parameter, lines)
+    !> All that a parameter has, or what it has in one of the groups of this name.
+    subroutine print_parameter(parameter, number, lines)
         type(parameter_t), intent(in) :: parameter
+        integer, intent(in) :: number !! of the group, 0 if there is only one
         type(string_t), allocatable, intent(inout) :: lines(:)
         character(*), parameter :: indent = '    '
         type(string_t), allocatable :: elements(:)
@@ -89,17 +67,20 @@ contains
         character(:), allocatable :: key
         integer :: row, i
 
+        key = indent // parameter%key
         do row = 1, parameter%extents(1)
+            if (parameter%rank == 2 .and. number > 0 .and. row /= number) cycle
             call parameter%row_text(row, elements, columns)
-            key = parameter%key
-            if (parameter%rank == 2) key = key // '(' // to_text(row) // ',:)'
             if (size(columns) == 0) cycle
-            if (columns(size(columns)) == size(columns)) then
-                call append_words(lines, indent // key // ' = ', elements)
+            if (parameter%rank == 2 .and. number == 0) key = indent // parameter%key // '(' // to_text(row) // ',:)'
+            if (parameter%rank == 1 .and. number > 0) then
+                i = findloc(columns, number, dim=1)
+                if (i > 0) call append(lines, key // ' = ' // elements(i)%text)
+            else if (columns(size(columns)) == size(columns)) then
+                call append_words(lines, key // ' = ', elements)
             else
                 do i = 1, size(columns)
-                    call append(lines, indent // parameter%element_name(row, columns(i)) // ' = ' // &
-                        elements(i)%text)
+                    call append(lines, indent // parameter%element_name(row, columns(i)) // ' = ' // elements(i)%text)
                 end do
             end if
         end do
@@ -124,7 +105,7 @@ contains
                 cells(1, i)%text = parameter%full_name()
                 cells(2, i)%text = parameter%unit
                 cells(3, i)%text = parameter%default
-                cells(4, i)%text = parameter%rule
+                cells(4, i)%text = parameter%range%rule
                 cells(5, i)%text = parameter%what
             end associate
         end do

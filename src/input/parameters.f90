@@ -30,6 +30,7 @@ module spintop_parameters
         character(:), allocatable :: name
         type(place_t) :: place = place_t()
         integer :: count = 0 !! how many times it was given
+        integer :: most = 1  !! how often it may be given
     end type group_t
 
     !> All parameters of an input, and the places where they were given.
@@ -46,7 +47,7 @@ module spintop_parameters
         !> `add(name, variable, what)` for logicals.
         generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, add_long, &
             add_text, add_texts, add_flag
-        procedure :: find, find_group, find_number, is_given, locate, place_of, key_place_of
+        procedure :: find, find_group, find_number, is_given, locate, place_of
         procedure :: verify => verify_table
         procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers, add_long
         procedure, private :: add_text, add_texts, add_flag
@@ -57,9 +58,8 @@ contains
     !> A real number.
     subroutine add_real(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%reals, [1, 1])
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -68,9 +68,8 @@ contains
     !> Reals; `elements` specifies which must be given together (default: all_elements).
     subroutine add_reals(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, contiguous, intent(inout) :: variable(:)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
@@ -81,9 +80,8 @@ contains
     !> Rows of reals; `elements` specifies which of a row must be given together (default: leading_elements).
     subroutine add_real_rows(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         real(dp), target, intent(inout) :: variable(:, :)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
@@ -94,9 +92,8 @@ contains
     !> An integer.
     subroutine add_integer(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer, target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%integers, [1, 1])
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -105,9 +102,8 @@ contains
     !> An integer of 64 bits. It cannot be an axis of a sweep.
     subroutine add_long(self, name, variable, unit, range, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer(int64), target, intent(inout) :: variable
-        character(*), intent(in) :: unit, range, what
         type(parameter_t) :: parameter
         parameter%long => variable
         call append(self, parameter, 0, name, what, unit=unit, range=range)
@@ -116,9 +112,8 @@ contains
     !> Integers; `elements` specifies which must be given together (default: all_elements).
     subroutine add_integers(self, name, variable, unit, range, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, unit, range, what
         integer, target, contiguous, intent(inout) :: variable(:)
-        character(*), intent(in) :: unit, range, what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = all_elements
@@ -129,10 +124,9 @@ contains
     !> A text, or one of the words in `choices` ('a|b|c').
     subroutine add_text(self, name, variable, choices, what, aliases)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         character(*), target, intent(inout) :: variable
         character(*), intent(in), optional :: choices
-        character(*), intent(in) :: what
         character(*), intent(in), optional :: aliases(:) !! `other=own`: another name of one of the choices
         type(parameter_t) :: parameter
         call c_f_pointer(c_loc(variable), parameter%letters, [len(variable), 1])
@@ -143,10 +137,9 @@ contains
     !> Texts; `elements` specifies which must be given together (default: leading_elements).
     subroutine add_texts(self, name, variable, choices, what, elements)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         character(*), target, contiguous, intent(inout) :: variable(:)
         character(*), intent(in), optional :: choices
-        character(*), intent(in) :: what
         integer, intent(in), optional :: elements
         type(parameter_t) :: parameter
         parameter%elements = leading_elements
@@ -157,9 +150,8 @@ contains
     !> A logical value.
     subroutine add_flag(self, name, variable, what)
         class(parameter_table_t), intent(inout) :: self
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name, what
         logical, target, intent(inout) :: variable
-        character(*), intent(in) :: what
         type(parameter_t) :: parameter
         parameter%flag => variable
         call append(self, parameter, 0, name, what)
@@ -174,7 +166,9 @@ contains
         character(*), intent(in), optional :: unit, range, choices
         integer, intent(in), optional :: elements
         type(parameter_t), allocatable :: more(:)
+        character(*), parameter :: of = 'of ' ! `of sweep.parameter`: element i has the unit of what element i names there
         type(group_t) :: group
+        character(:), allocatable :: rule
         integer :: known
         logical :: valid
 
@@ -187,15 +181,20 @@ contains
         parameter%key = name(index(name, '.') + 1:)
         parameter%what = what
         parameter%unit = ''
-        if (present(unit)) call parameter%set_own_unit(unit)
+        parameter%unit_of = ''
+        if (present(unit)) parameter%unit = unit
+        if (index(parameter%unit, of) == 1) then
+            parameter%unit_of = unit(len(of) + 1:)
+            parameter%unit = ''
+        end if
         call split('', '|', parameter%choices)
         if (present(choices)) call split(choices, '|', parameter%choices)
         if (.not. allocated(parameter%aliases)) allocate (parameter%aliases(0))
         if (present(elements)) parameter%elements = elements
-        parameter%rule = ''
-        if (present(range)) parameter%rule = range
-        call parse_range(parameter%rule, parameter%range, valid)
-        if (.not. valid) self%defect = name // ': bad range ' // parameter%rule
+        rule = ''
+        if (present(range)) rule = range
+        call parse_range(rule, parameter%range, valid)
+        if (.not. valid) self%defect = name // ': bad range ' // rule
 
         if (self%count == size(self%parameters)) then
             allocate (more(2 * self%count))
@@ -204,12 +203,11 @@ contains
         end if
         self%count = self%count + 1
         self%parameters(self%count) = parameter
-        if (ends_in_degrees(name)) then
-            known = self%find(name(:len(name) - len(degrees)))
-            if (known > 0) self%parameters(known)%key_in_degrees = parameter%key
-        end if
+        known = find_in_radians(self, name)
+        if (known > 0) self%parameters(known)%key_in_degrees = parameter%key
         if (self%find_group(parameter%group) > 0) return
         group%name = parameter%group
+        if (parameter%elements == one_per_group) group%most = parameter%extents(merge(2, 1, rank == 1))
         self%groups = [self%groups, group]
     end subroutine append
 
@@ -253,27 +251,20 @@ contains
                 problem = quoted(name) // ' is not a number'
                 return
             end if
-            if (parameter%kind == kind_real) call slot%bind_real(parameter%reals(row, column), parameter%range)
-            if (parameter%kind == kind_integer) call slot%bind_integer(parameter%integers(row, column), parameter%range)
-            slot%rule = parameter%rule // parameter%in_other_units()
+            slot%range = parameter%range
+            slot%range%rule = parameter%range%rule // parameter%in_other_units()
         end associate
+        if (self%parameters(number)%kind == kind_real) slot%real_value => self%parameters(number)%reals(row, column)
+        if (self%parameters(number)%kind == kind_integer) slot%integer_value => self%parameters(number)%integers(row, column)
     end subroutine find_number
 
     !> Whether the input gave the parameter, or the element, of that name.
     logical function is_given(self, name)
         class(parameter_table_t), intent(in) :: self
         character(*), intent(in) :: name !! `group.key`
-        character(:), allocatable :: problem
-        integer :: number, row, column
-
-        number = self%find(name)
-        if (number > 0) then
-            is_given = self%parameters(number)%is_given()
-            return
-        end if
-        call self%locate(name, number, row, column, problem)
-        is_given = problem == ''
-        if (is_given) is_given = self%parameters(number)%is_given(row, column)
+        type(place_t) :: place
+        place = given_place(self, name)
+        is_given = place%source > 0
     end function is_given
 
     !> The place for a message about a parameter, an element or a group: where it was given, else its group,
@@ -281,40 +272,37 @@ contains
     type(place_t) function place_of(self, name) result(place)
         class(parameter_table_t), intent(in) :: self
         character(*), intent(in) :: name !! `group.key`
+        integer :: number
+
+        place = given_place(self, name)
+        if (place%source > 0) return
+        number = self%find_group(name(:index(name // '.', '.') - 1))
+        if (number > 0) place = self%groups(number)%place
+        if (place%source == 0) place = self%place
+    end function place_of
+
+    !> Where the input gave an element, or the first one of a parameter; none if it did not.
+    type(place_t) function given_place(self, name) result(place)
+        type(parameter_table_t), intent(in) :: self
+        character(*), intent(in) :: name
         character(:), allocatable :: problem
         integer :: number, row, column
 
-        place = self%place
-        number = self%find_group(name(:index(name // '.', '.') - 1))
-        if (number > 0) then
-            if (self%groups(number)%place%source > 0) place = self%groups(number)%place
-        end if
         number = self%find(name)
-        if (number > 0) then
-            associate (places => self%parameters(number)%places)
-                do row = size(places, 1), 1, -1
-                    do column = size(places, 2), 1, -1
-                        if (places(row, column)%source > 0) place = places(row, column)
-                    end do
-                end do
-            end associate
-        else
+        if (number == 0) then
             call self%locate(name, number, row, column, problem)
-            if (problem /= '') return
-            if (self%parameters(number)%is_given(row, column)) then
-                place = self%parameters(number)%places(row, column)
-            end if
+            if (problem == '') place = self%parameters(number)%places(row, column)
+            return
         end if
-    end function place_of
-
-    !> The place of the key of a parameter, or the result of place_of if it was not given.
-    type(place_t) function key_place_of(self, name) result(place)
-        class(parameter_table_t), intent(in) :: self
-        character(*), intent(in) :: name !! `group.key`
-        place = self%place_of(name)
-        if (self%find(name) == 0) return
-        if (self%is_given(name)) place = self%parameters(self%find(name))%key_place
-    end function key_place_of
+        associate (places => self%parameters(number)%places)
+            do row = 1, size(places, 1)
+                column = findloc(places(row, :)%source > 0, .true., dim=1)
+                if (column == 0) cycle
+                place = places(row, column)
+                return
+            end do
+        end associate
+    end function given_place
 
     !> Finds the element of a name such as `top.mass`, `top.inertia(2)`, `sweep.values(1,3)`.
     subroutine locate(self, name, number, row, column, problem)
@@ -368,14 +356,16 @@ contains
         end associate
     end subroutine locate
 
-    !> Whether a name ends in the suffix for degrees.
-    pure logical function ends_in_degrees(name)
+    !> Index of the parameter whose name this one is, but for the suffix for degrees; 0 if there is none.
+    pure integer function find_in_radians(self, name) result(number)
+        type(parameter_table_t), intent(in) :: self
         character(*), intent(in) :: name
         integer :: last
+        number = 0
         last = len_trim(name) - len(degrees)
-        ends_in_degrees = .false.
-        if (last > 0) ends_in_degrees = name(last + 1:len_trim(name)) == degrees
-    end function ends_in_degrees
+        if (last <= 0) return
+        if (name(last + 1:) == degrees) number = self%find(name(:last))
+    end function find_in_radians
 
     !> The hint for a parameter in radians that is named as if it were in degrees; '' for other names.
     function unit_hint(table, name) result(hint)
@@ -384,8 +374,7 @@ contains
         character(:), allocatable :: hint
         integer :: number
         hint = ''
-        if (.not. ends_in_degrees(name)) return
-        number = table%find(name(:len_trim(name) - len(degrees)))
+        number = find_in_radians(table, name)
         if (number == 0) return
         associate (parameter => table%parameters(number))
             if (index(parameter%unit, 'rad') /= 1) return
@@ -434,36 +423,28 @@ contains
         character(:), allocatable, intent(out) :: missing !! its full name; '' if none is missing
         integer, intent(out) :: given !! which of `names` requires it; 0 if none is missing
         character(:), allocatable :: problem
-        integer :: at(3, size(names)), i
+        logical, allocatable :: filled(:, :)
+        integer :: at(3, size(names)), i, k
 
         do i = 1, size(names)
             call table%locate(names(i)%text, at(1, i), at(2, i), at(3, i), problem)
         end do
-        given = 0
         missing = ''
         do i = 1, size(names)
-            missing = missing_in(table%parameters(at(1, i)), at(2:, :), at(1, :) == at(1, i))
-            if (missing == '') cycle
-            given = i
-            missing = table%parameters(at(1, i))%group // '.' // missing
-            return
+            associate (parameter => table%parameters(at(1, i)))
+                allocate (filled(parameter%extents(1), parameter%extents(2)), source=.false.)
+                do k = 1, size(names)
+                    if (at(1, k) == at(1, i)) filled(at(2, k), at(3, k)) = .true.
+                end do
+                missing = missing_element(parameter, filled)
+                deallocate (filled)
+                if (missing == '') cycle
+                given = i
+                missing = parameter%group // '.' // missing
+                return
+            end associate
         end do
+        given = 0
     end subroutine find_missing_beside
-
-    !> What is missing in a parameter of which some elements get their values elsewhere.
-    function missing_in(parameter, places, is_here) result(missing)
-        type(parameter_t), intent(in) :: parameter
-        integer, intent(in) :: places(:, :) !! row and column of elements
-        logical, intent(in) :: is_here(:) !! which of them are of this parameter
-        character(:), allocatable :: missing
-        logical :: filled(parameter%extents(1), parameter%extents(2))
-        integer :: i
-
-        filled = .false.
-        do i = 1, size(is_here)
-            if (is_here(i)) filled(places(1, i), places(2, i)) = .true.
-        end do
-        missing = missing_element(parameter, filled)
-    end function missing_in
 
 end module spintop_parameters

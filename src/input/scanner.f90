@@ -26,7 +26,12 @@ module spintop_scanner
 
     character, parameter :: tab = achar(9), line_feed = achar(10), carriage_return = achar(13)
     character(*), parameter :: blanks = ' ' // tab // carriage_return
-    character(*), parameter :: ends_of_word = blanks // line_feed // ',=()/:&''"'
+    !> The signs that are tokens, and the kinds of these.
+    character(*), parameter :: signs = '/=,():'
+    integer, parameter :: kinds_of_signs(len(signs)) = [token_slash, token_equals, token_comma, token_open, token_close, &
+        token_colon]
+    !> The last one only where there are comments.
+    character(*), parameter :: ends_of_word = blanks // line_feed // signs // '&''"!'
     character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
     character(*), parameter :: name_characters = letters // '0123456789_'
     character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
@@ -101,28 +106,14 @@ contains
                 length = run(self, self%at%position + 1, name_characters, .true.)
                 token%kind = merge(token_group, token_other, length > 0)
                 token%last = self%at%position + length
-            case ('/')
-                token%kind = token_slash
-            case ('=')
-                token%kind = token_equals
-            case (',')
-                token%kind = token_comma
-            case ('(')
-                token%kind = token_open
-            case (')')
-                token%kind = token_close
-            case (':')
-                token%kind = token_colon
+            case ('/', '=', ',', '(', ')', ':')
+                token%kind = kinds_of_signs(index(signs, self%text(self%at%position:self%at%position)))
             case ('''', '"')
                 token%kind = token_string
                 call end_of_string(self, token%last, token%closed)
             case default
                 token%kind = token_word
-                if (self%comments) then
-                    length = run(self, self%at%position, ends_of_word // '!', .false.)
-                else
-                    length = run(self, self%at%position, ends_of_word, .false.)
-                end if
+                length = run(self, self%at%position, ends_of_word(:len(ends_of_word) - merge(0, 1, self%comments)), .false.)
                 token%last = self%at%position + length - 1
             end select
         end if

@@ -10,7 +10,7 @@ module spintop_units
     use spintop_text, only: append, join, lower_case, string_t, to_text
     implicit none
     private
-    public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word, unit_words
+    public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word
 
     !> A word: its size in the units of the SI, and the exponents of kg, m, s and rad. An angle is a dimension of its own here, so
     !> that degrees are not taken for numbers.
@@ -76,30 +76,25 @@ contains
         real(dp), intent(out) :: factor !! 1 if there is a problem
         character(:), allocatable, intent(out) :: problem !! why it cannot be converted
         real(dp) :: size_given, size_wanted
-        integer :: of_given(4), of_wanted(4)
+        integer :: of_given(4), of_wanted(4), per_angle(4)
 
         factor = 1
         call parse(trim(adjustl(given)), size_given, of_given, problem)
         if (problem /= '') return
         call parse(trim(adjustl(wanted)), size_wanted, of_wanted, problem)
+        ! A torque per power of a rate, such as that of damping, has an angle too: N m s/rad for N m s.
+        per_angle = of_wanted
+        if (all(of_wanted([1, 2, 4]) == [1, 2, 0])) per_angle(4) = -(of_wanted(3) + 2)
         if (problem /= '' .or. wanted == '') then
             problem = 'a number without a unit is wanted'
             if (wanted /= '') problem = 'a number in ' // trim(wanted) // ' is wanted, without a unit'
-        else if (any(of_given /= of_wanted) .and. any(of_given /= per_angle(of_wanted))) then
+        else if (any(of_given /= of_wanted) .and. any(of_given /= per_angle)) then
             problem = trim(adjustl(given)) // ' is no unit of a quantity in ' // trim(wanted)
             if (all(of_given(:3) == of_wanted(:3)) .and. of_given(4) == 0) problem = problem // ': an angle is missing in it'
         else
             factor = size_given / size_wanted
         end if
     end subroutine convert_unit
-
-    !> The dimension of a torque per power of a rate, such as that of damping, with its angle: N m s/rad for N m s.
-    pure function per_angle(exponents) result(with_angle)
-        integer, intent(in) :: exponents(4)
-        integer :: with_angle(4)
-        with_angle = exponents
-        if (all(exponents([1, 2, 4]) == [1, 2, 0])) with_angle(4) = -(exponents(3) + 2)
-    end function per_angle
 
     !> The unit that a suffix of the name of a quantity stands for: a word of its dimension, as `rpm` of rad/s, or a word in the
     !> place of the first one of its unit, as `deg` of rad/s, which is deg/s.
@@ -122,18 +117,22 @@ contains
         problem = ''
     end subroutine find_unit
 
-    !> The suffixes that the name of a quantity can have.
-    subroutine suffixes_of(wanted, suffixes)
+    !> The suffixes that the name of a quantity can have, and the unit of each.
+    subroutine suffixes_of(wanted, suffixes, units)
         character(*), intent(in) :: wanted !! the unit of the quantity
         type(string_t), allocatable, intent(out) :: suffixes(:) !! in the order of the table; none of a number without a unit
+        type(string_t), allocatable, intent(out), optional :: units(:) !! as many
         character(:), allocatable :: unit, problem
         real(dp) :: factor
         integer :: i
 
         allocate (suffixes(0))
+        if (present(units)) allocate (units(0))
         do i = 1, size(words)
             call find_unit(trim(words(i)%name), wanted, unit, factor, problem)
-            if (problem == '') call append(suffixes, trim(words(i)%name))
+            if (problem /= '') cycle
+            call append(suffixes, trim(words(i)%name))
+            if (present(units)) call append(units, unit)
         end do
     end subroutine suffixes_of
 
@@ -142,17 +141,9 @@ contains
         character(*), intent(in) :: wanted !! the unit of the quantity
         character(:), allocatable :: text
         type(string_t), allocatable :: suffixes(:), units(:)
-        character(:), allocatable :: unit, problem
-        real(dp) :: factor
-        integer :: i
 
-        call suffixes_of(wanted, suffixes)
-        allocate (units(0))
-        if (size(suffixes) == 0) call append(units, wanted)
-        do i = 1, size(suffixes)
-            call find_unit(suffixes(i)%text, wanted, unit, factor, problem)
-            call append(units, unit)
-        end do
+        call suffixes_of(wanted, suffixes, units)
+        if (size(units) == 0) call append(units, wanted)
         text = 'units are ' // join(units, ', ')
         if (wanted == '') text = 'write it without a unit'
     end function units_of
@@ -171,7 +162,7 @@ contains
         integer, intent(out) :: exponents(4)
         character(:), allocatable, intent(out) :: problem
         character(:), allocatable :: name
-        integer :: at, after, power, sign_of_power, i
+        integer :: at, after, power, sign_of_power, status, i
         logical :: is_known
 
         total = 1
@@ -192,8 +183,13 @@ contains
             name = text(at:after - 1)
             power = 1
             at = after
-            if (at <= len(text)) then
-                if (text(at:at) == '^') call read_power()
+            if (text(at:min(at, len(text))) == '^') then
+                ! One digit, with a sign or without.
+                after = verify(text(at + 1:) // ' ', '+-0123456789') + at
+                read (text(at + 1:after - 1), *, iostat=status) power
+                if (status /= 0 .or. after == at + 1 .or. abs(power) > 9) problem = "'" // text // &
+                    "' has no whole exponent at " // to_text(at)
+                at = after
             end if
             if (problem /= '') return
             is_known = .false.
@@ -214,20 +210,6 @@ contains
             end if
             sign_of_power = 1
         end do
-
-    contains
-
-        !> Reads an exponent: one digit, with a sign or without.
-        subroutine read_power()
-            integer :: first, status
-            first = at + 1
-            after = verify(text(first:) // ' ', '+-0123456789') + first - 1
-            read (text(first:after - 1), *, iostat=status) power
-            if (status /= 0 .or. after == first .or. abs(power) > 9) problem = "'" // text // "' has no whole exponent at " // &
-                                                                               to_text(at)
-            at = after
-        end subroutine read_power
-
     end subroutine parse
 
 end module spintop_units

@@ -8,7 +8,7 @@ module spintop_fixed_step
     use spintop_stepper, only: run_state_t, stepper_t
     implicit none
     private
-    public :: dense_output_t, grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, grid_time, longest_step
+    public :: grid_stepper_t, fixed_step_t, begin_on_grid, advance_on_grid, grid_time, longest_step
 
     !> Highest level, and degree of its polynomial.
     integer, parameter :: max_level = 4, max_degree = max_level + 3
@@ -18,8 +18,8 @@ module spintop_fixed_step
 
     !> The polynomial of one step, and the factors for its computation.
     type :: dense_output_t
-        private
-        integer :: level = 0
+        !> Highest level in use; -1 before the order of the method is known.
+        integer :: level = -1
         !> Factors of the conditions of each level.
         real(dp) :: factors(max_unknowns, max_unknowns, 0:max_level) = 0
         integer :: pivots(max_unknowns, 0:max_level) = 0
@@ -38,23 +38,24 @@ module spintop_fixed_step
     !> Near the end of its equations a run steps by at most this fraction of the time left.
     real(dp), parameter :: share_of_time_left = 0.25_dp
 
-    !> A method that can follow the grid t_begin + n (t_end - t_begin)/steps.
+    !> A method that can follow the grid t_begin + n (t_end - t_begin)/steps. It keeps the polynomial of the last step after dense
+    !> output was needed.
     type, extends(stepper_t), abstract :: grid_stepper_t
-    contains
-        procedure :: begin => begin_on_grid
-        procedure :: advance => advance_on_grid
-        procedure(try_step), deferred :: try_step
-    end type grid_stepper_t
-
-    !> A method with one step formula. It keeps the polynomial of the last step after dense output was needed.
-    type, extends(grid_stepper_t), abstract :: fixed_step_t
         type(dense_output_t) :: dense = dense_output_t()
         !> End of the step to which the polynomial belongs, s.
         real(dp) :: t_fitted = -huge(1.0_dp)
     contains
-        procedure :: try_step => try_formula
+        procedure :: begin => begin_on_grid
+        procedure :: advance => advance_on_grid
+        procedure(try_step), deferred :: try_step
         procedure :: state_within
         procedure :: states_within
+    end type grid_stepper_t
+
+    !> A method with one step formula.
+    type, extends(grid_stepper_t), abstract :: fixed_step_t
+    contains
+        procedure :: try_step => try_formula
         procedure(step), deferred :: step
     end type fixed_step_t
 
@@ -168,7 +169,7 @@ contains
 
     !> Whether steps start from the slope; those by drift and kick do not, whose slopes are evaluated for dense output only.
     pure logical function starts_from_slope(self)
-        class(fixed_step_t), intent(in) :: self
+        class(grid_stepper_t), intent(in) :: self
         starts_from_slope = self%info%needs /= structure_split
     end function starts_from_slope
 
@@ -178,6 +179,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
         if (self%controls%steps > 0) self%h = (self%t_end - self%t_begin) / self%controls%steps
+        self%t_fitted = -huge(self%t)
         call self%evaluate(self%t, self%y, self%slope, status)
     end subroutine begin_on_grid
 
@@ -249,7 +251,7 @@ contains
 
     !> The state within the last step, to the order of the method (at least 4, at most 8).
     function state_within(self, t) result(y)
-        class(fixed_step_t), intent(inout) :: self
+        class(grid_stepper_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
 
@@ -260,7 +262,7 @@ contains
 
     !> The states at several times within the last step, all by the same instructions.
     subroutine states_within(self, t, y)
-        class(fixed_step_t), intent(inout) :: self
+        class(grid_stepper_t), intent(inout) :: self
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
 
@@ -271,14 +273,14 @@ contains
 
     !> Fits the polynomial of the last step, if this was not done yet.
     subroutine fit_step(self)
-        class(fixed_step_t), intent(inout) :: self
+        class(grid_stepper_t), intent(inout) :: self
         integer :: status
         if (is_equal(self%t_fitted, self%t)) return
         if (.not. starts_from_slope(self)) then
             call self%evaluate(self%t_last, self%y_last, self%slope_last, status)
             call self%evaluate(self%t, self%y, self%slope, status)
         end if
-        call self%dense%set_order(self%order())
+        if (self%dense%level < 0) call self%dense%set_order(self%order())
         call self%dense%fit(self%run_state_t, self%slope_last)
         self%t_fitted = self%t
     end subroutine fit_step

@@ -109,7 +109,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: slope(max_states)
+        real(dp) :: slope(max_states), noise, h
         logical :: is_idle
 
         associate (formulation => self%formulation, stepper => self%method)
@@ -126,14 +126,16 @@ contains
             self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
             self%follower%formulation => formulation
             if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+            self%error_of_step = margin * noise
             if (stepper%controls%steps > 0) then
-                self%error_of_step = margin * noise_of_step(body, start, stepper%t_end / stepper%controls%steps, stepper%order())
-            else
-                self%error_of_step = margin * noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
+                h = stepper%t_end / stepper%controls%steps
+                self%slack = grid_slack * h
+                self%error_of_step = margin * noise_of_step(body, start, h, stepper%order())
+                noise = noise_within_step(body, start, h, stepper%order())
             end if
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
-            if (stepper%controls%steps > 0) self%slack = grid_slack * stepper%t_end / stepper%controls%steps
             call observe_until(self, 0.0_dp)
             call leave_rest(self)
             call stepper%begin(status)
@@ -144,25 +146,11 @@ contains
             end if
             if (.not. associated(self%search)) return
             if (self%account%is_open) self%path%account => self%account
-            if (stepper%controls%steps > 0) then
-                self%search%method_noise = noise_within_step(body, start, stepper%t_end / stepper%controls%steps, &
-                    stepper%order())
-            else
-                self%search%method_noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
-            end if
+            self%search%method_noise = noise
             call self%search%begin(body, motion_of_follower(self%follower))
             call self%search%judge(body, start)
         end associate
     end subroutine begin_run
-
-    !> Sets from which time on the steps are examined.
-    pure subroutine set_due(self)
-        type(run_t), intent(inout) :: self
-        self%due = -huge(self%due)
-        if (self%looks_at_steps) return
-        self%due = huge(self%due)
-        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
-    end subroutine set_due
 
     !> Ends a step of a body with effects: the work up to there, and whether the body has come to rest, which may end the run.
     subroutine end_step(self, status, ends)
@@ -251,7 +239,10 @@ contains
             call walk_to(self%follower, stepper, stepper%t, stepper%y)
             if (self%observer%sees_steps .and. self%shown < stepper%t) call show(self)
         end associate
-        call set_due(self)
+        self%due = -huge(self%due)
+        if (self%looks_at_steps) return
+        self%due = huge(self%due)
+        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
     end subroutine observe_until
 
     !> Passes the remaining samples, and the end, of a run that ends within the last step to the observer.
@@ -290,7 +281,7 @@ contains
     !> step of a fixed-step method, or by a short time before an adaptive one begins.
     subroutine leave_rest(self)
         type(run_t), intent(inout) :: self
-        real(dp) :: h, y(max_states)
+        real(dp) :: h, y(max_states), time, y_then(max_states)
         logical :: departed
 
         if (.not. self%formulation%has_ends) return
@@ -307,7 +298,11 @@ contains
             end if
             do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
-                call observe_departure(self, self%samples(self%next))
+                time = self%samples(self%next)
+                y_then = stepper%y
+                call self%formulation%depart(y_then, time, departed)
+                call go_to(self%follower, time, y_then)
+                call show(self)
                 self%next = self%next + 1
             end do
             stepper%y = y
@@ -316,19 +311,6 @@ contains
             stepper%counts%steps = 1
         end associate
     end subroutine leave_rest
-
-    !> Passes the motion at a time shortly after such a start to the observer.
-    subroutine observe_departure(self, t)
-        type(run_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        real(dp) :: time, y_then(max_states)
-        logical :: unused
-        time = t
-        y_then = self%stepper%y
-        call self%formulation%depart(y_then, time, unused)
-        call go_to(self%follower, t, y_then)
-        call show(self)
-    end subroutine observe_departure
 
     !> Ends a run that is close to the end of its equations: at the turning point, not beyond.
     subroutine check_arrival(self, status)

@@ -9,8 +9,7 @@ module spintop_methods
     use spintop_kinds, only: dp
     use spintop_lie_group, only: commutator_free_t, munthe_kaas_t
     use spintop_runge_kutta, only: ode45_t, classical_table, dormand_prince_table, explicit_table, runge_kutta_t
-    use spintop_splitting, only: composition_4_table, composition_6_table, composition_8_table, nystrom_4_table, &
-        nystrom_6_table, splitting_t, strang_table
+    use spintop_splitting, only: splitting_t, splitting_table
     use spintop_status, only: status_ok, status_unknown_name
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_taylor, only: taylor_info, taylor_t, taylor_quadruple_t
@@ -110,17 +109,17 @@ contains
             'commutator_free_4', 'commutator-free method of Celledoni, Marthinsen and Owren', &
             order=4, fixed_step=.true., needs=structure_group)))
         known%family = 'splitting'
-        call known%add(splitting_t(nystrom=strang_table(), general=strang_table(), info=method_info_t( &
+        call known%add(splitting_t(table=splitting_table(2, [.false., .true.]), info=method_info_t( &
             'splitting_2', 'kick, drift, kick (Stoermer, Verlet, Strang)', &
             order=2, fixed_step=.true., symmetric=.true., needs=structure_split)))
-        call known%add(splitting_t(nystrom=nystrom_4_table(), general=composition_4_table(), &
-            info=method_info_t('splitting_4', 'splitting of Blanes and Moan (2002), or of Suzuki (1990)', &
+        call known%add(splitting_t(table=splitting_table(4, [.false., .true.]), info=method_info_t( &
+            'splitting_4', 'splitting of Blanes and Moan (2002), or of Suzuki (1990)', &
             order=4, fixed_step=.true., symmetric=.true., needs=structure_split)))
-        call known%add(splitting_t(nystrom=nystrom_6_table(), general=composition_6_table(), &
-            info=method_info_t('splitting_6', 'splitting of Blanes and Moan (2002), or of Kahan and Li (1997)', &
+        call known%add(splitting_t(table=splitting_table(6, [.false., .true.]), info=method_info_t( &
+            'splitting_6', 'splitting of Blanes and Moan (2002), or of Kahan and Li (1997)', &
             order=6, fixed_step=.true., symmetric=.true., needs=structure_split)))
-        call known%add(splitting_t(nystrom=composition_8_table(), general=composition_8_table(), &
-            info=method_info_t('splitting_8', 'splitting of Kahan and Li (1997)', &
+        call known%add(splitting_t(table=splitting_table(8, [.false., .true.]), info=method_info_t( &
+            'splitting_8', 'splitting of Kahan and Li (1997)', &
             order=8, fixed_step=.true., symmetric=.true., needs=structure_split)))
         known%family = 'embedded Runge-Kutta'
         call known%add(ode45_t(table=dormand_prince_table(), info=method_info_t( &

@@ -341,8 +341,10 @@ contains
         class(run_state_t), intent(inout) :: self
         real(dp), intent(in) :: t_new, change(max_states) !! time, s, and change of the state
         logical, intent(out) :: changed !! whether the state was changed
-        real(dp) :: y_new(max_states)
-        call add_change(self%y, change, self%rest, y_new)
+        real(dp) :: total(max_states), y_new(max_states)
+        total = change + self%rest
+        y_new = self%y + total
+        self%rest = total - (y_new - self%y)
         call self%accept_step(t_new, y_new, changed)
     end subroutine accept_change
 
@@ -356,17 +358,5 @@ contains
         self%grid = other%grid
         self%counts = other%counts
     end subroutine go_on_from
-
-    !> Adds a change to a state.
-    pure subroutine add_change(y, change, rest, y_new)
-        real(dp), intent(in) :: y(max_states) !! the state
-        real(dp), intent(in) :: change(max_states) !! its change over a step
-        real(dp), intent(inout) :: rest(max_states) !! what the last sum lacks, then what this one lacks
-        real(dp), intent(out) :: y_new(max_states) !! the state after the step
-        real(dp) :: total(max_states)
-        total = change + rest
-        y_new = y + total
-        rest = total - (y_new - y)
-    end subroutine add_change
 
 end module spintop_stepper

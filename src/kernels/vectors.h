@@ -77,4 +77,9 @@ inlined half_vector cross(const half_vector *first, const half_vector *last) {
     return shuffle(c, c, 1, 2, 0, 3);
 }
 
+// One value where a condition holds, another elsewhere.
+inlined vector where(bits holds, vector value, vector other) {
+    return (vector)(((bits)value & holds) | ((bits)other & ~holds));
+}
+
 inlined vector magnitude(vector x) { return (vector)((bits)x & 0x7fffffffffffffffLL); }

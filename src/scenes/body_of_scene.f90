@@ -40,10 +40,19 @@ contains
         type(scene_t), intent(in) :: scene !! contents of the input
         type(body_t), intent(out) :: body !! mass properties about the fixed point; valid without errors in `problems`
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        logical :: are_given(size(keys))
+        integer :: i
+
         body%gravity = scene%gravity
         body%damping = scene%damping
         if (scene%parts%any()) then
-            call read_parts(scene, body, problems)
+            are_given = given_keys(scene)
+            do i = 1, size(keys)
+                if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is not for a body of parts', &
+                                                    'omit it, or the groups &part')
+            end do
+            call sum_parts(scene%parts, body%mass, body%centre_of_mass, body%inertia, body%products, problems)
+            if (.not. problems%any()) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
         else if (scene%shape == shape_by_inertia) then
             call read_inertia(scene, body, problems)
         else
@@ -57,14 +66,14 @@ contains
         type(scene_t), intent(in) :: scene
         type(body_t), intent(inout) :: body
         type(problems_t), intent(inout) :: problems
+        logical :: are_given(size(keys))
         integer :: i
 
-        associate (are_given => given_keys(scene))
-            do i = density, size(keys)
-                if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is for a shape', &
-                                                    "omit it, or name a shape other than 'inertia'")
-            end do
-        end associate
+        are_given = given_keys(scene)
+        do i = density, size(keys)
+            if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is for a shape', &
+                                                "omit it, or name a shape other than 'inertia'")
+        end do
         if (.not. is_set(scene%mass)) call require('top.mass')
         if (any(is_set(scene%inertia_tensor))) then
             call read_tensor(scene, body, problems)
@@ -166,23 +175,6 @@ contains
         end if
         if (is_tensor) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
     end subroutine refer_to_pivot
-
-    !> Mass properties that are the sum of those of the parts.
-    subroutine read_parts(scene, body, problems)
-        type(scene_t), intent(in) :: scene
-        type(body_t), intent(inout) :: body
-        type(problems_t), intent(inout) :: problems
-        integer :: i
-
-        associate (are_given => given_keys(scene))
-            do i = 1, size(keys)
-                if (are_given(i)) call problems%add(trim(keys(i)), trim(keys(i)) // ' is not for a body of parts', &
-                                                    'omit it, or the groups &part')
-            end do
-        end associate
-        call sum_parts(scene%parts, body%mass, body%centre_of_mass, body%inertia, body%products, problems)
-        if (.not. problems%any()) call clear_rounding(body%inertia, body%products, body%centre_of_mass)
-    end subroutine read_parts
 
     !> Coefficients about axes that are not principal axes must not distinguish them.
     subroutine check_axes(body, coefficients, name, what_differs, problems)

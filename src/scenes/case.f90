@@ -10,7 +10,7 @@ module spintop_case
     use spintop_effects_of_scene, only: make_effects
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation
-    use spintop_parameters, only: is_set
+    use spintop_parameters, only: given, is_set
     use spintop_problems, only: problems_t
     use spintop_quantities, only: kinetic_energy
     use spintop_scene_keys, only: scene_t
@@ -58,13 +58,14 @@ module spintop_case
 contains
 
     !> Makes the case of a scene. It is complete if there are no errors in `problems`, which is empty at
-    !> first. Parts of the case may be kept.
+    !> first. Parts of the case may be kept. If the body is not known, only what does not depend on it is checked.
     subroutine make_case(scene, case, problems, kept)
         type(scene_t), intent(in) :: scene !! contents of the input
         type(case_t), intent(inout) :: case !! the case; complete without errors in `problems`
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(kept_parts_t), intent(in), optional :: kept !! the parts; none if it is absent
         type(kept_parts_t) :: keep
+        logical :: body_is_known
 
         if (present(kept)) keep = kept
         if (.not. keep%body) then
@@ -75,9 +76,26 @@ contains
                 case%body = case%turn%turned_body(case%given_body)
             end if
         end if
-        call make_start(scene, case, problems, keep%attitude)
-        if (.not. (keep%body .or. problems%any())) call check_body(case%given_body, problems)
-        if (.not. problems%any()) call check_energy(case, problems)
+        body_is_known = .not. problems%any()
+        if (.not. keep%attitude) then
+            case%given_start = motion_t()
+            call read_attitude(scene, case%given_start, problems)
+            case%given_start%is_given = .true.
+            case%circular = circular_of_attitude(case%given_start%angle)
+        end if
+        if (all(is_set(scene%omega))) then
+            if (any(is_set(scene%rate)) .or. is_set(scene%omega3) .or. is_set(scene%spin_ratio) &
+                .or. scene%steady_precession /= 'none') then
+                call problems%add('initial.omega', 'the angular velocity is given twice', &
+                                  'give either omega(3), or the rates with omega3 or spin_ratio')
+            end if
+            case%given_start%omega = scene%omega
+            case%given_start%gives_omega = .true.
+            case%given_start%rate = rates_from_omega(case%given_start%angle, scene%omega)
+        else
+            call read_rates(scene, case, body_is_known, problems)
+        end if
+        if (.not. problems%any()) call check_magnitudes(case, keep%body, problems)
         if (.not. problems%any()) then
             if (case%turn%is_turned()) then
                 case%start = case%turn%turned_motion(case%given_start)
@@ -110,29 +128,6 @@ contains
             trim(fixed_text(last)) // ', below that of the start, ' // trim(fixed_text(spin)), &
             'add rows up to the largest angular velocity')
     end subroutine check_table_ends
-
-    !> The start of a scene; problems of its description are reported. If the body is not known, only what
-    !> does not depend on it is checked.
-    subroutine make_start(scene, case, problems, keeps_attitude)
-        type(scene_t), intent(in) :: scene
-        type(case_t), intent(inout) :: case
-        type(problems_t), intent(inout) :: problems
-        logical, intent(in) :: keeps_attitude
-        logical :: body_is_known
-
-        body_is_known = .not. problems%any()
-        if (.not. keeps_attitude) then
-            case%given_start = motion_t()
-            call read_attitude(scene, case%given_start, problems)
-            case%given_start%is_given = .true.
-            case%circular = circular_of_attitude(case%given_start%angle)
-        end if
-        if (all(is_set(scene%omega))) then
-            call read_omega(scene, case%given_start, problems)
-        else
-            call read_rates(scene, case%given_body, case%turn, body_is_known, case%circular, case%given_start, problems)
-        end if
-    end subroutine make_start
 
     !> Attitude from the angles, in radians or degrees, or from the quaternion.
     subroutine read_attitude(scene, start, problems)
@@ -175,29 +170,11 @@ contains
         start%quaternion = quaternion_from_angles(start%angle)
     end subroutine read_attitude
 
-    !> Angular velocity in body axes.
-    subroutine read_omega(scene, start, problems)
-        type(scene_t), intent(in) :: scene
-        type(motion_t), intent(inout) :: start
-        type(problems_t), intent(inout) :: problems
-        if (any(is_set(scene%rate)) .or. is_set(scene%omega3) .or. is_set(scene%spin_ratio) &
-            .or. scene%steady_precession /= 'none') then
-            call problems%add('initial.omega', 'the angular velocity is given twice', &
-                              'give either omega(3), or the rates with omega3 or spin_ratio')
-        end if
-        start%omega = scene%omega
-        start%gives_omega = .true.
-        start%rate = rates_from_omega(start%angle, start%omega)
-    end subroutine read_omega
-
     !> Rates of the angles: the spin in one of three ways, the precession given or steady.
-    subroutine read_rates(scene, body, turn, body_is_known, circular, start, problems)
+    subroutine read_rates(scene, case, body_is_known, problems)
         type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
-        type(body_turn_t), intent(in) :: turn
+        type(case_t), intent(inout) :: case
         logical, intent(in) :: body_is_known
-        type(attitude_circular_t), intent(in) :: circular
-        type(motion_t), intent(inout) :: start
         type(problems_t), intent(inout) :: problems
         real(dp) :: omega3
         logical :: by_omega3
@@ -211,25 +188,27 @@ contains
         by_omega3 = is_set(scene%omega3) .or. is_set(scene%spin_ratio)
         if (is_set(scene%omega3)) omega3 = scene%omega3
         if (is_set(scene%spin_ratio)) then
-            if (body%mgl() <= 0) then
+            if (case%given_body%mgl() <= 0) then
                 call problems%add('initial.spin_ratio', 'm g l is not positive, so omega3 over &
                     &sqrt(4 m g l/I3) is undefined', 'give omega3 or psi_rate')
                 return
             end if
-            omega3 = scene%spin_ratio * sqrt(4 * body%mgl() / body%inertia(3))
+            omega3 = scene%spin_ratio * sqrt(4 * case%given_body%mgl() / case%given_body%inertia(3))
         end if
 
-        start%rate = merge(scene%rate, 0.0_dp, is_set(scene%rate))
-        ! Words of four letters are compared in place; the others are `slow` and `fast`.
-        if (scene%steady_precession(:4) /= 'none' .and. .not. problems%any()) then
-            call find_steady_rate(scene, body, turn, by_omega3, omega3, start, problems)
-            if (problems%any()) return
-        end if
-        if (by_omega3) start%rate(3) = omega3 - start%rate(1) * circular%cosine_theta
-        start%omega = omega_from_circular(circular, start%rate)
-        if (by_omega3) start%omega(3) = omega3
-        start%gives_omega = .false.
-        start%gives_omega3 = by_omega3
+        associate (start => case%given_start)
+            start%rate = given(scene%rate)
+            ! Words of four letters are compared in place; the others are `slow` and `fast`.
+            if (scene%steady_precession(:4) /= 'none' .and. .not. problems%any()) then
+                call find_steady_rate(scene, case%given_body, case%turn, by_omega3, omega3, start, problems)
+                if (problems%any()) return
+            end if
+            if (by_omega3) start%rate(3) = omega3 - start%rate(1) * case%circular%cosine_theta
+            start%omega = omega_from_circular(case%circular, start%rate)
+            if (by_omega3) start%omega(3) = omega3
+            start%gives_omega = .false.
+            start%gives_omega3 = by_omega3
+        end associate
     end subroutine read_rates
 
     !> phi' of steady precession (Eq 25); with effects that only add constants to the rates of phi and psi, that of the top
@@ -278,92 +257,76 @@ contains
         end if
     end subroutine find_steady_rate
 
-    !> Reports mass properties outside the range of numbers.
-    subroutine check_body(body, problems)
-        type(body_t), intent(in) :: body
-        type(problems_t), intent(inout) :: problems
-        if (.not. (all(is_finite(body%weight_moment())) .and. all(is_finite(body%inertia)))) then
-            call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
-                              'use moderate units')
-        else if (underflows(body)) then
-            call problems%add('top', 'the weight times its distance (N m), or that times the inertia, is below 1e-290', &
-                              'use moderate units, or gravity = 0')
-        end if
-    end subroutine check_body
-
-    !> Reports an energy outside the range of numbers.
-    subroutine check_energy(case, problems)
+    !> Reports mass properties, unless these are kept, and an energy outside the range of numbers.
+    subroutine check_magnitudes(case, keeps_body, problems)
         type(case_t), intent(in) :: case
+        logical, intent(in) :: keeps_body
         type(problems_t), intent(inout) :: problems
-        if (underflows(case%given_body, case%given_start%omega)) then
-            call problems%add('initial', 'the kinetic energy (J), or the square of the angular momentum, is below 1e-290', &
-                              'use moderate units')
-        else if (.not. is_finite(kinetic_energy(case%given_body, case%given_start))) then
-            call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
-        end if
-    end subroutine check_energy
+        associate (body => case%given_body, start => case%given_start)
+            if (.not. keeps_body) then
+                if (.not. (all(is_finite(body%weight_moment())) .and. all(is_finite(body%inertia)))) then
+                    call problems%add('top', 'the weight times its distance, or the inertia, is outside the range of numbers', &
+                                      'use moderate units')
+                else if (underflows(body)) then
+                    call problems%add('top', 'the weight times its distance (N m), or that times the inertia, is below 1e-290', &
+                                      'use moderate units, or gravity = 0')
+                end if
+                if (problems%any()) return
+            end if
+            if (underflows(body, start%omega)) then
+                call problems%add('initial', 'the kinetic energy (J), or the square of the angular momentum, is below 1e-290', &
+                                  'use moderate units')
+            else if (.not. is_finite(kinetic_energy(body, start))) then
+                call problems%add('initial', 'the kinetic energy is outside the range of numbers', 'use moderate units')
+            end if
+        end associate
+    end subroutine check_magnitudes
 
-    !> The time span, given in seconds or in periods of the motion.
+    !> The time span, given in seconds, in nutation periods, or in precession periods T_p of the paper.
     subroutine make_span(scene, case, keeps_nutations, problems)
         type(scene_t), intent(in) :: scene
         type(case_t), intent(inout) :: case
         logical, intent(in) :: keeps_nutations
         type(problems_t), intent(inout) :: problems
         character(*), parameter :: ways = 'give exactly one of t_end, nutations and precessions'
+        type(nutation_t) :: nutation
+        real(dp) :: momentum
+        integer :: status
 
         select case (count([is_set(scene%t_end), is_set(scene%nutations), is_set(scene%precessions)]))
         case (0)
             call problems%add('span', 'the time span is not given', ways)
-        case (1)
-            if (is_set(scene%t_end)) case%t_end = scene%t_end
-            if (problems%any()) return ! the other kinds of span need a body and a start
-            if (is_set(scene%nutations)) call count_nutations(scene%nutations, case, keeps_nutations, problems)
-            if (is_set(scene%precessions)) call count_precessions(scene%precessions, case, problems)
-        case default
+            return
+        case (2:)
             call problems%add(merge('span.precessions', 'span.nutations  ', is_set(scene%precessions)), &
                               'the time span is given more than once', ways)
+            return
         end select
-    end subroutine make_span
-
-    !> A span of a number of nutation periods.
-    subroutine count_nutations(nutations, case, is_kept, problems)
-        real(dp), intent(in) :: nutations
-        type(case_t), intent(inout) :: case
-        logical, intent(in) :: is_kept
-        type(problems_t), intent(inout) :: problems
-        type(nutation_t) :: nutation
-        integer :: status
-        if (is_kept .and. case%body%has_closed_nutation()) return
-        if (.not. case%body%is_lagrange()) then
-            call problems%add('span.nutations', 'the nutation period is known only for an undamped symmetric &
-                &top about body z', 'give t_end')
-            return
-        end if
-        call find_nutation(case%body, case%start, nutation, status)
-        case%t_end = nutations * nutation%period
-        if (.not. is_ok(status) .or. .not. is_finite(case%t_end)) then
-            call problems%add('span.nutations', 'this motion has no finite nutation period', 'give t_end')
-        end if
-    end subroutine count_nutations
-
-    !> A span of a number of precession periods T_p of the paper.
-    subroutine count_precessions(precessions, case, problems)
-        real(dp), intent(in) :: precessions
-        type(case_t), intent(inout) :: case
-        type(problems_t), intent(inout) :: problems
-        if (allocated(case%body%effects)) then
-            call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) is not that of a body with effects', &
-                              'give t_end')
-            return
-        end if
-        associate (momentum => case%body%inertia(3) * case%start%omega(3), mgl => case%body%mgl())
-            if (is_zero(momentum) .or. is_zero(mgl)) then
-                call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) needs a spin and &
-                    &a weight', 'give t_end')
+        if (is_set(scene%t_end)) case%t_end = scene%t_end
+        if (problems%any()) return ! the other kinds of span need a body and a start
+        if (is_set(scene%nutations)) then
+            if (keeps_nutations .and. case%body%has_closed_nutation()) return
+            if (.not. case%body%is_lagrange()) then
+                call problems%add('span.nutations', 'the nutation period is known only for an undamped symmetric &
+                    &top about body z', 'give t_end')
                 return
             end if
-            case%t_end = precessions * abs(2 * pi * momentum / mgl)
-        end associate
-    end subroutine count_precessions
+            call find_nutation(case%body, case%start, nutation, status)
+            case%t_end = scene%nutations * nutation%period
+            if (.not. is_ok(status) .or. .not. is_finite(case%t_end)) then
+                call problems%add('span.nutations', 'this motion has no finite nutation period', 'give t_end')
+            end if
+        else if (is_set(scene%precessions)) then
+            momentum = case%body%inertia(3) * case%start%omega(3)
+            if (allocated(case%body%effects)) then
+                call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) is not that of a body with effects', &
+                                  'give t_end')
+            else if (is_zero(momentum) .or. is_zero(case%body%mgl())) then
+                call problems%add('span.precessions', 'the period 2 pi I3 omega3/(m g l) needs a spin and a weight', 'give t_end')
+            else
+                case%t_end = scene%precessions * abs(2 * pi * momentum / case%body%mgl())
+            end if
+        end if
+    end subroutine make_span
 
 end module spintop_case

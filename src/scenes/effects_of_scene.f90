@@ -5,7 +5,7 @@ module spintop_effects_of_scene
     use spintop_body_turn, only: turn_to_principal_axes
     use spintop_kinds, only: dp, degree, is_zero, is_equal, is_finite
     use spintop_effects, only: effects_t, harmonic_t
-    use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of
+    use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of, swing_t
     use spintop_errors, only: error_t
     use spintop_files, only: path_from
     use spintop_loaded_table, only: read_table, table_t
@@ -43,20 +43,28 @@ contains
                                   'give drag_moment(3) too')
             end if
         end if
-        call read_swing('vibration', 'the vibration', scene%vibration_amplitude, scene%vibration_rate, scene%vibration_phase, &
-                        scene%vibration_phase_deg, effects%vibration_phase, problems)
-        effects%vibration_amplitude = given(scene%vibration_amplitude)
-        if (is_set(scene%vibration_rate)) effects%vibration_rate = scene%vibration_rate
+        call read_swing('vibration', 'the vibration', scene%vibration, effects%vibration_phase, problems)
+        effects%vibration_amplitude = given(scene%vibration%amplitude)
+        if (is_set(scene%vibration%rate)) effects%vibration_rate = scene%vibration%rate
         call read_earth_rotation(scene, effects, problems)
         effects%rotor_momentum = given(scene%rotor_momentum)
         effects%rotor_torque = given(scene%rotor_torque)
         effects%torque_body = given(scene%torque_body)
         effects%torque_space = given(scene%torque_space)
-        call read_harmonic_torque('torque_body', scene%torque_body_amplitude, scene%torque_body_rate, scene%torque_body_phase, &
-                                  scene%torque_body_phase_deg, effects%harmonic_body, problems)
-        call read_harmonic_torque('torque_space', scene%torque_space_amplitude, scene%torque_space_rate, &
-                                  scene%torque_space_phase, scene%torque_space_phase_deg, effects%harmonic_space, problems)
-        call read_torque_table(scene, effects, problems)
+        call read_harmonic_torque('torque_body', scene%swing_body, effects%harmonic_body, problems)
+        call read_harmonic_torque('torque_space', scene%swing_space, effects%harmonic_space, problems)
+        if (scene%torque_table == '' .and. scene%torque_axes /= '') then
+            call problems%add('effects.torque_axes', 'there is no table of torques', 'give torque_table too')
+        end if
+        if (scene%torque_table == '' .and. scene%torque_interpolation /= '') then
+            call problems%add('effects.torque_interpolation', 'there is no table of torques', 'give torque_table too')
+        end if
+        if (scene%torque_table /= '' .and. allocated(scene%table_times)) then
+            effects%table_in_space = scene%torque_axes == axes_names(2)
+            allocate (effects%table)
+            call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene%torque_interpolation), &
+                                   effects%table)
+        end if
         if (problems%any() .or. effects%acting() == 0) return
         principal = body
         if (body%has_products()) then
@@ -150,38 +158,39 @@ contains
     end subroutine read_friction
 
     !> A harmonic torque, if its amplitude is not zero.
-    subroutine read_harmonic_torque(name, amplitude, rate, phase, phase_deg, harmonic, problems)
+    subroutine read_harmonic_torque(name, swing, harmonic, problems)
         character(*), intent(in) :: name !! of the keys, up to `_amplitude`
-        real(dp), intent(in) :: amplitude(3), rate, phase(3), phase_deg(3)
+        type(swing_t), intent(in) :: swing
         type(harmonic_t), allocatable, intent(inout) :: harmonic
         type(problems_t), intent(inout) :: problems
         real(dp) :: angle(3)
-        call read_swing(name, 'the harmonic torque', amplitude, rate, phase, phase_deg, angle, problems)
-        if (all(is_zero(given(amplitude))) .or. .not. is_set(rate)) return
-        harmonic = harmonic_t(given(amplitude), angle, rate)
+        call read_swing(name, 'the harmonic torque', swing, angle, problems)
+        if (all(is_zero(given(swing%amplitude))) .or. .not. is_set(swing%rate)) return
+        harmonic = harmonic_t(given(swing%amplitude), angle, swing%rate)
     end subroutine read_harmonic_torque
 
     !> The phases of what has amplitudes, a rate and phases, which must be given together.
-    subroutine read_swing(name, what, amplitude, rate, phase, phase_deg, angle, problems)
+    subroutine read_swing(name, what, swing, angle, problems)
         character(*), intent(in) :: name, what !! of the keys, up to `_amplitude`; the same in words
-        real(dp), intent(in) :: amplitude(3), rate, phase(3), phase_deg(3)
+        type(swing_t), intent(in) :: swing
         real(dp), intent(out) :: angle(3) !! the phases, rad
         type(problems_t), intent(inout) :: problems
-        angle = given(phase)
-        if (any(is_set(phase_deg))) then
-            angle = given(phase_deg) * degree
-            if (any(is_set(phase))) then
-                call problems%add('effects.' // name // '_phase_deg', 'the phases are given twice', &
-                                  'give them either in radians or in degrees')
-            end if
+        logical :: swings
+
+        angle = given(swing%phase)
+        if (any(is_set(swing%phase_deg))) then
+            angle = given(swing%phase_deg) * degree
+            if (any(is_set(swing%phase))) call problems%add('effects.' // name // '_phase_deg', 'the phases are given twice', &
+                                                            'give them either in radians or in degrees')
         end if
-        if (any(is_set(amplitude)) .and. .not. is_set(rate)) then
+        swings = any(is_set(swing%amplitude))
+        if (swings .and. .not. is_set(swing%rate)) then
             call problems%add('effects.' // name // '_amplitude', what // ' has an amplitude without a rate', &
                               'give ' // name // '_rate too')
-        else if (.not. any(is_set(amplitude)) .and. is_set(rate)) then
+        else if (.not. swings .and. is_set(swing%rate)) then
             call problems%add('effects.' // name // '_rate', what // ' has a rate without an amplitude', &
                               'give ' // name // '_amplitude(3) too')
-        else if (.not. any(is_set(amplitude)) .and. any(is_set([phase, phase_deg]))) then
+        else if (.not. swings .and. any(is_set([swing%phase, swing%phase_deg]))) then
             call problems%add('effects.' // name // '_phase', what // ' has phases without an amplitude', &
                               'give ' // name // '_amplitude(3) and ' // name // '_rate too')
         end if
@@ -216,24 +225,6 @@ contains
             end if
         end if
     end subroutine read_earth_rotation
-
-    !> The table of torques, which was read before.
-    subroutine read_torque_table(scene, effects, problems)
-        type(effects_scene_t), intent(in) :: scene
-        type(effects_t), intent(inout) :: effects
-        type(problems_t), intent(inout) :: problems
-        if (scene%torque_table == '') then
-            if (scene%torque_axes /= '') call problems%add('effects.torque_axes', 'there is no table of torques', &
-                                                           'give torque_table too')
-            if (scene%torque_interpolation /= '') call problems%add('effects.torque_interpolation', &
-                'there is no table of torques', 'give torque_table too')
-            return
-        end if
-        effects%table_in_space = scene%torque_axes == axes_names(2)
-        if (.not. allocated(scene%table_times)) return
-        allocate (effects%table)
-        call make_torque_table(scene%table_times, scene%table_torques, interpolation_of(scene%torque_interpolation), effects%table)
-    end subroutine read_torque_table
 
     !> Reads and checks the tables of torques and of friction; problems are reported, and then the scene has none.
     subroutine read_effect_tables(input, scene, problems)

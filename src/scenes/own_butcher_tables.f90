@@ -34,76 +34,76 @@ contains
 
         if (allocated(scene%tableaus)) deallocate (scene%tableaus)
         allocate (scene%tableaus(0))
-        call read_one(input, own_method, scene%method, scene%tableaus, problems)
+        call read_one(own_method, scene%method)
         if (scene%method == '') scene%method = 'auto'
         do i = 1, size(scene%precision_methods)
-            call read_one(input, 'work_precision.methods(' // to_text(i) // ')', scene%precision_methods(i), scene%tableaus, &
-                          problems)
+            call read_one('work_precision.methods(' // to_text(i) // ')', scene%precision_methods(i))
         end do
-    end subroutine read_tables
 
-    !> Reads the table of a method, if it has one. The name becomes blank if there is a problem.
-    subroutine read_one(input, key, name, tableaus, problems)
-        character(*), intent(in) :: input, key
-        character(*), intent(inout) :: name
-        type(tableau_t), allocatable, intent(inout) :: tableaus(:)
-        type(problems_t), intent(inout) :: problems
-        type(tableau_t) :: tableau
-        type(error_t), allocatable :: error
-        character(:), allocatable :: text, problem, path, form, given
-        integer :: i
+    contains
 
-        if (index(name, table_prefix) /= 1) return
-        path = path_of_table(name)
-        form = form_of(name)
-        given = name(len(table_prefix) + len(path) + 1:len_trim(name) - len(form))
-        if (form /= '' .and. key == own_method) then
-            call problems%add(key, "'" // trim(name) // "' names a formulation as well", &
-                              "give it as integration.formulation = '" // form(2:) // "'")
-            name = ''
-            return
-        end if
-        name = ''
-        call read_file(path_from(input, path), most_bytes, text, error, is_text=.true.)
-        if (allocated(error)) then
-            call problems%add(key, error%message, 'its path is relative to the folder of the input')
-            return
-        end if
-        if (given /= '' .and. given /= '@' // checksum_of(text)) then
-            call problems%add(key, 'the table of coefficients has changed: its checksum is ' // checksum_of(text), &
-                              'omit @ and the checksum to accept any table')
-            return
-        end if
-        call parse_tableau(text, tableau, problem)
-        if (problem /= '') then
-            call problems%add(key, path // ', ' // problem, 'doc/methods.md, "Own tables", has an example')
-            return
-        end if
-        tableau%key = table_prefix // path // '@' // checksum_of(text)
-        associate (base => path(index(path, '/', back=.true.) + 1:))
-            i = index(base, '.', back=.true.)
-            if (i <= 1) i = len(base) + 1
-            if (len(table_prefix) + i - 1 > len(tableau%name)) then
-                call problems%add(key, "the name of the file is too long for a method: '" // base(:i - 1) // "'", &
-                                  'at most ' // to_text(len(tableau%name) - len(table_prefix)) // ' bytes, without its ending')
+        !> Reads the table of a method, if it has one. The name becomes blank if there is a problem.
+        subroutine read_one(key, name)
+            character(*), intent(in) :: key
+            character(*), intent(inout) :: name
+            type(tableau_t) :: tableau
+            type(error_t), allocatable :: error
+            character(:), allocatable :: text, problem, path, form, given
+            integer :: i
+
+            if (index(name, table_prefix) /= 1) return
+            path = path_of_table(name)
+            form = form_of(name)
+            given = name(len(table_prefix) + len(path) + 1:len_trim(name) - len(form))
+            if (form /= '' .and. key == own_method) then
+                call problems%add(key, "'" // trim(name) // "' names a formulation as well", &
+                                  "give it as integration.formulation = '" // form(2:) // "'")
+                name = ''
                 return
             end if
-            tableau%name = table_prefix // base(:i - 1)
-        end associate
-        if (len_trim(tableau%key) + len(form) > len(name)) then
-            call problems%add(key, "the path of the table is too long: '" // path // "'", &
-                              'at most ' // to_text(len(name) - checksum_width - 1 - len(table_prefix) - len(form)) // ' bytes')
-            return
-        end if
-        name = trim(tableau%key) // form
-        do i = 1, size(tableaus)
-            if (tableaus(i)%key == tableau%key) return
-            if (tableaus(i)%name /= tableau%name) cycle
-            call problems%add(key, "two tables are called '" // trim(tableau%name) // "'", 'rename one of the files')
-            return
-        end do
-        tableaus = [tableaus, tableau]
-    end subroutine read_one
+            name = ''
+            call read_file(path_from(input, path), most_bytes, text, error, is_text=.true.)
+            if (allocated(error)) then
+                call problems%add(key, error%message, 'its path is relative to the folder of the input')
+                return
+            end if
+            if (given /= '' .and. given /= '@' // checksum_of(text)) then
+                call problems%add(key, 'the table of coefficients has changed: its checksum is ' // checksum_of(text), &
+                                  'omit @ and the checksum to accept any table')
+                return
+            end if
+            call parse_tableau(text, tableau, problem)
+            if (problem /= '') then
+                call problems%add(key, path // ', ' // problem, 'doc/methods.md, "Own tables", has an example')
+                return
+            end if
+            tableau%key = table_prefix // path // '@' // checksum_of(text)
+            associate (base => path(index(path, '/', back=.true.) + 1:))
+                i = index(base, '.', back=.true.)
+                if (i <= 1) i = len(base) + 1
+                if (len(table_prefix) + i - 1 > len(tableau%name)) then
+                    call problems%add(key, "the name of the file is too long for a method: '" // base(:i - 1) // "'", &
+                                      'at most ' // to_text(len(tableau%name) - len(table_prefix)) // ' bytes, without its ending')
+                    return
+                end if
+                tableau%name = table_prefix // base(:i - 1)
+            end associate
+            if (len_trim(tableau%key) + len(form) > len(name)) then
+                call problems%add(key, "the path of the table is too long: '" // path // "'", &
+                                  'at most ' // to_text(len(name) - checksum_width - 1 - len(table_prefix) - len(form)) // ' bytes')
+                return
+            end if
+            name = trim(tableau%key) // form
+            do i = 1, size(scene%tableaus)
+                if (scene%tableaus(i)%key == tableau%key) return
+                if (scene%tableaus(i)%name /= tableau%name) cycle
+                call problems%add(key, "two tables are called '" // trim(tableau%name) // "'", 'rename one of the files')
+                return
+            end do
+            scene%tableaus = [scene%tableaus, tableau]
+        end subroutine read_one
+
+    end subroutine read_tables
 
     !> The path in the name of a method, without the checksum.
     function path_of_table(name) result(path)

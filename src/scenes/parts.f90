@@ -1,7 +1,7 @@
 !> The parts of a composed body: the groups &part of an input, and their sum.
 module spintop_parts
     use spintop_kinds, only: dp, is_zero
-    use spintop_parameters, only: is_set, one_per_group, parameter_table_t, unset
+    use spintop_parameters, only: given, is_set, one_per_group, parameter_table_t, unset
     use spintop_principal_axes, only: steiner
     use spintop_problems, only: problems_t
     use spintop_shapes, only: build_part, dimensions_t, part_info_t, part_infos, solid_t
@@ -16,13 +16,8 @@ module spintop_parts
     !> The groups &part, one element or row each.
     type :: parts_t
         character(16) :: shape(max_parts) = ''
-        real(dp) :: mass(max_parts) = unset
-        real(dp) :: density(max_parts) = unset
-        real(dp) :: radius(max_parts) = unset
-        real(dp) :: inner_radius(max_parts) = unset
-        real(dp) :: thickness(max_parts) = unset
-        real(dp) :: place(max_parts, 3) = unset
-        real(dp) :: axis(max_parts, 3) = unset
+        real(dp), dimension(max_parts) :: mass = unset, density = unset, radius = unset, inner_radius = unset, thickness = unset
+        real(dp), dimension(max_parts, 3) :: place = unset, axis = unset
     contains
         procedure :: any => has_any
     end type parts_t
@@ -47,12 +42,11 @@ contains
         call table%add('part.radius', parts%radius, 'm', '> 0', 'outer radius of the part', elements=one_per_group)
         call table%add('part.inner_radius', parts%inner_radius, 'm', '>= 0', 'radius of the hole in the part', &
                        elements=one_per_group)
-        call table%add('part.thickness', parts%thickness, 'm', '>= 0', 'extent of the part along its axis', &
+        call table%add('part.thickness', parts%thickness, 'm', '>= 0', 'extent of the part along its axis', elements=one_per_group)
+        call table%add('part.place', parts%place, 'm', '', &
+                       'centre of the part (cone: apex) from the pivot in body axes (0, 0, 0)', elements=one_per_group)
+        call table%add('part.axis', parts%axis, '', '', 'direction of the axis of the part in body axes, of any length (0, 0, 1)', &
                        elements=one_per_group)
-        call table%add('part.place', parts%place, 'm', '', 'centre of the part (cone: apex) from the pivot in body axes ' // &
-                       '(0, 0, 0)', elements=one_per_group)
-        call table%add('part.axis', parts%axis, '', '', 'direction of the axis of the part in body axes, of any length ' // &
-                       '(0, 0, 1)', elements=one_per_group)
     end subroutine describe_parts
 
     !> Whether there are parts.
@@ -98,7 +92,7 @@ contains
                                                    parts%thickness(i), parts%place(i, :), parts%axis(i, :)]) > unset
     end function is_used
 
-    !> One part: its solid, mass, place and unit vector of its axis.
+    !> One part, whose dimensions must be those of its shape: its solid, mass, place and unit vector of its axis.
     subroutine read_part(parts, i, solid, mass, place, axis, problems)
         type(parts_t), intent(in) :: parts
         integer, intent(in) :: i
@@ -107,6 +101,8 @@ contains
         type(problems_t), intent(inout) :: problems
         type(part_info_t) :: info
         real(dp) :: sizes(3)
+        character(24) :: key
+        integer :: k
 
         sizes = [parts%radius(i), parts%inner_radius(i), parts%thickness(i)]
         if (.not. any(part_infos%name == parts%shape(i))) then
@@ -115,16 +111,28 @@ contains
             return
         end if
         info = part_infos(findloc(part_infos%name, parts%shape(i), dim=1))
-        call check_sizes(info, sizes, numbers(i), problems)
+        do k = 1, size(sizes)
+            key = trim(dimension_names(k)) // numbers(i)
+            if (info%needs(k) .and. .not. is_set(sizes(k))) then
+                call problems%add('part.shape' // trim(numbers(i)), trim(key) // ' is not given', &
+                                  'part ' // trim(info%name) // ' needs it')
+            else if (is_set(sizes(k)) .and. .not. info%takes(k)) then
+                call problems%add(trim(key), trim(key) // ' is not for a ' // trim(info%name), 'omit it')
+            end if
+        end do
+        if (is_set(sizes(2)) .and. is_set(sizes(1)) .and. sizes(2) >= sizes(1)) then
+            call problems%add('part.inner_radius' // trim(numbers(i)), 'the inner radius is not smaller than the radius', &
+                              'the radius of the hole is smaller than that of the part')
+        end if
         if (is_set(parts%mass(i)) .and. is_set(parts%density(i))) then
             call problems%add('part.density' // trim(numbers(i)), 'mass and density of the part are both given', 'give one of them')
         else if (.not. (is_set(parts%mass(i)) .or. is_set(parts%density(i)))) then
             call problems%add('part.shape' // trim(numbers(i)), 'neither mass nor density of the part is given', &
                               'give one of them')
         end if
-        place = merge(parts%place(i, :), 0.0_dp, is_set(parts%place(i, :)))
+        place = given(parts%place(i, :))
         axis = [0, 0, 1]
-        if (any(is_set(parts%axis(i, :)))) axis = merge(parts%axis(i, :), 0.0_dp, is_set(parts%axis(i, :)))
+        if (any(is_set(parts%axis(i, :)))) axis = given(parts%axis(i, :))
         if (all(is_zero(axis))) then
             call problems%add('part.axis(' // numbers(i) (2:index(numbers(i), ')') - 1) // ',1)', &
                               'the axis of a part has no direction', 'give a vector that is not zero')
@@ -139,29 +147,5 @@ contains
             call problems%add('part.density' // trim(numbers(i)), 'the part has no volume', 'give its mass, not its density')
         end if
     end subroutine read_part
-
-    !> Checks that the dimensions of a part are those of its shape.
-    subroutine check_sizes(info, sizes, number, problems)
-        type(part_info_t), intent(in) :: info
-        real(dp), intent(in) :: sizes(3)
-        character(*), intent(in) :: number
-        type(problems_t), intent(inout) :: problems
-        character(24) :: key
-        integer :: k
-
-        do k = 1, size(sizes)
-            key = trim(dimension_names(k)) // number
-            if (info%needs(k) .and. .not. is_set(sizes(k))) then
-                call problems%add('part.shape' // trim(number), trim(key) // ' is not given', &
-                                  'part ' // trim(info%name) // ' needs it')
-            else if (is_set(sizes(k)) .and. .not. info%takes(k)) then
-                call problems%add(trim(key), trim(key) // ' is not for a ' // trim(info%name), 'omit it')
-            end if
-        end do
-        if (is_set(sizes(2)) .and. is_set(sizes(1)) .and. sizes(2) >= sizes(1)) then
-            call problems%add('part.inner_radius' // trim(number), 'the inner radius is not smaller than the radius', &
-                              'the radius of the hole is smaller than that of the part')
-        end if
-    end subroutine check_sizes
 
 end module spintop_parts

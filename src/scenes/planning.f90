@@ -1,6 +1,7 @@
-!> The plan of a scene: the model and the method that compute it, and the reasons for them; the automatic choice
-!> of a method, and its settings.
+!> The plan of a scene: the model and the method that compute it, steps and rows, and the reasons for them; the automatic
+!> choice of a method, and its settings.
 module spintop_planning
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_arkode, only: arkode_table_names
     use spintop_body, only: body_t
     use spintop_case, only: case_t
@@ -11,18 +12,16 @@ module spintop_planning
     use spintop_methods, only: exact_info, create_stepper
     use spintop_own_butcher_tables, only: create_method
     use spintop_parameters, only: is_set, unset_integer
-    use spintop_plan, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_projection, only: projection_names, project_nothing, project_unit
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok, status_meaning
-    use spintop_stepper, only: method_info_t, stepper_t, controls_t
+    use spintop_stepper, only: stepper_t, controls_t
     use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns, projection_status
     use spintop_text, only: to_text, join, did_you_mean, lower_case, string_t
     implicit none
     private
-    public :: make_plan, read_controls, read_projection, choose_automatically, recommend_adaptive, recommend_steps
-    public :: known_for, free_body, solvable_effects, solved_for, of_symmetric_tops, of_any_body
+    public :: plan_t, make_plan, recommend_adaptive, recommend_steps, known_for, sample_time, sample_times
 
     !> Maximum ratio of the absolute to the relative tolerance, if only the latter is given. It is the ratio
     !> of the defaults of MATLAB, 1e-3 and 1e-6. In MATLAB itself a small relative tolerance alone has little
@@ -55,10 +54,37 @@ module spintop_planning
     !> For a fixed step size: symmetric tops whose equations can be split, and others.
     type(recommendation_t), parameter :: for_split_tops = recommendation_t( &
         'splitting_6', 0.0_dp, 'the cheapest with a fixed step size for tops that can be split, without energy drift'), &
-        for_steps = recommendation_t( &
-        'dop853', 0.0_dp, 'the cheapest with a fixed step size, of high order')
+        for_steps = recommendation_t('dop853', 0.0_dp, 'the cheapest with a fixed step size, of high order')
 
     character, parameter :: axis_letters(3) = ['x', 'y', 'z']
+
+    !> Number of rows of a trajectory of an adaptive method, if it is not given.
+    integer, parameter :: default_samples = 1001
+    !> Maximum number of fixed steps.
+    real(dp), parameter :: most_steps = 1.0e9_dp
+    !> A span that is this close to an integer number of steps has that number.
+    real(dp), parameter :: step_slack = 1.0e-9_dp
+
+    !> The settings of a computation.
+    type :: plan_t
+        !> Whether the exact solution is used, without formulation and stepper.
+        logical :: exact = .false.
+        class(formulation_t), allocatable :: formulation
+        class(stepper_t), allocatable :: stepper
+        !> Largest fixed step size, s; 0 if the number of steps is given.
+        real(dp) :: step = 0
+        !> Number of rows of the table.
+        integer :: samples = default_samples
+        !> Maximum work of a case, in steps (`controls_t`).
+        integer(int64) :: max_steps = 1000000
+        !> Selected model and method, and the reasons, in sentences.
+        character(:), allocatable :: model, method, reason
+    contains
+        procedure :: fit_steps
+        procedure :: has_too_many_steps
+        procedure :: is_adaptive
+        procedure :: formulation_name
+    end type plan_t
 
 contains
 
@@ -106,6 +132,12 @@ contains
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
+        character(*), parameter :: settings(8) = [character(18) :: 'formulation', 'steps', 'step', 'table', &
+            'relative_tolerance', 'absolute_tolerance', 'solver', 'project']
+        logical :: are_given(size(settings))
+        character(:), allocatable :: name
+        integer :: i
+
         select case (scene%method)
         case (exact_info%name)
             plan%exact = .true.
@@ -128,26 +160,16 @@ contains
         else
             plan%method = trim(exact_info%name)
         end if
-        if (plan%exact) then
-            plan%model = 'closed form of a symmetric top in theta functions'
-            if (.not. body%is_lagrange()) plan%model = 'closed form of a free body in theta functions'
-            call refuse('integration.formulation', scene%formulation /= 'auto')
-            call refuse('integration.steps', scene%steps /= unset_integer)
-            call refuse('integration.step', is_set(scene%step))
-            call refuse('integration.table', scene%table /= '')
-            call refuse('integration.relative_tolerance', is_set(scene%relative_tolerance))
-            call refuse('integration.absolute_tolerance', is_set(scene%absolute_tolerance))
-            call refuse('integration.solver', scene%solver /= 'newton')
-            call refuse('integration.project', scene%project /= projection_names(project_nothing))
-        end if
-
-    contains
-
-        !> Reports a setting that the exact solution does not use: an error if that was named.
-        subroutine refuse(name, given)
-            character(*), intent(in) :: name
-            logical, intent(in) :: given
-            if (.not. given) return
+        if (.not. plan%exact) return
+        plan%model = 'closed form of a symmetric top in theta functions'
+        if (.not. body%is_lagrange()) plan%model = 'closed form of a free body in theta functions'
+        ! Settings that the exact solution does not use are errors if the input names that.
+        are_given = [scene%formulation /= 'auto', scene%steps /= unset_integer, is_set(scene%step), scene%table /= '', &
+                     is_set(scene%relative_tolerance), is_set(scene%absolute_tolerance), scene%solver /= 'newton', &
+                     scene%project /= projection_names(project_nothing)]
+        do i = 1, size(settings)
+            if (.not. are_given(i)) cycle
+            name = 'integration.' // trim(settings(i))
             if (scene%method == exact_info%name) then
                 call problems%add(name, 'the exact solution does not use ' // name, 'omit it')
             else
@@ -155,18 +177,20 @@ contains
                                    'omit it, or name a method to have the motion integrated')
                 plan%reason = plan%reason // ' ' // name // ' is not used.'
             end if
-        end subroutine refuse
-
+        end do
     end subroutine choose_method
 
-    !> The named formulation, or the default one.
+    !> The named formulation, or the default one; and whether body and method go with it.
     subroutine choose_formulation(scene, body, plan, problems)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(problems_t), intent(inout) :: problems
         type(formulation_info_t) :: info
+        type(formulation_info_t), allocatable :: forms(:)
+        character(:), allocatable :: name
         logical :: suits
+        integer :: i
 
         suits = .false.
         if (scene%formulation == 'auto') then
@@ -196,34 +220,25 @@ contains
             call problems%add('integration.formulation', 'formulation ' // trim(info%name) // ' holds for ' &
                               // known_for, 'I1 = I2, no damping, no centre of mass off body z')
         end if
-        call check_method(plan%stepper%info, info, allocated(body%effects), problems)
+        ! A method may need more of the equations than y' = f(t, y), or be caught by them.
+        name = 'method ' // trim(plan%stepper%info%name)
+        associate (method => plan%stepper%info)
+            if (allocated(body%effects) .and. .not. has_structure(info, method)) then
+                call problems%add('integration.method', name // ' needs equations with ' // &
+                                  trim(structure_names(method%needs)) // ', and those with these effects have none', &
+                                  "use method = 'auto'")
+            else if (.not. has_structure(info, method)) then
+                allocate (forms, source=formulation_infos())
+                call problems%add('integration.formulation', name // ' needs a formulation with ' // &
+                                  trim(structure_names(method%needs)) // ', and ' // trim(info%name) // ' has none', &
+                    'these have: ' // join(pack(forms%name, [(has_structure(forms(i), method), i=1, size(forms))]), ', '))
+            else if (.not. passes_turns(info, method)) then
+                call problems%add('integration.method', name // ' stays at the first turning point of theta, because &
+                    &theta_rate is reset from the energy after each step in ' // trim(info%name) // ': with more steps it &
+                    &converges to a wrong motion', "use a method of order 2 or more, such as 'rk4', or formulation = 'lagrange'")
+            end if
+        end associate
     end subroutine choose_formulation
-
-    !> A method may need more of the equations than y' = f(t, y), or be caught by them.
-    subroutine check_method(method, form, has_effects, problems)
-        type(method_info_t), intent(in) :: method
-        type(formulation_info_t), intent(in) :: form
-        logical, intent(in) :: has_effects
-        type(problems_t), intent(inout) :: problems
-        type(formulation_info_t), allocatable :: forms(:)
-        integer :: i
-
-        if (has_effects .and. .not. has_structure(form, method)) then
-            call problems%add('integration.method', 'method ' // trim(method%name) // ' needs equations with ' &
-                              // trim(structure_names(method%needs)) // ', and those with these effects have none', &
-                              "use method = 'auto'")
-        else if (.not. has_structure(form, method)) then
-            allocate (forms, source=formulation_infos())
-            call problems%add('integration.formulation', 'method ' // trim(method%name) // ' needs a formulation &
-                &with ' // trim(structure_names(method%needs)) // ', and ' // trim(form%name) // ' has none', &
-                'these have: ' // join(pack(forms%name, [(has_structure(forms(i), method), i=1, size(forms))]), ', '))
-        else if (.not. passes_turns(form, method)) then
-            call problems%add('integration.method', 'method ' // trim(method%name) // ' stays at the first turning &
-                &point of theta, because theta_rate is reset from the energy after each step in ' // &
-                trim(form%name) // ': with more steps it converges to a wrong motion', &
-                "use a method of order 2 or more, such as 'rk4', or formulation = 'lagrange'")
-        end if
-    end subroutine check_method
 
     !> Number of rows; with a fixed step size rows are at steps.
     subroutine set_samples(scene, case, plan, problems)
@@ -275,17 +290,43 @@ contains
         divisor = 1
     end function nearest_divisor
 
-    !> Reads what a scene says of steps, tolerances, solver and table, as far as the method of the plan takes it.
+    !> Reads what a scene says of steps, tolerances, solver and table, as far as the method of the plan takes it. A relative
+    !> tolerance that is given takes the absolute one along; zero stands for the finest one.
     subroutine read_controls(scene, plan, problems)
-        type(scene_t), intent(in) :: scene !! contents of the input
+        type(scene_t), intent(in) :: scene
         type(plan_t), intent(inout) :: plan !! with its method
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: method
 
-        call read_steps(scene, plan, problems)
-        call read_tolerances(scene, plan, problems)
-        call read_solver(scene, plan, problems)
-        call read_butcher_table(scene, plan, problems)
-        associate (controls => plan%stepper%controls)
+        method = 'method ' // trim(plan%stepper%info%name)
+        associate (info => plan%stepper%info, controls => plan%stepper%controls)
+            if (scene%steps /= unset_integer .and. is_set(scene%step)) then
+                call problems%add('integration.step', 'the steps are given twice', 'give steps or step')
+            else if (wants_steps(scene) .and. .not. info%fixed_step) then
+                call problems%add(merge('integration.steps', 'integration.step ', scene%steps /= unset_integer), &
+                                  method // ' is adaptive, and does not use steps or step', 'give relative_tolerance')
+            else if (.not. wants_steps(scene) .and. .not. info%adaptive) then
+                call problems%add('integration', method // ' has a fixed step size, and neither steps nor step is given', &
+                                  'give steps or step')
+            end if
+            if (scene%steps /= unset_integer) controls%steps = scene%steps
+            if (is_set(scene%step)) plan%step = scene%step
+
+            if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
+            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
+            call read_tolerance('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
+            if (.not. controls%relative_tolerance > 0) controls%relative_tolerance = info%finest_tolerance
+            if (controls%relative_tolerance < info%finest_tolerance) call problems%add('integration.relative_tolerance', &
+                method // ' cannot reach a tolerance below ' // to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")
+            if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
+                min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
+            call read_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, controls%absolute_tolerance)
+
+            controls%fixed_point = scene%solver == 'fixed_point'
+            if (controls%fixed_point .and. .not. info%implicit) call problems%add('integration.solver', &
+                method // ' is explicit and needs no solver', 'omit it')
+            controls%table = lower_case(scene%table)
+            if (scene%table /= '') call check_butcher_table()
             if (controls%steps > 0 .or. plan%step > 0) then
                 plan%method = plan%method // ', fixed step size'
             else
@@ -293,62 +334,6 @@ contains
                               // ', absolute ' // to_text(controls%absolute_tolerance)
             end if
             if (controls%table /= '') plan%method = plan%method // ', table ' // trim(controls%table)
-        end associate
-    end subroutine read_controls
-
-    !> The number of fixed steps, or the largest of them, where the method takes such steps.
-    subroutine read_steps(scene, plan, problems)
-        type(scene_t), intent(in) :: scene
-        type(plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-
-        associate (info => plan%stepper%info)
-            if (scene%steps /= unset_integer .and. is_set(scene%step)) then
-                call problems%add('integration.step', 'the steps are given twice', 'give steps or step')
-            else if (wants_steps(scene) .and. .not. info%fixed_step) then
-                call problems%add(merge('integration.steps', 'integration.step ', scene%steps /= unset_integer), &
-                                  method_of(plan) // ' is adaptive, and does not use steps or step', 'give relative_tolerance')
-            else if (.not. wants_steps(scene) .and. .not. info%adaptive) then
-                call problems%add('integration', method_of(plan) // ' has a fixed step size, and neither steps &
-                    &nor step is given', 'give steps or step')
-            end if
-        end associate
-        if (scene%steps /= unset_integer) plan%stepper%controls%steps = scene%steps
-        if (is_set(scene%step)) plan%step = scene%step
-    end subroutine read_steps
-
-    !> Whether a scene asks for fixed steps.
-    pure logical function wants_steps(scene)
-        type(scene_t), intent(in) :: scene
-        wants_steps = scene%steps /= unset_integer .or. is_set(scene%step)
-    end function wants_steps
-
-    !> The method of a plan in a message.
-    function method_of(plan) result(text)
-        type(plan_t), intent(in) :: plan
-        character(:), allocatable :: text
-        text = 'method ' // trim(plan%stepper%info%name)
-    end function method_of
-
-    !> The tolerances given, or those of the method's own. A relative one that is given takes the absolute one along; zero stands
-    !> for the finest one.
-    subroutine read_tolerances(scene, plan, problems)
-        type(scene_t), intent(in) :: scene
-        type(plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-
-        associate (info => plan%stepper%info, controls => plan%stepper%controls)
-            if (info%relative_tolerance > 0) controls%relative_tolerance = info%relative_tolerance
-            if (info%absolute_tolerance > 0) controls%absolute_tolerance = info%absolute_tolerance
-            call read_tolerance('integration.relative_tolerance', scene%relative_tolerance, controls%relative_tolerance)
-            if (.not. controls%relative_tolerance > 0) controls%relative_tolerance = info%finest_tolerance
-            if (controls%relative_tolerance < info%finest_tolerance) then
-                call problems%add('integration.relative_tolerance', method_of(plan) // ' cannot reach a &
-                    &tolerance below ' // to_text(info%finest_tolerance), "method = 'taylor_quadruple' can")
-            end if
-            if (is_set(scene%relative_tolerance)) controls%absolute_tolerance = &
-                min(controls%absolute_tolerance, absolute_share * controls%relative_tolerance)
-            call read_tolerance('integration.absolute_tolerance', scene%absolute_tolerance, controls%absolute_tolerance)
         end associate
 
     contains
@@ -360,56 +345,44 @@ contains
             real(dp), intent(inout) :: tolerance
             if (.not. is_set(given)) return
             tolerance = given
-            if (wants_steps(scene) .or. .not. plan%stepper%info%adaptive) then
-                call problems%add(name, method_of(plan) // ' with a fixed step size does not use tolerances', 'omit it')
-            end if
+            if (wants_steps(scene) .or. .not. plan%stepper%info%adaptive) call problems%add(name, &
+                method // ' with a fixed step size does not use tolerances', 'omit it')
         end subroutine read_tolerance
 
-    end subroutine read_tolerances
+        !> A Butcher table is for ARKODE, and must be one of its tables.
+        subroutine check_butcher_table()
+            type(string_t), allocatable :: known(:)
+            character(:), allocatable :: nearest
+            integer :: i
 
-    !> The solver is for implicit steps.
-    subroutine read_solver(scene, plan, problems)
+            if (.not. plan%stepper%info%takes_table) then
+                call problems%add('integration.table', method // ' does not use a Butcher table', 'omit it')
+                return
+            end if
+            allocate (known, source=arkode_table_names(plan%stepper%info%implicit))
+            do i = 1, size(known)
+                if (known(i)%text == lower_case(scene%table)) return
+            end do
+            nearest = did_you_mean(scene%table, known)
+            if (nearest /= '') nearest = nearest // ' '
+            call problems%add('integration.table', method // " has no table '" // trim(scene%table) // "'", &
+                              nearest // 'it has ' // join(known, ', '))
+        end subroutine check_butcher_table
+
+    end subroutine read_controls
+
+    !> Whether a scene asks for fixed steps.
+    pure logical function wants_steps(scene)
         type(scene_t), intent(in) :: scene
-        type(plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-
-        plan%stepper%controls%fixed_point = scene%solver == 'fixed_point'
-        if (plan%stepper%controls%fixed_point .and. .not. plan%stepper%info%implicit) then
-            call problems%add('integration.solver', method_of(plan) // ' is explicit and needs no solver', 'omit it')
-        end if
-    end subroutine read_solver
-
-    !> A Butcher table is for ARKODE, and must be one of its tables.
-    subroutine read_butcher_table(scene, plan, problems)
-        type(scene_t), intent(in) :: scene
-        type(plan_t), intent(inout) :: plan
-        type(problems_t), intent(inout) :: problems
-        type(string_t), allocatable :: known(:)
-        character(:), allocatable :: nearest
-        integer :: i
-
-        plan%stepper%controls%table = lower_case(scene%table)
-        if (scene%table == '') return
-        if (.not. plan%stepper%info%takes_table) then
-            call problems%add('integration.table', method_of(plan) // ' does not use a Butcher table', 'omit it')
-            return
-        end if
-        allocate (known, source=arkode_table_names(plan%stepper%info%implicit))
-        do i = 1, size(known)
-            if (known(i)%text == lower_case(scene%table)) return
-        end do
-        nearest = did_you_mean(scene%table, known)
-        if (nearest /= '') nearest = nearest // ' '
-        call problems%add('integration.table', method_of(plan) // ' has no table ''' // trim(scene%table) // '''', &
-                          nearest // 'it has ' // join(known, ', '))
-    end subroutine read_butcher_table
+        wants_steps = scene%steps /= unset_integer .or. is_set(scene%step)
+    end function wants_steps
 
     !> What is projected after each step.
     subroutine read_projection(scene, body, plan, problems)
-        type(scene_t), intent(in) :: scene !! contents of the input
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(plan_t), intent(inout) :: plan !! model, method and settings
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
+        type(problems_t), intent(inout) :: problems
         character(*), parameter :: key = 'integration.project'
         type(formulation_info_t) :: info
         integer :: kind
@@ -434,77 +407,67 @@ contains
         end if
     end subroutine read_projection
 
-    !> Chooses the closed form where the body has one and the input does not ask for steps, else the cheapest method.
+    !> Chooses the closed form where the body has one and the input does not ask for steps, else the cheapest method, and says
+    !> why.
     subroutine choose_automatically(scene, body, plan)
-        type(scene_t), intent(in) :: scene !! contents of the input
-        type(body_t), intent(in) :: body !! the body of the case
-        type(plan_t), intent(inout) :: plan !! receives the method and the reason for it
+        type(scene_t), intent(in) :: scene
+        type(body_t), intent(in) :: body
+        type(plan_t), intent(inout) :: plan
         character(*), parameter :: default_with_table = 'arkode_erk'
-        plan%exact = body%has_closed_form() .and. .not. any([scene%formulation /= 'auto', &
-            scene%table /= '', scene%steps /= unset_integer, is_set(scene%step)])
+
+        plan%exact = body%has_closed_form() .and. scene%formulation == 'auto' .and. scene%table == '' .and. &
+                     .not. wants_steps(scene)
         if (plan%exact) then
             plan%reason = 'The body is ' // known_for
             if (.not. body%is_lagrange()) plan%reason = 'The body is ' // free_body
             plan%reason = plan%reason // ', so the motion is computed in closed form: &
                 &accurate to rounding at any time, at a cost that does not depend on the time span, without steps.'
+            return
+        end if
+        if (body%has_closed_form()) then
+            plan%reason = 'The input names a formulation, a table or steps, so the motion is integrated numerically, although &
+                &a closed form exists.'
+        else if (allocated(body%effects)) then
+            plan%reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated &
+                &numerically; a closed form exists only with ' // solvable_effects // '. Splitting methods, projection onto &
+                &invariants and quantities of the undisturbed top are excluded.'
         else
-            plan%reason = why_integrated(body)
-            if (scene%table == '') then
-                call choose_default(scene, body, plan)
-            else
-                call create_stepper(default_with_table, plan%stepper)
-                plan%reason = plan%reason // ' ' // default_with_table // ' uses the named table.'
-            end if
+            plan%reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no closed form and the &
+                &motion is integrated numerically.'
+        end if
+        if (scene%table == '') then
+            call choose_default(scene, body, plan)
+        else
+            call create_stepper(default_with_table, plan%stepper)
+            plan%reason = plan%reason // ' ' // default_with_table // ' uses the named table.'
         end if
     end subroutine choose_automatically
 
-    !> Why a motion is integrated numerically, without a method that the input names.
-    function why_integrated(body) result(reason)
-        type(body_t), intent(in) :: body
-        character(:), allocatable :: reason
-        if (body%has_closed_form()) then
-            reason = 'The input names a formulation, a table or steps, so the motion is integrated numerically, although a &
-                &closed form exists.'
-        else if (allocated(body%effects)) then
-            reason = 'The body has effects (&effects), so there is no closed form and the motion is integrated numerically; &
-                &a closed form exists only with ' // solvable_effects // '. Splitting methods, projection onto invariants &
-                &and quantities of the undisturbed top are excluded.'
-        else
-            reason = 'The body is neither ' // known_for // ' nor ' // free_body // ', so there is no closed form and the &
-                &motion is integrated numerically.'
-        end if
-    end function why_integrated
-
-    !> The cheapest adaptive stepper or, on request, the cheapest one with a fixed step size.
+    !> The cheapest adaptive stepper or, on request, the cheapest one with a fixed step size, for the named formulation or
+    !> the default one of methods that it supports.
     subroutine choose_default(scene, body, plan)
         type(scene_t), intent(in) :: scene
         type(body_t), intent(in) :: body
         type(plan_t), intent(inout) :: plan
         type(controls_t), parameter :: defaults = controls_t()
         class(formulation_t), allocatable :: formulation
+        character(len(scene%formulation)) :: name
         character(:), allocatable :: why
         real(dp) :: tolerance
 
+        name = scene%formulation
+        if (name == 'auto') name = merge(of_symmetric_tops, of_any_body, body%is_lagrange())
+        call create_formulation(trim(name), formulation, body=body)
         tolerance = defaults%relative_tolerance
         ! Zero is the finest tolerance of the method, whichever it is.
         if (is_set(scene%relative_tolerance) .and. scene%relative_tolerance > 0) tolerance = scene%relative_tolerance
-        call create_formulation(trim(likely_formulation(scene, body)), formulation, body=body)
-        if (scene%steps /= unset_integer .or. is_set(scene%step)) then
+        if (wants_steps(scene)) then
             call recommend_steps(formulation%info(), plan%stepper, why)
         else
             call recommend_adaptive(tolerance, formulation%info(), plan%stepper, why)
         end if
         plan%reason = plan%reason // ' ' // trim(plan%stepper%info%name) // ' is the default: ' // why // '.'
     end subroutine choose_default
-
-    !> The named formulation, or the default one for methods that it supports.
-    pure function likely_formulation(scene, body) result(name)
-        type(scene_t), intent(in) :: scene
-        type(body_t), intent(in) :: body
-        character(len(scene%formulation)) :: name
-        name = scene%formulation
-        if (name == 'auto') name = merge(of_symmetric_tops, of_any_body, body%is_lagrange())
-    end function likely_formulation
 
     !> The stepper for a tolerance with these equations.
     subroutine recommend_adaptive(tolerance, info, stepper, why)
@@ -533,5 +496,62 @@ contains
         call create_stepper(recommendation%method, stepper)
         why = trim(recommendation%why)
     end subroutine recommend_steps
+
+    !> Number of steps of fixed size in a span, if their largest size is given, and the limit on the work of a case, which does
+    !> not count them. Where they are too many, the limit stays that of adaptive methods, and ends the case.
+    pure subroutine fit_steps(self, t_end)
+        class(plan_t), intent(inout) :: self
+        real(dp), intent(in) :: t_end !! length of the span, s
+        if (self%step > 0) then
+            self%stepper%controls%steps = max(1, ceiling(min(t_end / self%step * (1 - step_slack), &
+                                                             most_steps)))
+        end if
+        associate (controls => self%stepper%controls)
+            controls%max_steps = self%max_steps
+            if (.not. self%has_too_many_steps(t_end)) controls%max_steps = self%max_steps + controls%steps
+        end associate
+    end subroutine fit_steps
+
+    !> Whether a span has more steps of the given size than any run takes.
+    pure logical function has_too_many_steps(self, t_end)
+        class(plan_t), intent(in) :: self
+        real(dp), intent(in) :: t_end !! length of the span, s
+        has_too_many_steps = self%step > 0 .and. t_end > most_steps * self%step
+    end function has_too_many_steps
+
+    !> Whether rows may lie between steps.
+    pure logical function is_adaptive(self)
+        class(plan_t), intent(in) :: self
+        is_adaptive = self%exact
+        if (allocated(self%stepper)) is_adaptive = self%stepper%controls%steps == 0
+    end function is_adaptive
+
+    !> Name of the formulation; '' if there is none.
+    function formulation_name(self) result(name)
+        class(plan_t), intent(in) :: self
+        character(16) :: name
+        type(formulation_info_t) :: info
+        name = ''
+        if (.not. allocated(self%formulation)) return
+        info = self%formulation%info()
+        name = info%name
+    end function formulation_name
+
+    !> Time of row `i` of `samples` equally spaced rows from 0 to `t_end`, both included.
+    elemental real(dp) function sample_time(t_end, samples, i)
+        real(dp), intent(in) :: t_end !! end of the span, s
+        integer, intent(in) :: samples, i !! number of rows, and index of the row, from 1
+        sample_time = t_end
+        if (i < samples) sample_time = t_end * (i - 1) / (samples - 1)
+    end function sample_time
+
+    !> The times of all rows.
+    pure function sample_times(t_end, samples) result(times)
+        real(dp), intent(in) :: t_end !! end of the span, s
+        integer, intent(in) :: samples !! number of rows
+        real(dp), allocatable :: times(:)
+        integer :: i
+        times = [(sample_time(t_end, samples, i), i=1, samples)]
+    end function sample_times
 
 end module spintop_planning

@@ -10,7 +10,7 @@ module spintop_execution
     use spintop_options, only: options_t
     use spintop_preparation, only: prepare_job, prepare_jobs, prepared_t, protect_interrupted
     use spintop_row_table, only: row_table_t
-    use spintop_scene_words, only: kind_fit, kind_sweep, study_kinds
+    use spintop_scene_keys, only: kind_fit, kind_sweep, study_kinds
     use spintop_statistics_output, only: path_beside
     use spintop_study, only: study_t
     use spintop_summary, only: summary_t

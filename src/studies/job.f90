@@ -12,8 +12,7 @@ module spintop_job
     use spintop_kinds, only: dp
     use spintop_parameter_print, only: given_groups, print_namelist
     use spintop_parameters, only: find_missing_beside, is_set, parameter_table_t, unset_integer
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_provenance, only: header_of, fact_count, fact_t, gather_facts
     use spintop_ranks, only: ranks_t

@@ -22,8 +22,7 @@ module spintop_preparation
     use spintop_parameter, only: parameter_t
     use spintop_parameters, only: unset_integer, parameter_table_t
     use spintop_problems, only: problems_t
-    use spintop_scene_keys, only: describe_scene, scene_t
-    use spintop_scene_words, only: reference_names
+    use spintop_scene_keys, only: describe_scene, scene_t, reference_names
     use spintop_statistics_output, only: path_beside
     use spintop_studies, only: create_study
     use spintop_study, only: study_info_t, study_t

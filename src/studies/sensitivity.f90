@@ -11,8 +11,7 @@ module spintop_sensitivity
     use spintop_kinds, only: dp, no_number
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_study_column, only: study_column_t

@@ -3,8 +3,8 @@ module spintop_studies
     use spintop_benchmark_study, only: benchmark_columns, benchmark_study_t
     use spintop_fit_study, only: fit_study_t, fit_columns
     use spintop_precision_study, only: precision_columns, precision_study_t
-    use spintop_scene_words, only: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark, &
-        kind_fit
+    use spintop_scene_keys, only: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, &
+        kind_benchmark, kind_fit
     use spintop_stability_study, only: stability_columns, stability_study_t
     use spintop_study, only: study_info_t, study_t
     use spintop_sweep_result, only: sweep_columns

@@ -7,7 +7,7 @@ module spintop_summary
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3, fast_top_t, fast_top
     use spintop_statistics_plan, only: statistics_plan_t

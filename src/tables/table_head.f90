@@ -155,7 +155,8 @@ contains
         line = head(3:index(head // nl, nl) - 1)
     end function first_line_of
 
-    !> The first line in which two headers differ, except for their dates, ready to print; '' if they are equal.
+    !> The first line in which two headers differ, except for their dates and how a motion ended, ready to print;
+    !> '' if they are equal.
     pure function compare_heads(first_head, first_name, second_head, second_name) result(difference)
         character(*), intent(in) :: first_head, second_head !! headers
         character(*), intent(in) :: first_name, second_name !! what they are called in print
@@ -163,8 +164,8 @@ contains
         integer :: i, line
 
         difference = ''
-        first = undated(first_head)
-        second = undated(second_head)
+        first = without(without(first_head, 'date'), 'status')
+        second = without(without(second_head, 'date'), 'status')
         if (len(first) == len(second) .and. first == second) return
         line = 1
         do i = 1, min(len(first), len(second))
@@ -174,13 +175,6 @@ contains
         difference = nl // '    ' // first_name // ': ' // line_at(first, line) // &
                      nl // '    ' // second_name // ': ' // line_at(second, line)
     end function compare_heads
-
-    !> A header without the lines of its date and of how a motion ended.
-    pure function undated(head) result(text)
-        character(*), intent(in) :: head
-        character(:), allocatable :: text
-        text = without(without(head, 'date'), 'status')
-    end function undated
 
     !> A header without the line of a key.
     pure function without(head, key) result(text)

@@ -6,8 +6,7 @@ module scene_reports
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_parameters, only: parameter_table_t
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, describe_scene
     use known_tops, only: upright_theta

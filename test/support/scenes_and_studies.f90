@@ -10,11 +10,10 @@ module scenes_and_studies
     use spintop_hard_cases
     use spintop_job
     use spintop_options
-    use spintop_plan
+    use spintop_planning, only: plan_t, sample_time, sample_times
     use spintop_preparation
     use spintop_reference_motion
     use spintop_scene_keys
-    use spintop_scene_words
     use spintop_study_column
     use spintop_summary
     use spintop_sweep_axes

@@ -1,12 +1,12 @@
-// Runge-Kutta methods of SUNDIALS ARKODE, 6 and 7, for arkode.f90, which has the equations, the weights of errors and what
-// follows a step. Explicit tables also use ARKStep: ERKStep of SUNDIALS 6.4 loses orders for tables whose last stage is at the
-// end of the step without being the first stage of the next step. Each run has its own SUNContext, so that runs in several
-// threads share nothing.
+// Runge-Kutta methods of SUNDIALS ARKODE, 6 and 7, for arkode.f90, which has the equations and what follows a step. Explicit
+// tables also use ARKStep: ERKStep of SUNDIALS 6.4 loses orders for tables whose last stage is at the end of the step without
+// being the first stage of the next step. Each run has its own SUNContext, so that runs in several threads share nothing.
 
 #include <arkode/arkode_arkstep.h>
 #include <float.h>
 #include <math.h>
 #include <nvector/nvector_serial.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,12 +42,13 @@ struct arkode_table {
 
 // Functions of arkode.f90. They return 0, 1 for another attempt with a shorter step, or -1. `run` is what its step has given.
 int spintop_arkode_rhs(void *run, double t, const double *y, double *slope);
-int spintop_arkode_weights(void *run, const double *y, double *weights);
 int spintop_arkode_finish(void *run, double t, double *y);
 
-// A run. Stages with a fixed step size are judged by the state at the beginning of the step, of variables that are not cyclic,
-// the scales of the variables, and what the iteration of a stage has done so far: its last correction and the smallest one, in
-// units of the variables, the number of corrections since that, and the ratio of the last correction to the one before.
+// A run. ARKODE computes in the units of the state, powers of two, so that its linear equations do not depend on those of mass,
+// length and time. An error may be `absolute`, and `relative` times the variable, in the units of arkode.f90. Stages with a
+// fixed step size are judged by the state at the beginning of the step, of variables that are not cyclic, the scales of the
+// variables, and what the iteration of a stage has done so far: its last correction and the smallest one, in units of the
+// variables, the number of corrections since that, and the ratio of the last correction to the one before.
 struct spintop_arkode {
     void *run, *integrator;
     SUNContext context;
@@ -55,20 +56,50 @@ struct spintop_arkode {
     SUNMatrix matrix;
     SUNLinearSolver linear;
     SUNNonlinearSolver nonlinear;
+    double unit[most_states], per_unit[most_states], absolute[most_states], relative[most_states];
     double scale[most_states], start[most_states], previous, smallest, rate, growth;
+    int64_t rejected, jacobians;
     int n, cyclic[most_states], idle, is_fixed, flag;
 };
 
+// A state of arkode.f90 from a vector of ARKODE, and a vector from that.
+static void from_vector(const struct spintop_arkode *ark, N_Vector from, double state[most_states]) {
+    const double *const y = NV_DATA_S(from);
+    for (int i = 0; i < ark->n; ++i) state[i] = y[i] * ark->unit[i];
+    for (int i = ark->n; i < most_states; ++i) state[i] = 0;
+}
+
+static void to_vector(const struct spintop_arkode *ark, const double *state, N_Vector to) {
+    double *const y = NV_DATA_S(to);
+    for (int i = 0; i < ark->n; ++i) y[i] = state[i] * ark->per_unit[i];
+}
+
 static int rhs(double t, N_Vector y, N_Vector slope, void *of) {
-    return spintop_arkode_rhs(((struct spintop_arkode *)of)->run, t, N_VGetArrayPointer(y), N_VGetArrayPointer(slope));
+    double state[most_states], rate[most_states];
+    from_vector(of, y, state);
+    const int verdict = spintop_arkode_rhs(((struct spintop_arkode *)of)->run, t, state, rate);
+    to_vector(of, rate, slope);
+    return verdict;
 }
 
 static int find_weights(N_Vector y, N_Vector weights, void *of) {
-    return spintop_arkode_weights(((struct spintop_arkode *)of)->run, N_VGetArrayPointer(y), N_VGetArrayPointer(weights));
+    const struct spintop_arkode *const ark = of;
+    double state[most_states];
+    from_vector(ark, y, state);
+    for (int i = 0; i < ark->n; ++i) {
+        const double allowed = ark->absolute[i] + ark->relative[i] * fabs(state[i]);
+        if (!(allowed > 0)) return -1;
+        NV_DATA_S(weights)[i] = ark->unit[i] / allowed;
+    }
+    return 0;
 }
 
 static int finish(double t, N_Vector y, void *of) {
-    return spintop_arkode_finish(((struct spintop_arkode *)of)->run, t, N_VGetArrayPointer(y));
+    double state[most_states];
+    from_vector(of, y, state);
+    const int verdict = spintop_arkode_finish(((struct spintop_arkode *)of)->run, t, state);
+    to_vector(of, state, y);
+    return verdict;
 }
 
 // Judges a correction of a stage whose increment over the state is `change`, down to rounding errors: ARKODE's own test needs a
@@ -163,7 +194,7 @@ static void make_integrator(struct spintop_arkode *ark, int implicit, double t, 
 #endif
     if (ark->flag < 0) return;
     ark->y = N_VNew_Serial(ark->n, ark->context);
-    memcpy(N_VGetArrayPointer(ark->y), y, ark->n * sizeof *y);
+    to_vector(ark, y, ark->y);
     ark->integrator = ARKStepCreate(implicit ? 0 : rhs, implicit ? rhs : 0, t, ark->y, ark->context);
     if (!ark->integrator) keep(ark, ARK_MEM_FAIL);
 #if SUNDIALS_VERSION_MAJOR < 7
@@ -199,8 +230,9 @@ static void set_implicit(struct spintop_arkode *ark, int is_adaptive, int by_ins
     keep(ark, ARKStepSetDeduceImplicitRhs(of, 1));
 }
 
-// Begins a run at the time t in a state of n variables with their scales; null without memory.
-struct spintop_arkode *spintop_arkode_create(int n, double t, const double *y, const double *scale, const int *cyclic,
+// Begins a run at the time t in a state of n variables with their units, scales and admissible errors; null without memory.
+struct spintop_arkode *spintop_arkode_create(int n, double t, const double *y, const double *unit, const double *scale,
+                                             const double *absolute, const double *relative, const int *cyclic,
                                              const struct arkode_table *of, int is_adaptive, int by_insertion) {
     // So many failures of a step reduce it from the length of the span to the rounding error of the time.
     enum { most_failures = 60 };
@@ -208,7 +240,10 @@ struct spintop_arkode *spintop_arkode_create(int n, double t, const double *y, c
     double unused[3] = {0};
     if (!ark) return 0;
     ark->n = n;
-    memcpy(ark->scale, scale, n * sizeof *scale), memcpy(ark->cyclic, cyclic, n * sizeof *cyclic);
+    for (int i = 0; i < n; ++i) {
+        ark->unit[i] = unit[i], ark->per_unit[i] = 1 / unit[i], ark->scale[i] = scale[i] / unit[i], ark->cyclic[i] = cyclic[i];
+        ark->absolute[i] = absolute[i], ark->relative[i] = relative[i];
+    }
     make_integrator(ark, of->implicit, t, y);
     if (ark->flag < 0) return ark;
     ARKodeButcherTable table = table_of(of);
@@ -231,10 +266,10 @@ struct spintop_arkode *spintop_arkode_create(int n, double t, const double *y, c
 }
 
 // One step of the size h towards t_end or, if h is 0, of a size that ARKODE chooses, not beyond t_end. Returns 0, 1 if the step
-// became too small, 2 if a stage did not converge, 3 otherwise. The counts are those of the run.
-int spintop_arkode_step(struct spintop_arkode *ark, void *run, double h, double t_end, double t_stop, long *rejected,
-                        long *jacobians) {
-    long attempts = 0, steps = 0;
+// became too small, 2 if a stage did not converge, 3 otherwise. The costs of the step are added.
+int spintop_arkode_step(struct spintop_arkode *ark, void *run, double h, double t_end, double t_stop, int64_t *rejected,
+                        int64_t *jacobians) {
+    long attempts = 0, steps = 0, evaluated = 0;
     double t;
     if (h > 0 || ark->is_fixed) keep(ark, ARKStepSetFixedStep(ark->integrator, h)), ark->is_fixed = h > 0;
     if (!(h > 0)) keep(ark, ARKStepSetStopTime(ark->integrator, t_stop));
@@ -244,8 +279,9 @@ int spintop_arkode_step(struct spintop_arkode *ark, void *run, double h, double 
     memcpy(ark->start, N_VGetArrayPointer(ark->y), ark->n * sizeof *ark->start);
     flag = ARKStepEvolve(ark->integrator, t_end, ark->y, &t, ARK_ONE_STEP);
     ARKStepGetNumStepAttempts(ark->integrator, &attempts), ARKStepGetNumSteps(ark->integrator, &steps);
-    *rejected = attempts - steps;
-    if (ark->linear) ARKStepGetNumJacEvals(ark->integrator, jacobians);
+    if (ark->linear) ARKStepGetNumJacEvals(ark->integrator, &evaluated);
+    *rejected += attempts - steps - ark->rejected, *jacobians += evaluated - ark->jacobians;
+    ark->rejected = attempts - steps, ark->jacobians = evaluated;
     switch (flag) {
     case ARK_ERR_FAILURE:
     case ARK_TOO_MUCH_WORK:
@@ -263,7 +299,7 @@ int spintop_arkode_step(struct spintop_arkode *ark, void *run, double h, double 
 // Goes on from a state, with a first step of the size h if that is not 0.
 void spintop_arkode_restart(struct spintop_arkode *ark, double t, const double *y, double h) {
     if (!ark->integrator) return;
-    memcpy(N_VGetArrayPointer(ark->y), y, ark->n * sizeof *y);
+    to_vector(ark, y, ark->y);
     keep(ark, ARKStepReset(ark->integrator, t, ark->y));
     if (h > 0) keep(ark, ARKStepSetInitStep(ark->integrator, h));
 }

@@ -1,13 +1,13 @@
 !> Runge-Kutta methods of SUNDIALS ARKODE, explicit and diagonally implicit, with a table of the library or of a user, adaptive
-!> or with a fixed step size. arkode.c calls the library; here are the equations, the weights of errors, and the end of a step.
+!> or with a fixed step size. arkode.c calls the library; here are the equations and the end of a step.
 !>
 !> Reynolds, Gardner, Woodward and Chinomona, ACM TOMS 49 (2023).
 module spintop_arkode
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_long, &
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_int64_t, c_loc, &
         c_null_char, c_null_ptr, c_ptr
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, is_equal, is_finite
-    use spintop_fixed_step, only: dense_output_t, advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
+    use spintop_fixed_step, only: advance_on_grid, begin_on_grid, grid_stepper_t, longest_step
     use spintop_formulation, only: formulation_info_t, max_states
     use spintop_status, only: is_ok, status_integrator, status_non_finite, status_not_converged, status_ok, &
         status_outside, status_step_too_small
@@ -51,76 +51,23 @@ module spintop_arkode
             type(arkode_table_t), intent(in) :: table !! the table
             integer(c_int), intent(out) :: order, embedded_order !! those of the method and of the embedded one
         end subroutine find_orders
-    end interface
 
-    !> What the functions that ARKODE calls during a step need. It computes in the units of the state, `formulation_t%units`, so
-    !> that its linear equations do not depend on those of mass, length and time.
-    type :: step_t
-        type(run_state_t), pointer :: run => null()
-        integer :: states = 0
-        logical :: adaptive = .true.
-        real(dp) :: unit(max_states) = 1
-        !> Status of the last evaluation of the right-hand side.
-        integer :: status = status_ok
-    end type step_t
-
-    !> The run on the side of C. It has no default value: gfortran 14 takes the allocation of a finalizable type with default
-    !> values for a structure constructor, which Fortran 2008 would finalize.
-    type :: handle_t
-        type(c_ptr) :: address
-    contains
-        final :: release
-    end type handle_t
-
-    !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
-    type, extends(grid_stepper_t) :: arkode_t
-        !> A table that is not of ARKODE's own.
-        type(arkode_table_t), allocatable :: own
-        type(handle_t), allocatable :: handle
-        type(step_t) :: current = step_t()
-        !> The state as ARKODE has it, and the costs before the run: it counts from there.
-        real(dp) :: y_known(max_states) = 0
-        integer(int64) :: earlier_rejected = 0, earlier_jacobians = 0
-        !> The polynomial over the last step, if dense output was needed.
-        type(dense_output_t) :: dense = dense_output_t()
-        logical :: dense_is_known = .false.
-    contains
-        procedure :: begin
-        procedure :: advance
-        procedure :: try_step
-        procedure :: state_within
-        procedure :: order
-    end type arkode_t
-
-    !> Factor of the step size after a failure of the right-hand side.
-    real(dp), parameter :: cut = 0.25_dp
-    !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it treats so close a stop
-    !> time as reached.
-    real(dp), parameter :: smallest_spacings = 512
-    !> The tolerance for ARKODE with a fixed step size, where it has no effect.
-    real(dp), parameter :: fixed_step_tolerance = 1.0e-12_dp
-    !> Return values of the functions that ARKODE calls: continue, retry with a shorter step, fail.
-    integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
-    !> What its steps return.
-    integer, parameter :: status_of(0:3) = [status_ok, status_step_too_small, status_not_converged, status_integrator]
-
-    interface
-        type(c_ptr) function create_run(n, t, y, scale, cyclic, table, is_adaptive, by_insertion) &
+        type(c_ptr) function create_run(n, t, y, unit, scale, absolute, relative, cyclic, table, is_adaptive, by_insertion) &
             bind(C, name='spintop_arkode_create')
             import :: arkode_table_t, c_double, c_int, c_ptr
             integer(c_int), value :: n, is_adaptive, by_insertion
             real(c_double), value :: t
-            real(c_double), intent(in) :: y(*), scale(*)
+            real(c_double), dimension(*), intent(in) :: y, unit, scale, absolute, relative
             integer(c_int), intent(in) :: cyclic(*)
             type(arkode_table_t), intent(in) :: table
         end function create_run
 
         integer(c_int) function step_of_run(run, current, h, t_end, t_stop, rejected, jacobians) &
             bind(C, name='spintop_arkode_step')
-            import :: c_double, c_int, c_long, c_ptr
+            import :: c_double, c_int, c_int64_t, c_ptr
             type(c_ptr), value :: run, current
             real(c_double), value :: h, t_end, t_stop
-            integer(c_long), intent(inout) :: rejected, jacobians
+            integer(c_int64_t), intent(inout) :: rejected, jacobians
         end function step_of_run
 
         subroutine restart_run(run, t, y, h) bind(C, name='spintop_arkode_restart')
@@ -140,6 +87,49 @@ module spintop_arkode
             type(c_ptr), value :: run
         end subroutine destroy_run
     end interface
+
+    !> What the functions that ARKODE calls during a step need.
+    type :: step_t
+        type(run_state_t), pointer :: run => null()
+        logical :: adaptive = .true.
+        !> Status of the last evaluation of the right-hand side.
+        integer :: status = status_ok
+    end type step_t
+
+    !> The run on the side of C. It has no default value: gfortran 14 takes the allocation of a finalizable type with default
+    !> values for a structure constructor, which Fortran 2008 would finalize.
+    type :: handle_t
+        type(c_ptr) :: address
+    contains
+        final :: release
+    end type handle_t
+
+    !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
+    type, extends(grid_stepper_t) :: arkode_t
+        !> A table that is not of ARKODE's own.
+        type(arkode_table_t), allocatable :: own
+        type(handle_t), allocatable :: handle
+        type(step_t) :: current = step_t()
+        !> The state as ARKODE has it.
+        real(dp) :: y_known(max_states) = 0
+    contains
+        procedure :: begin
+        procedure :: advance
+        procedure :: try_step
+        procedure :: order
+    end type arkode_t
+
+    !> Factor of the step size after a failure of the right-hand side.
+    real(dp), parameter :: cut = 0.25_dp
+    !> ARKODE does not control steps shorter than this, in units of the spacing of the end of the span: it treats so close a stop
+    !> time as reached.
+    real(dp), parameter :: smallest_spacings = 512
+    !> The tolerance for ARKODE with a fixed step size, where it has no effect.
+    real(dp), parameter :: fixed_step_tolerance = 1.0e-12_dp
+    !> Return values of the functions that ARKODE calls: continue, retry with a shorter step, fail.
+    integer(c_int), parameter :: go_on = 0, retry = 1, give_up = -1
+    !> What its steps return.
+    integer, parameter :: status_of(0:3) = [status_ok, status_step_too_small, status_not_converged, status_integrator]
 
 contains
 
@@ -209,7 +199,7 @@ contains
         call find_own_table(self, table, found)
         if (.not. found) return
         info = self%formulation%info()
-        self%current = step_t(states=info%states, adaptive=self%controls%steps == 0, unit=self%formulation%units())
+        self%current = step_t(adaptive=self%controls%steps == 0)
         tolerances = fixed_step_tolerance
         if (self%current%adaptive) then
             ! ARKODE limits the root mean square of the errors of the components. With this factor no component exceeds its
@@ -217,18 +207,12 @@ contains
             tolerances = [self%controls%relative_tolerance, self%controls%absolute_tolerance] / sqrt(real(info%states, dp))
         end if
         call self%weight%set(self%formulation, tolerances(1), tolerances(2))
-        call self%dense%set_order(int(table%order))
-        self%dense_is_known = .false.
         self%y_known = self%y
-        self%earlier_rejected = self%counts%rejected
-        self%earlier_jacobians = self%counts%jacobians
         if (allocated(self%handle)) deallocate (self%handle)
         allocate (self%handle)
-        associate (n => info%states, unit => self%current%unit)
-            self%handle%address = create_run(int(n, c_int), self%t, self%y(:n) / unit(:n), self%formulation%scale(:n) / unit(:n), &
-                merge(1_c_int, 0_c_int, self%formulation%cyclic(:n)), table, merge(1_c_int, 0_c_int, self%current%adaptive), &
-                merge(1_c_int, 0_c_int, self%controls%fixed_point))
-        end associate
+        self%handle%address = create_run(int(info%states, c_int), self%t, self%y, self%formulation%units(), &
+            self%formulation%scale, self%weight%absolute, self%weight%relative, merge(1_c_int, 0_c_int, self%formulation%cyclic), &
+            table, merge(1_c_int, 0_c_int, self%current%adaptive), merge(1_c_int, 0_c_int, self%controls%fixed_point))
         if (c_associated(self%handle%address)) status = status_ok
     end subroutine begin
 
@@ -259,9 +243,7 @@ contains
         h_first = 0
         if (present(h)) h_first = h
         self%y_known = self%y
-        associate (n => self%current%states)
-            call restart_run(self%handle%address, self%t, self%y(:n) / self%current%unit(:n), h_first)
-        end associate
+        call restart_run(self%handle%address, self%t, self%y, h_first)
     end subroutine restart
 
     !> A step on the grid of fixed step size, or where it ends.
@@ -309,7 +291,7 @@ contains
         real(dp), intent(in) :: h, t_end, t_stop
         integer, intent(out) :: status
         type(run_state_t) :: before
-        integer(c_long) :: rejected, jacobians
+        integer(c_int64_t) :: rejected, jacobians
         integer(int64) :: evaluations
 
         before = self%run_state_t
@@ -318,28 +300,16 @@ contains
         self%current%run => self%run_state_t
         self%current%status = status_ok
         status = status_of(step_of_run(self%handle%address, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
-        if (is_ok(status)) then
-            self%dense_is_known = .false.
-        else
+        if (.not. is_ok(status)) then
             evaluations = self%counts%evaluations
             self%run_state_t = before
             self%counts%evaluations = evaluations
             if (.not. is_ok(self%current%status)) status = self%current%status
         end if
         self%y_known = self%y
-        self%counts%rejected = self%earlier_rejected + rejected
-        self%counts%jacobians = self%earlier_jacobians + jacobians
+        self%counts%rejected = self%counts%rejected + rejected
+        self%counts%jacobians = self%counts%jacobians + jacobians
     end subroutine take_step
-
-    !> The state at a time within the last step, to the order of the table (at least 4, at most 8).
-    function state_within(self, t) result(y)
-        class(arkode_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        real(dp) :: y(max_states)
-        if (.not. self%dense_is_known) call self%dense%fit(self%run_state_t, self%slope_last)
-        self%dense_is_known = .true.
-        y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
-    end function state_within
 
     subroutine release(self)
         type(handle_t), intent(inout) :: self
@@ -347,72 +317,44 @@ contains
         self%address = c_null_ptr
     end subroutine release
 
-    !> The state of a vector of ARKODE.
-    pure function state_of(current, y) result(state)
-        type(step_t), intent(in) :: current
-        real(c_double), intent(in) :: y(current%states)
-        real(dp) :: state(max_states)
-        state = 0
-        state(:current%states) = y * current%unit(:current%states)
-    end function state_of
-
     !> y' = f(t, y), called by ARKODE. The slope at the state reached is known and costs nothing.
     integer(c_int) function find_slope(current, t, y, slope) bind(C, name='spintop_arkode_rhs') result(verdict)
         type(c_ptr), value :: current
         real(c_double), value :: t
-        real(c_double), intent(in) :: y(*)
-        real(c_double), intent(inout) :: slope(*)
+        real(c_double), intent(in) :: y(max_states)
+        real(c_double), intent(inout) :: slope(max_states)
         type(step_t), pointer :: now
-        real(dp) :: state(max_states), rate(max_states)
         logical :: known
 
         call c_f_pointer(current, now)
-        state = state_of(now, y)
-        known = all(is_equal(state, now%run%y))
+        known = all(is_equal(y, now%run%y))
         if (now%run%formulation%depends_on_time) known = known .and. is_equal(t, now%run%t)
         if (known) then
             now%status = status_ok
-            rate = now%run%slope
+            slope = now%run%slope
         else
-            call now%run%evaluate(t, state, rate, now%status)
+            call now%run%evaluate(t, y, slope, now%status)
         end if
-        slope(1:now%states) = rate(:now%states) / now%unit(:now%states)
         verdict = go_on
         if (is_ok(now%status)) return
         verdict = give_up
         if (now%adaptive .or. now%status == status_outside) verdict = retry
     end function find_slope
 
-    !> The weights by which errors are multiplied in a norm, called by ARKODE.
-    integer(c_int) function find_weights(current, y, weights) bind(C, name='spintop_arkode_weights') result(verdict)
-        type(c_ptr), value :: current
-        real(c_double), intent(in) :: y(*)
-        real(c_double), intent(inout) :: weights(*)
-        type(step_t), pointer :: now
-        real(dp) :: allowed(max_states)
-
-        call c_f_pointer(current, now)
-        allowed = now%run%weight%allowed(state_of(now, y), state_of(now, y))
-        weights(1:now%states) = now%unit(:now%states) / allowed(:now%states)
-        verdict = merge(go_on, give_up, all(allowed(:now%states) > 0))
-    end function find_weights
-
     !> After an accepted step to `t`, called by ARKODE, which continues from the state that the formulation makes of it.
     integer(c_int) function finish_step(current, t, y) bind(C, name='spintop_arkode_finish') result(verdict)
         type(c_ptr), value :: current
         real(c_double), value :: t
-        real(c_double), intent(inout) :: y(*)
+        real(c_double), intent(inout) :: y(max_states)
         type(step_t), pointer :: now
-        real(dp) :: state(max_states)
         logical :: changed
 
         call c_f_pointer(current, now)
-        state = state_of(now, y)
         verdict = give_up
         now%status = status_non_finite
-        if (.not. all(is_finite(state))) return
-        call now%run%accept_step(t, state, changed)
-        if (changed) y(1:now%states) = now%run%y(:now%states) / now%unit(:now%states)
+        if (.not. all(is_finite(y))) return
+        call now%run%accept_step(t, y, changed)
+        y = now%run%y
         call now%run%evaluate(t, now%run%y, now%run%slope, now%status)
         if (is_ok(now%status)) verdict = go_on
     end function finish_step

@@ -40,7 +40,7 @@ contains
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: k(max_states, max_stages), u(max_states), xi(max_states)
+        real(dp) :: k(max_states, max_stages), u(max_states), xi(max_states), turned(max_states)
         integer :: i
 
         change = 0
@@ -49,20 +49,12 @@ contains
             call move(self%formulation, self%y, u, change)
             call find_velocity(self%run_state_t, self%t + self%table%c(i) * h, self%y + change, xi, status)
             if (.not. is_ok(status)) return
-            k(:, i) = xi + algebra_correction(self%formulation, u, xi)
+            ! dexp^-1_u xi for elements applied in the order of time, to the terms needed for order 4.
+            turned = bracket(self%formulation, u, xi)
+            k(:, i) = xi + (turned / 2 + bracket(self%formulation, u, turned) / 12)
         end do
         call move(self%formulation, self%y, h * stage_sum(k, self%table%b, self%table%stages), change)
     end subroutine step_on_algebra
-
-    !> dexp^-1_u xi - xi for elements applied in the order of time, to the terms needed for order 4: [u,
-    !> xi]/2 + [u, [u, xi]]/12.
-    pure function algebra_correction(formulation, u, xi) result(correction)
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: u(max_states), xi(max_states)
-        real(dp) :: correction(max_states), first(max_states)
-        first = bracket(formulation, u, xi)
-        correction = first / 2 + bracket(formulation, u, first) / 12
-    end function algebra_correction
 
     !> One step of five moves, two of which end it.
     subroutine step_by_moves(self, h, change, status)

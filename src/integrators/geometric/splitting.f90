@@ -11,8 +11,7 @@ module spintop_splitting
     use spintop_status, only: status_ok
     implicit none
     private
-    public :: splitting_table_t, strang_table, nystrom_4_table, nystrom_6_table, composition_4_table, &
-        composition_6_table, composition_8_table, splitting_t
+    public :: splitting_table_t, splitting_table, splitting_t
 
     !> Maximum number of drifts of a table.
     integer, parameter :: max_flows = 17
@@ -25,62 +24,59 @@ module spintop_splitting
         real(dp) :: drift(max_flows) = 0
     end type splitting_table_t
 
-    !> Two methods of one order: one for Nystrom splits, and one for any drift and kick.
+    !> Two methods of one order: one for any drift and kick, and one for Nystrom splits.
     type, extends(fixed_step_t) :: splitting_t
-        type(splitting_table_t) :: nystrom, general
+        type(splitting_table_t) :: table(2)
     contains
         procedure :: step
     end type splitting_t
 
 contains
 
-    !> Kick, drift, kick (Stoermer, Verlet, Strang).
-    pure type(splitting_table_t) function strang_table() result(table)
-        table = composition([real(dp) ::])
-    end function strang_table
-
-    !> Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002), order 4, for Nystrom splits.
-    !> Here and below their 15 decimals are extended by Newton's method for the order conditions.
-    pure type(splitting_table_t) function nystrom_4_table() result(table)
-        table = mirrored( &
-            [0.08298440641740501883834748_dp, 0.3963098014983680770949115_dp, &
-             -0.03905630492234843517086529_dp], &
-            [0.2452989571842711626039324_dp, 0.6048726657110799749608927_dp])
-    end function nystrom_4_table
-
-    !> Method SRKN_14^a of the same authors, order 6, for Nystrom splits; it begins with a drift.
-    pure type(splitting_table_t) function nystrom_6_table() result(table)
-        table = mirrored( &
-            [0.0_dp, 0.09171915262446201798118323_dp, 0.1839831700050048984914766_dp, &
-             -0.05653436583288910439527704_dp, 0.004914688774711885640205616_dp, &
-             0.1437611271683616823873745_dp, 0.3285676937468041402004813_dp], &
-            [0.03785931984061094144702118_dp, 0.1026356331024365528470823_dp, &
-             -0.02586788826655833316394696_dp, 0.3142414030714464341471425_dp, &
-             -0.1301444595174151138496151_dp, 0.1064177003695413680222801_dp, &
-             -0.008794243128510204394069428_dp])
-    end function nystrom_6_table
-
-    !> Five steps of order 2, order 4 (Suzuki, Phys. Lett. A 146, 1990).
-    pure type(splitting_table_t) function composition_4_table() result(table)
+    !> The method of an order. Those for Nystrom splits only are shorter; there is none of order 8, and the other serves.
+    elemental type(splitting_table_t) function splitting_table(order, is_nystrom) result(table)
+        integer, intent(in) :: order !! 2, 4, 6 or 8
+        logical, intent(in) :: is_nystrom !! whether it is for Nystrom splits only
         real(dp), parameter :: outer = 1 / (4 - 4**(1.0_dp / 3))
-        table = composition([outer, outer])
-    end function composition_4_table
 
-    !> Nine steps of order 2, order 6 (Kahan and Li, Math. Comp. 66, 1997).
-    pure type(splitting_table_t) function composition_6_table() result(table)
-        table = composition( &
-            [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
-             -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp])
-    end function composition_6_table
-
-    !> Seventeen steps of order 2, order 8 (Kahan and Li).
-    pure type(splitting_table_t) function composition_8_table() result(table)
-        table = composition( &
-            [0.13020248308889008087881763_dp, 0.56116298177510838456196441_dp, &
-             -0.38947496264484728640807860_dp, 0.15884190655515560089621075_dp, &
-             -0.39590389413323757733623154_dp, 0.18453964097831570709183254_dp, &
-             0.25837438768632204729397911_dp, 0.29501172360931029087096624_dp])
-    end function composition_8_table
+        select case (merge(-order, order, is_nystrom .and. (order == 4 .or. order == 6)))
+        case (2)
+            ! Kick, drift, kick (Stoermer, Verlet, Strang).
+            table = composition([real(dp) ::])
+        case (4)
+            ! Five steps of order 2 (Suzuki, Phys. Lett. A 146, 1990).
+            table = composition([outer, outer])
+        case (6)
+            ! Nine steps of order 2 (Kahan and Li, Math. Comp. 66, 1997).
+            table = composition( &
+                [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
+                 -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp])
+        case (8)
+            ! Seventeen steps of order 2 (Kahan and Li).
+            table = composition( &
+                [0.13020248308889008087881763_dp, 0.56116298177510838456196441_dp, &
+                 -0.38947496264484728640807860_dp, 0.15884190655515560089621075_dp, &
+                 -0.39590389413323757733623154_dp, 0.18453964097831570709183254_dp, &
+                 0.25837438768632204729397911_dp, 0.29501172360931029087096624_dp])
+        case (-4)
+            ! Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002). Here and below their 15 decimals are extended
+            ! by Newton's method for the order conditions.
+            table = mirrored( &
+                [0.08298440641740501883834748_dp, 0.3963098014983680770949115_dp, &
+                 -0.03905630492234843517086529_dp], &
+                [0.2452989571842711626039324_dp, 0.6048726657110799749608927_dp])
+        case (-6)
+            ! Method SRKN_14^a of the same authors; it begins with a drift.
+            table = mirrored( &
+                [0.0_dp, 0.09171915262446201798118323_dp, 0.1839831700050048984914766_dp, &
+                 -0.05653436583288910439527704_dp, 0.004914688774711885640205616_dp, &
+                 0.1437611271683616823873745_dp, 0.3285676937468041402004813_dp], &
+                [0.03785931984061094144702118_dp, 0.1026356331024365528470823_dp, &
+                 -0.02586788826655833316394696_dp, 0.3142414030714464341471425_dp, &
+                 -0.1301444595174151138496151_dp, 0.1064177003695413680222801_dp, &
+                 -0.008794243128510204394069428_dp])
+        end select
+    end function splitting_table
 
     !> The composition of steps kick, drift, kick of the sizes `step` h, for any drift that is symmetric.
     pure type(splitting_table_t) function composition(step) result(table)
@@ -114,21 +110,11 @@ contains
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        if (self%formulation%splits_as_nystrom) then
-            call compose(self%nystrom)
-        else
-            call compose(self%general)
-        end if
-        status = status_ok
-
-    contains
-
-        subroutine compose(table)
-            type(splitting_table_t), intent(in) :: table
+        associate (table => self%table(merge(2, 1, self%formulation%splits_as_nystrom)))
             call self%formulation%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
             self%counts%evaluations = self%counts%evaluations + table%kicks
-        end subroutine compose
-
+        end associate
+        status = status_ok
     end subroutine step
 
 end module spintop_splitting

@@ -55,26 +55,18 @@ contains
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
+        type(body_numbers_t) :: of
         real(dp) :: energy(lanes), scale
         scale = energy_scale(body, start)
         self%half_inertia(lane, :) = body%inertia / 2 / scale
         self%moment(lane, :) = body%weight_moment() / scale
-        if (allocated(body%effects)) call set_effects(self, lane, body, scale)
         self%done(lane, :) = 0
         self%largest(lane) = 0
         call find_energies(self, run, energy)
         self%at_start(lane) = energy(lane)
-        ! That of the frame counts with effects.
-        if (allocated(body%effects)) self%at_start(lane) = (kinetic_energy(body, start) + potential_energy(body, start)) / scale
-    end subroutine begin
-
-    !> Sets the constants of effects.
-    subroutine set_effects(self, lane, body, scale)
-        class(energy_lanes_t), intent(inout) :: self
-        integer, intent(in) :: lane
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: scale !! of the energy, J
-        type(body_numbers_t) :: of
+        if (.not. allocated(body%effects)) return
+        ! The energy of the frame counts with effects.
+        self%at_start(lane) = (kinetic_energy(body, start) + potential_energy(body, start)) / scale
         of = numbers_of(body)
         self%per_scale(lane) = 1 / scale
         self%damping(lane, :) = of%damping / scale
@@ -85,7 +77,7 @@ contains
         self%torque(lane, :) = of%torque_body / scale
         self%rotor(lane, :) = of%rotor / scale
         self%drive(lane, :) = of%drive / scale
-    end subroutine set_effects
+    end subroutine begin
 
     !> Records the errors at the ends of the last step.
     subroutine observe(self, run)

@@ -104,27 +104,19 @@ contains
         h = min(span, 100 * h, unit * (share / bend)**(1 / power))
     end function first_step
 
-    !> One step: of the grid, or one that the error estimate accepts; rejected steps are counted.
+    !> One step: of the grid, or of a size that the error estimate accepts; rejected steps are counted.
     subroutine advance(self, status)
         class(dop853_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-
-        self%has_terms = .false.
-        if (self%controls%steps > 0) then
-            call advance_on_grid(self, status)
-        else
-            call advance_adaptively(self, status)
-        end if
-    end subroutine advance
-
-    !> A step of the size that the error estimate allows.
-    subroutine advance_adaptively(self, status)
-        class(dop853_t), intent(inout) :: self
-        integer, intent(out) :: status
         real(dp) :: h, h_smallest, h_left, t_new, error, growth
         real(dp), dimension(max_states) :: change, y_new, slope
         logical :: was_rejected, changed, at_once
 
+        self%has_terms = .false.
+        if (self%controls%steps > 0) then
+            call advance_on_grid(self, status)
+            return
+        end if
         at_once = self%formulation%has_stages
         h_left = longest_step(self%formulation, self%y)
         h_smallest = smallest_step(self%h, self%t)
@@ -172,7 +164,7 @@ contains
         if (was_rejected) growth = min(growth, 1.0_dp)
         self%h = h * growth
         self%last_error = max(error, least_error)
-    end subroutine advance_adaptively
+    end subroutine advance
 
     !> The stages of a step of size h, and the change of the state over it.
     subroutine step(self, h, change, status)

@@ -41,6 +41,8 @@ module spintop_runge_kutta
     type, extends(stepper_t) :: ode45_t
         type(butcher_t) :: table
         real(dp) :: k(max_states, max_stages) = 0
+        !> Exponent of the error in the step size.
+        real(dp) :: power = 0.2_dp
     contains
         procedure :: begin => begin_ode45
         procedure :: advance => advance_ode45
@@ -152,12 +154,13 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: steepest
 
+        self%power = 1.0_dp / self%table%order
         call self%set_weight()
         call self%evaluate(self%t, self%y, self%slope, status)
         if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
         steepest = maxval(abs(self%slope) / self%weight%matlab_magnitude(self%y, self%y)) &
-                   / (0.8_dp * self%controls%relative_tolerance**power(self))
+                   / (0.8_dp * self%controls%relative_tolerance**self%power)
         if (self%h * steepest > 1) self%h = 1 / steepest
     end subroutine begin_ode45
 
@@ -189,8 +192,7 @@ contains
             if (.not. is_ok(status)) then
                 self%h = h / 2
             else if (first_trial) then
-                self%h = h * max(0.1_dp, 0.8_dp &
-                                 * (self%controls%relative_tolerance / error)**power(self))
+                self%h = h * max(0.1_dp, 0.8_dp * (self%controls%relative_tolerance / error)**self%power)
             else
                 self%h = h / 2
             end if
@@ -201,7 +203,7 @@ contains
         self%slope = self%k(:, self%table%stages)
         if (changed) call self%evaluate(self%t, self%y, self%slope, status)
         if (first_trial) then
-            growth = 1.25_dp * (error / self%controls%relative_tolerance)**power(self)
+            growth = 1.25_dp * (error / self%controls%relative_tolerance)**self%power
             self%h = h / max(growth, 0.2_dp)
         end if
     end subroutine advance_ode45
@@ -221,12 +223,6 @@ contains
                            / self%weight%matlab_magnitude(self%y, y_new))
         if (.not. is_finite(error)) status = status_non_finite
     end subroutine try_step
-
-    !> Exponent of the error in the step size.
-    pure real(dp) function power(self)
-        class(ode45_t), intent(in) :: self
-        power = 1.0_dp / self%table%order
-    end function power
 
     !> Dense output of order 4 within the last step.
     function state_within_ode45(self, t) result(y)

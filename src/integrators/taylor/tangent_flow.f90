@@ -12,8 +12,8 @@ module spintop_tangent_flow
     use spintop_body, only: body_t
     use spintop_effects, only: effect_lift, effect_rotor
     use spintop_euler_poisson, only: state_units
-    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_ok, status_step_limit, &
-        status_step_too_small, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_input, status_non_finite, status_step_limit, status_step_too_small, &
+        status_unsuitable
     use spintop_validity, only: body_status
     implicit none
     private
@@ -51,8 +51,8 @@ contains
         real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, P); other columns: tangent vectors
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         integer, intent(in), optional :: max_steps !! maximum number of steps
-        real(dp) :: left, h
-        integer :: step, most_steps
+        real(dp) :: coefficient(6, size(columns, 2), 0:order), total(6, size(columns, 2)), left, h
+        integer :: step, most_steps, k
 
         most_steps = step_limit
         if (present(max_steps)) most_steps = max_steps
@@ -65,41 +65,27 @@ contains
         left = duration
         do step = 1, most_steps
             if (.not. abs(left) > 0) return
-            call take_tangent_step(body, duration - left, left, columns, h, status)
+            if (allocated(body%effects)) then
+                call expand(body, driven_weight(body, duration - left), body%effects%rotor_momentum, columns, coefficient)
+            else
+                call expand(body, [body%gravity], [0.0_dp, 0.0_dp, 0.0_dp], columns, coefficient)
+            end if
+            h = step_size(state_units(body, columns(:, 1)), coefficient, abs(left))
+            if (.not. h > 0) status = status_non_finite
+            if (h < abs(left) .and. h < smallest_spacings * spacing(left)) status = status_step_too_small
+            ! The exact change of the time left, including its rounding.
+            h = left - (left - sign(h, left))
+            total = coefficient(:, :, order)
+            do k = order - 1, 0, -1
+                total = total * h + coefficient(:, :, k)
+            end do
+            if (.not. all(is_finite(total))) status = status_non_finite
             if (.not. is_ok(status)) return
+            columns = total
             left = left - h
         end do
         if (abs(left) > 0) status = status_step_limit
     end subroutine propagate_tangents
-
-    !> Takes one step of at most `left` seconds, with its sign; `h` is the size of the step.
-    pure subroutine take_tangent_step(body, t, left, columns, h, status)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        real(dp), intent(in) :: t, left !! time, and time left, s, of either sign
-        real(dp), intent(inout) :: columns(:, :) !! column 1: state (Gamma, P); other columns: tangent vectors
-        real(dp), intent(out) :: h !! size of the step, s
-        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: coefficient(6, size(columns, 2), 0:order), total(6, size(columns, 2))
-        integer :: k
-
-        if (allocated(body%effects)) then
-            call expand(body, driven_weight(body, t), body%effects%rotor_momentum, columns, coefficient)
-        else
-            call expand(body, [body%gravity], [0.0_dp, 0.0_dp, 0.0_dp], columns, coefficient)
-        end if
-        h = step_size(state_units(body, columns(:, 1)), coefficient, abs(left))
-        status = status_ok
-        if (.not. h > 0) status = status_non_finite
-        if (h < abs(left) .and. h < smallest_spacings * spacing(left)) status = status_step_too_small
-        ! The exact change of the time left, including its rounding.
-        h = left - (left - sign(h, left))
-        total = coefficient(:, :, order)
-        do k = order - 1, 0, -1
-            total = total * h + coefficient(:, :, k)
-        end do
-        if (.not. all(is_finite(total))) status = status_non_finite
-        if (is_ok(status)) columns = total
-    end subroutine take_tangent_step
 
     !> Taylor coefficients of g + a at a time, m/s^(2 + k).
     pure function driven_weight(body, t) result(weight)

@@ -12,7 +12,7 @@ module spintop_taylor
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, qp, is_finite, is_zero
-    use spintop_formulation, only: formulation_info_t, max_series_order, max_states, structure_series
+    use spintop_formulation, only: max_series_order, max_states, structure_series
     use spintop_motions, only: instants
     use spintop_status, only: status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: method_info_t, smallest_step, stepper_t
@@ -81,8 +81,6 @@ module spintop_taylor
     !> Taylor's method of the highest order, in quadruple precision.
     type, extends(stepper_t) :: taylor_quadruple_t
         real(qp) :: coefficient(max_states, 0:max_series_order) = 0
-        !> Index of the first component of the quaternion, and number of components in use.
-        integer :: attitude = 1, states = max_states
     contains
         procedure :: begin => begin_quadruple
         procedure :: advance => advance_quadruple
@@ -110,21 +108,18 @@ contains
         class(taylor_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
 
+        real(dp) :: rate
+
         call self%set_weight()
         call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
-        self%least = lost_by_underflow(self%slope(:self%weight%states), self%weight%scale(:self%weight%states))
+        ! Products of two variables are multiplied by a rate over a momentum at most, or by a torque.
+        associate (n => self%weight%states, scale => self%weight%scale)
+            rate = maxval(abs(self%slope(:n)) / scale(:n))
+            self%least = tiny(self%least) * max(1.0_dp, rate / minval(scale(:n)), rate * maxval(scale(:n)))
+        end associate
         self%h = self%t_end - self%t
     end subroutine begin
-
-    !> What a coefficient may lose by underflow: products of two variables are multiplied by a rate over a
-    !> momentum at most, or by a torque.
-    pure real(dp) function lost_by_underflow(slope, scale) result(least)
-        real(dp), intent(in) :: slope(:), scale(:)
-        real(dp) :: rate
-        rate = maxval(abs(slope) / scale)
-        least = tiny(least) * max(1.0_dp, rate / minval(scale), rate * maxval(scale))
-    end function lost_by_underflow
 
     !> One step, of the size that the last terms of the series allow.
     subroutine advance(self, status)
@@ -135,9 +130,12 @@ contains
 
         call self%formulation%expand(self%t, self%y, self%degree, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + self%degree
-        h = length_of_step(self)
+        associate (w => self%weight)
+            h = safety * c_length(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
+        end associate
         status = status_non_finite
         if (.not. abs(h) <= huge(h)) return
+        h = min(largest_growth * self%h, h)
         status = status_step_too_small
         if (h <= smallest_step(h, self%t)) return
         self%h = h
@@ -151,16 +149,6 @@ contains
         call self%accept_change(t_new, change, changed)
         status = status_ok
     end subroutine advance
-
-    !> The time at which one of the last two terms reaches the tolerance. Near a zero of a component the magnitude one
-    !> step away is used.
-    real(dp) function length_of_step(self) result(h)
-        class(taylor_t), intent(in) :: self
-        associate (w => self%weight)
-            h = safety * c_length(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
-        end associate
-        if (abs(h) <= huge(h)) h = min(largest_growth * self%h, h)
-    end function length_of_step
 
     !> The state at a time within the last step.
     function state_within(self, t) result(y)
@@ -210,11 +198,7 @@ contains
     subroutine begin_quadruple(self, status)
         class(taylor_quadruple_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(formulation_info_t) :: info
         call self%set_weight()
-        info = self%formulation%info()
-        self%attitude = info%quaternion
-        self%states = info%states
         associate (exact => self%formulation%quadruple_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
@@ -256,9 +240,9 @@ contains
         class(taylor_quadruple_t), intent(in) :: self
         integer :: i
         h = self%t_end - self%t
-        associate (q => self%attitude)
+        associate (q => self%formulation%attitude)
             call shorten(self, [(i, i=q, q + 3)], h)
-            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%states)], h)
+            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%weight%states)], h)
         end associate
     end function length_of_quadruple
 

@@ -3,11 +3,6 @@
 // Rounds of the change to Bernstein form at once.
 enum { most_rounds = 6 };
 
-// One value where a condition holds, another elsewhere.
-inlined vector where(bits holds, vector value, vector other) {
-    return (vector)(((bits)value & holds) | ((bits)other & ~holds));
-}
-
 // In round k each coefficient from b_n down to b_k gets the one below it added: some rounds from k on at once. `p` are the last
 // values in them, each one place further up than in the round before.
 inlined void add_below(int rounds, int k, int n, vector *b) {

@@ -22,9 +22,7 @@ static double sum_stages(int since, int stages, const double *weight, const doub
         }
         const vector before = load(y + i), step = h * (main + lost), after = before + (step + load(rest + i));
         const vector a = magnitude(before), b = magnitude(after);
-        const bits grows = a < b;
-        const vector larger_one = (vector)(((bits)b & grows) | ((bits)a & ~grows));
-        const vector per_error = 1 / (load(absolute + i) + load(relative + i) * larger_one);
+        const vector per_error = 1 / (load(absolute + i) + load(relative + i) * where(a < b, b, a));
         fifth *= per_error, third *= per_error;
         fifth *= fifth, third *= third;
         memcpy(change + i, &step, sizeof step), memcpy(y_new + i, &after, sizeof after);

@@ -13,8 +13,7 @@ static double length_of_step(int order, const double *c, const double *absolute,
     for (int i = 0; i < numbers; i += width) {
         // Near a zero of a component the magnitude one step away is used.
         const vector growth = magnitude(load(c + numbers + i)) * h, usual = load(scale + i);
-        const bits small = growth < usual;
-        const vector more = (vector)(((bits)growth & small) | ((bits)usual & ~small));
+        const vector more = where(growth < usual, growth, usual);
         const vector share = 1 / (load(absolute + i) + load(relative + i) * (magnitude(load(c + i)) + more));
         const vector by_last = (magnitude(load(c + numbers * order + i)) + least) * share;
         const vector by_before = (magnitude(load(c + numbers * (order - 1) + i)) + least) * share;

@@ -24,30 +24,12 @@
 
 typedef vector num;
 typedef struct {
-    vector x, y, z;
-} vec;
-typedef struct {
     vector along, across, quotient;
 } attitude_sums;
 
 inlined num load_num(const double *row) { return load(row); }
 inlined void store_num(double *row, num a) { memcpy(row, &a, sizeof a); }
-inlined vec load_vec(const double *row) { return (vec){load(row), load(row + lanes), load(row + 2 * lanes)}; }
-inlined vec load_constant(const double *row) { return load_vec(row); }
-inlined void store_vec(double *row, vec a) {
-    store_num(row, a.x), store_num(row + lanes, a.y), store_num(row + 2 * lanes, a.z);
-}
-inlined void store_constant(double *row, vec a) { store_vec(row, a); }
-inlined vec vec_of(num x, num y, num z) { return (vec){x, y, z}; }
-inlined vec ahead(vec a) { return (vec){a.y, a.z, a.x}; }
-inlined vec behind(vec a) { return (vec){a.z, a.x, a.y}; }
-inlined vec load_ahead(const double *row) { return ahead(load_vec(row)); }
-inlined vec load_behind(const double *row) { return behind(load_vec(row)); }
-inlined vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
-inlined vec sub(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
-inlined vec mul(vec a, vec b) { return (vec){a.x * b.x, a.y * b.y, a.z * b.z}; }
-inlined vec by(num a, vec b) { return (vec){a * b.x, a * b.y, a * b.z}; }
-inlined num sum_of(vec a) { return a.x + (a.y + a.z); }
+#include "algebra_triples.h"
 
 // A power y = s^b of which the term follows from the recurrence; without s it is not finite: there is no series.
 inlined num power_of(num s, num b) {

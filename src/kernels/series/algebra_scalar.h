@@ -12,30 +12,14 @@
 #define is_many 0
 
 typedef element num;
-typedef struct {
-    num x, y, z;
-} vec;
+
+inlined num load_num(const element *row) { return *row; }
+inlined void store_num(element *row, num a) { *row = a; }
+#include "algebra_triples.h"
 typedef struct {
     num real;
     vec imaginary;
 } attitude_sums;
-
-inlined num load_num(const element *row) { return *row; }
-inlined void store_num(element *row, num a) { *row = a; }
-inlined vec load_vec(const element *row) { return (vec){row[0], row[1], row[2]}; }
-inlined vec load_constant(const element *row) { return load_vec(row); }
-inlined void store_vec(element *row, vec a) { row[0] = a.x, row[1] = a.y, row[2] = a.z; }
-inlined void store_constant(element *row, vec a) { row[0] = a.x, row[1] = a.y, row[2] = a.z; }
-inlined vec vec_of(num x, num y, num z) { return (vec){x, y, z}; }
-inlined vec ahead(vec a) { return (vec){a.y, a.z, a.x}; }
-inlined vec behind(vec a) { return (vec){a.z, a.x, a.y}; }
-inlined vec load_ahead(const element *row) { return (vec){row[1], row[2], row[0]}; }
-inlined vec load_behind(const element *row) { return (vec){row[2], row[0], row[1]}; }
-inlined vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
-inlined vec sub(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
-inlined vec mul(vec a, vec b) { return (vec){a.x * b.x, a.y * b.y, a.z * b.z}; }
-inlined vec by(num a, vec b) { return (vec){a * b.x, a * b.y, a * b.z}; }
-inlined num sum_of(vec a) { return a.x + (a.y + a.z); }
 
 inlined num power_of(num s, num b) { return b < 0.5 || b > 0.5 ? of_element(pow)(s, b) : of_element(sqrt)(s); }
 inlined void find_circle(num x, num *cosine, num *sine) { *cosine = of_element(cos)(x), *sine = of_element(sin)(x); }

@@ -251,15 +251,15 @@ inlined num NAME(power)(int k, int number_of, int lane, num b, num s, num produc
     return power_term(b, s, load_num(of->per_square[number_of] + lane) * (products + b * s * y0));
 }
 
+inlined vec NAME(cross)(vec a, vec b) { return sub(mul(ahead(a), behind(b)), mul(behind(a), ahead(b))); }
+
 // What a drag takes of the angular velocity, and gives of a vector: the vector itself, or that of the centre of mass its vector
 // products with r.
 inlined vec NAME(taken)(int d, int lane, const struct NAME(constants) * e, vec w) {
-    const vec r = constant(arm);
-    return d == of_moment ? w : sub(mul(ahead(w), behind(r)), mul(behind(w), ahead(r)));
+    return d == of_moment ? w : NAME(cross)(w, constant(arm));
 }
 inlined vec NAME(given)(int d, int lane, const struct NAME(constants) * e, vec v) {
-    const vec r = constant(arm);
-    return d == of_moment ? v : sub(mul(ahead(r), behind(v)), mul(behind(r), ahead(v)));
+    return d == of_moment ? v : NAME(cross)(constant(arm), v);
 }
 
 // Adds the moment of a drag in term k to the rate. What the newest angular velocity adds to s, y and the moment is linear in
@@ -324,8 +324,6 @@ inlined num NAME(inner)(int k, const element *a, const element *b, int terms_apa
     for (int i = 0; i <= k; ++i) sum = add(sum, mul(load_vec(a + terms_apart * i), load_vec(b + terms_apart * (k - i))));
     return sum_of(sum);
 }
-
-inlined vec NAME(cross)(vec a, vec b) { return sub(mul(ahead(a), behind(b)), mul(behind(a), ahead(b))); }
 
 // Keeps term k of s and of the power y = s^b in the rows s, y from `row` on.
 inlined num NAME(keep_power)(int k, int number_of, int row, num b, num s, struct NAME(start) * of, element *x) {

@@ -30,7 +30,6 @@ static void expand_body(int order, const struct motion_kinds *which, const doubl
 #include "motion_series.h"
 
 _Static_assert((int)lanes_rows == (int)rows && (int)lanes_more == (int)more_rows, "the rows are those of kernels.h");
-_Static_assert((int)lanes_total == (int)total && (int)lanes_drags == (int)drags && (int)lanes_of_drag == (int)of_drag, "drags");
 
 static void set_lane(const struct body_numbers *body, int lane, double *constants) {
     lanes_set(body, lane, (struct lanes_constants *)constants);

@@ -6,8 +6,8 @@ module spintop_axes_of_scene
     use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
     use spintop_problems, only: problems_t
     use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
-    use spintop_scene_keys, only: max_axes, max_list_axes, scene_t
-    use spintop_scene_words, only: combination_names, combine_grid, combine_saltelli, combine_sobol, combine_zip
+    use spintop_scene_keys, only: max_axes, max_list_axes, scene_t, combination_names, combine_grid, combine_saltelli, &
+        combine_sobol, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_sweep_axis, only: factor_covariance, law_lognormal, law_names, law_normal, law_sphere, law_uniform, &
         sphere_attitude, sphere_direction, sphere_inclination, sphere_turn
@@ -43,7 +43,8 @@ contains
         type(axes_t), intent(out) :: axes !! the axes; without cases if there are problems
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         real(dp), allocatable :: factor(:, :)
-        integer :: combination
+        integer :: combination, i, k, made
+        logical :: is_given, is_made
 
         if (count_axes(scene) == 0) then
             call problems%add('sweep', 'a sweep needs an axis', &
@@ -51,10 +52,26 @@ contains
             return
         end if
         combination = findloc(combination_names, scene%combine, dim=1)
-        call check_cases(scene, problems)
-        call make_each(scene, table, axes%axis, problems)
+        is_given = scene%cases /= unset_integer
+        if (is_drawn(scene) .and. .not. is_given) then
+            call problems%add('sweep.combine', 'the number of random cases is not given', 'give cases')
+        else if (is_given .and. .not. is_drawn(scene)) then
+            call problems%add('sweep.cases', 'the number of cases of a ' // trim(scene%combine) // ' follows from its values', &
+                              "omit it, or use combine = 'random' or 'latin_hypercube'")
+        end if
+        ! One axis for each number that varies, several for a vector that is drawn as a whole.
+        allocate (axes%axis(sum([(components_of(scene, i), i=1, count_axes(scene))])))
+        made = 0
+        do i = 1, count_axes(scene)
+            do k = 1, components_of(scene, i)
+                made = made + 1
+                axes%axis(made)%component = k
+                axes%axis(made)%components = components_of(scene, i)
+                call make_axis(scene, i, axes%axis(:made - 1), table, axes%axis(made), is_made, problems)
+                if (.not. is_made) exit
+            end do
+        end do
         call read_covariance(scene, combination == combine_saltelli, factor, problems)
-        if (combination == combine_zip .and. .not. problems%any()) call check_lengths(axes%axis, problems)
         if (.not. problems%any()) call check_design(scene, combination, axes%axis, problems)
         if (problems%any()) return
         call axes%combine(combination, scene%cases, int(scene%seed, int64))
@@ -64,37 +81,26 @@ contains
         end if
     end subroutine make_axes
 
-    !> Makes the axes: one for each number that varies, several for a vector that is drawn as a whole.
-    subroutine make_each(scene, table, axis, problems)
-        type(scene_t), intent(in) :: scene
-        type(parameter_table_t), intent(in) :: table
-        type(axis_t), allocatable, intent(inout) :: axis(:)
-        type(problems_t), intent(inout) :: problems
-        integer :: i, k, made
-        logical :: is_made
-
-        allocate (axis(sum([(components_of(scene, i), i=1, count_axes(scene))])))
-        made = 0
-        do i = 1, count_axes(scene)
-            do k = 1, components_of(scene, i)
-                made = made + 1
-                axis(made)%component = k
-                axis(made)%components = components_of(scene, i)
-                call make_axis(scene, i, axis(:made - 1), table, axis(made), is_made, problems)
-                if (.not. is_made) exit
-            end do
-        end do
-    end subroutine make_each
-
-    !> Checks that a sample has the number of cases and of dimensions that its design can have.
+    !> Checks that axes side by side have as many values each, and that a sample has the number of cases and of dimensions that
+    !> its design can have.
     subroutine check_design(scene, combination, axis, problems)
         type(scene_t), intent(in) :: scene
         integer, intent(in) :: combination
         type(axis_t), intent(in) :: axis(:)
         type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: lengths
         integer(int64) :: group, nearest
+        integer :: k
 
-        if (combination == combine_sobol .or. combination == combine_saltelli) then
+        if (combination == combine_zip .and. any(axis%count /= axis(1)%count)) then
+            lengths = ''
+            do k = 1, size(axis)
+                if (k > 1) lengths = lengths // ', '
+                lengths = lengths // axis(k)%name // ' has ' // to_text(axis(k)%count)
+            end do
+            call problems%add('sweep.combine', 'axes side by side need equal numbers of values: ' // lengths, &
+                              "give equal numbers of values, or use combine = 'grid'")
+        else if (combination == combine_sobol .or. combination == combine_saltelli) then
             if (.not. dimensions_fit(merge(design_sobol, design_saltelli, combination == combine_sobol), &
                                      sum(axis%dimensions()))) then
                 call problems%add('sweep.combine', 'the sample has more dimensions than there are direction numbers for', &
@@ -108,20 +114,6 @@ contains
         call problems%add('sweep.cases', 'sensitivity indices need groups of ' // to_text(group) // ' cases', &
                           'give a multiple, such as ' // to_text(nearest))
     end subroutine check_design
-
-    !> The number of cases is given where they are drawn, and only there.
-    subroutine check_cases(scene, problems)
-        type(scene_t), intent(in) :: scene
-        type(problems_t), intent(inout) :: problems
-        logical :: given
-        given = scene%cases /= unset_integer
-        if (is_drawn(scene) .and. .not. given) then
-            call problems%add('sweep.combine', 'the number of random cases is not given', 'give cases')
-        else if (given .and. .not. is_drawn(scene)) then
-            call problems%add('sweep.cases', 'the number of cases of a ' // trim(scene%combine) // ' follows from its values', &
-                              "omit it, or use combine = 'random' or 'latin_hypercube'")
-        end if
-    end subroutine check_cases
 
     !> An axis: the number that varies, and its values.
     subroutine make_axis(scene, i, others, table, axis, is_made, problems)
@@ -166,17 +158,19 @@ contains
         if (found) call check_values(i, axis, problems)
     end subroutine make_axis
 
-    !> The values listed, or the interval; `found` tells whether there are any.
+    !> The values listed, or with equal differences or equal ratios, or the ends of an interval; `found` tells whether there are
+    !> any.
     subroutine read_values(scene, i, axis, found, problems)
         type(scene_t), intent(in) :: scene
         integer, intent(in) :: i !! number of the axis in it
         type(axis_t), intent(inout) :: axis
         logical, intent(out) :: found
         type(problems_t), intent(inout) :: problems
+        real(dp) :: distance
         logical :: has_ends
 
         has_ends = is_set(scene%from(i)) .and. is_set(scene%to(i))
-        found = .false.
+        found = .true.
         if (size(listed_of(scene, i)) > 0) then
             if (is_set(scene%from(i)) .or. is_set(scene%to(i)) .or. scene%count(i) /= unset_integer) then
                 call problems%add('sweep.values', 'the values of ' // called(i) // ' are given twice', &
@@ -184,46 +178,31 @@ contains
             end if
             axis%listed = listed_of(scene, i)
             axis%count = size(listed_of(scene, i))
-            found = .true.
         else if (has_ends .and. is_drawn(scene) .and. scene%count(i) /= unset_integer) then
+            found = .false.
             call problems%add(key_of(i, 'count'), 'a random axis has no number of values', &
                               'omit it; sweep.cases is the number of cases')
         else if (has_ends .and. (is_drawn(scene) .or. scene%count(i) /= unset_integer)) then
-            call read_interval(scene, i, axis, problems)
-            found = .true.
-        else
-            call problems%add(key_of(i, 'parameter'), called(i) // ' has no values', &
-                              'give values, or ' // &
-                              trim(merge('from and to       ', 'from, to and count', is_drawn(scene))))
-        end if
-    end subroutine read_values
-
-    !> Values with equal differences or equal ratios, or the ends of an interval.
-    subroutine read_interval(scene, i, axis, problems)
-        type(scene_t), intent(in) :: scene
-        integer, intent(in) :: i !! number of the axis in it
-        type(axis_t), intent(inout) :: axis
-        type(problems_t), intent(inout) :: problems
-        real(dp) :: distance
-
-        axis%from = scene%from(i)
-        axis%to = scene%to(i)
-        if (.not. is_drawn(scene)) axis%count = scene%count(i)
-        axis%logarithmic = scene%spacing(i) == 'log'
-        distance = axis%to - axis%from
-        if (axis%logarithmic) then
-            if (.not. (axis%from > 0 .and. axis%to > 0)) then
+            axis%from = scene%from(i)
+            axis%to = scene%to(i)
+            if (.not. is_drawn(scene)) axis%count = scene%count(i)
+            axis%logarithmic = scene%spacing(i) == 'log'
+            distance = axis%to - axis%from
+            if (axis%logarithmic .and. .not. min(axis%from, axis%to) > 0) then
                 call problems%add('sweep.spacing', 'logarithmic spacing needs positive ends', &
                                   "use spacing = 'linear' or other ends")
                 return
             end if
-            distance = max(axis%from, axis%to) / min(axis%from, axis%to)
+            if (axis%logarithmic) distance = max(axis%from, axis%to) / min(axis%from, axis%to)
+            if (.not. is_finite(distance)) then
+                call problems%add(key_of(i, 'to'), 'the ends of ' // called(i) // ' are too far apart', 'use other ends')
+            end if
+        else
+            found = .false.
+            call problems%add(key_of(i, 'parameter'), called(i) // ' has no values', 'give values, or ' // &
+                              trim(merge('from and to       ', 'from, to and count', is_drawn(scene))))
         end if
-        if (.not. is_finite(distance)) then
-            call problems%add(key_of(i, 'to'), 'the ends of ' // called(i) // ' are too far apart', &
-                              'use other ends')
-        end if
-    end subroutine read_interval
+    end subroutine read_values
 
     !> Checks that all listed values, or both ends of an interval, are in the range of the parameter, and are
     !> whole numbers if it is an integer.
@@ -265,118 +244,77 @@ contains
 
     end subroutine check_values
 
-    !> Axes that go side by side have as many values each.
-    subroutine check_lengths(axes, problems)
-        type(axis_t), intent(in) :: axes(:)
-        type(problems_t), intent(inout) :: problems
-        character(:), allocatable :: lengths
-        integer :: k
-
-        if (all(axes%count == axes(1)%count)) return
-        lengths = ''
-        do k = 1, size(axes)
-            if (k > 1) lengths = lengths // ', '
-            lengths = lengths // axes(k)%name // ' has ' // to_text(axes(k)%count)
-        end do
-        call problems%add('sweep.combine', 'axes side by side need equal numbers of values: ' // lengths, &
-                          "give equal numbers of values, or use combine = 'grid'")
-    end subroutine check_lengths
-
     !> Number of components of the parameter of an axis: those of a vector that is drawn as a whole, else 1.
     pure integer function components_of(scene, i)
         type(scene_t), intent(in) :: scene
         integer, intent(in) :: i !! number of the axis in it
-        integer :: sphere
+        integer :: place
         components_of = 1
-        if (law_of(scene, i) /= law_sphere) return
-        sphere = find_sphere(trim(scene%parameter(i)))
-        if (sphere > 0) components_of = components(sphere)
+        place = findloc(on_sphere, scene%parameter(i), dim=1)
+        if (law_of(scene, i) == law_sphere .and. place > 0) components_of = components(sphere_of(place))
     end function components_of
 
-    !> What a parameter is that can be uniform on a sphere; 0 if it is none.
-    pure integer function find_sphere(name) result(sphere)
-        character(*), intent(in) :: name
-        integer :: k
-        sphere = 0
-        do k = 1, size(on_sphere)
-            if (on_sphere(k) == name) sphere = sphere_of(k)
-        end do
-    end function find_sphere
-
-    !> Reads the distribution of an axis that is not uniform over an interval or a list; problems are reported once for all
-    !> components of a vector.
+    !> Reads the distribution of an axis that is not uniform over an interval: what lies on a sphere, or mean and standard
+    !> deviation of a value or of its logarithm.
     subroutine read_law(scene, i, axis, problems)
         type(scene_t), intent(in) :: scene
         integer, intent(in) :: i !! number of the axis in it
         type(axis_t), intent(inout) :: axis !! its name, slot and component are known
-        type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: name
+        real(dp) :: largest, limit
+        integer :: place
 
+        name = trim(scene%parameter(i))
         axis%law = law_of(scene, i)
         if (is_set(scene%mean(i))) axis%mean = scene%mean(i)
-        if (axis%law == law_sphere) axis%sphere = find_sphere(trim(scene%parameter(i)))
+        place = findloc(on_sphere, name, dim=1)
+        if (axis%law == law_sphere .and. place > 0) axis%sphere = sphere_of(place)
         if (axis%component > 1) return
-        if (.not. is_drawn(scene)) then
-            call problems%add(key_of(i, 'distribution'), 'a distribution needs a random sample', &
-                              "use combine = 'random', 'latin_hypercube' or 'sobol'")
-        else if (has_values(scene, i)) then
-            call problems%add(key_of(i, 'distribution'), called(i) // ' has a distribution and values', &
-                              "omit values, from, to, count and spacing, or use distribution = 'uniform'")
-        else if (axis%law == law_sphere) then
-            call check_sphere(scene, i, axis, problems)
-        else
-            call read_normal(scene, i, axis, problems)
-        end if
-    end subroutine read_law
-
-    !> Reports parameters of a distribution on an axis that is uniform.
-    subroutine check_sphere(scene, i, axis, problems)
-        type(scene_t), intent(in) :: scene
-        integer, intent(in) :: i !! number of the axis in it
-        type(axis_t), intent(in) :: axis
-        type(problems_t), intent(inout) :: problems
-        if (axis%sphere == 0) then
-            call problems%add(key_of(i, 'distribution'), trim(scene%parameter(i)) // ' is neither an attitude nor a direction', &
-                              "'sphere' is for " // join(on_sphere, ', '))
-        else if (is_set(scene%deviation(i))) then
-            call problems%add(key_of(i, 'deviation'), "distribution 'sphere' has no deviation", 'omit it')
-        else if (axis%sphere == sphere_direction .and. .not. axis%mean > 0) then
-            call problems%add(key_of(i, 'mean'), 'the magnitude of ' // trim(scene%parameter(i)) // ' is not given', &
-                              'give mean > 0, the magnitude of the vector')
-        else if (axis%sphere /= sphere_direction .and. is_set(scene%mean(i))) then
-            call problems%add(key_of(i, 'mean'), "distribution 'sphere' of " // trim(scene%parameter(i)) // ' has no mean', &
-                              'omit it')
-        end if
-    end subroutine check_sphere
-
-    !> Reads mean and standard deviation of a value or of its logarithm.
-    subroutine read_normal(scene, i, axis, problems)
-        type(scene_t), intent(in) :: scene
-        integer, intent(in) :: i !! number of the axis in it
-        type(axis_t), intent(inout) :: axis
-        type(problems_t), intent(inout) :: problems
-        real(dp) :: largest, limit
-
         if (is_set(scene%deviation(i))) axis%deviation = scene%deviation(i)
         if (is_set(scene%covariance(i, i))) axis%deviation = sqrt(max(0.0_dp, scene%covariance(i, i)))
-        if (axis%whole) then
-            call problems%add(key_of(i, 'distribution'), axis%name // ' is a whole number', "use distribution = 'uniform'")
-        else if (.not. is_set(scene%mean(i))) then
-            call problems%add(key_of(i, 'parameter'), called(i) // ' has no mean', 'give mean and deviation')
-        else if (is_set(scene%deviation(i)) .and. is_set(scene%covariance(i, i))) then
-            call problems%add(key_of(i, 'deviation'), 'the deviation of ' // called(i) // ' is given twice', &
-                              'omit it, or its variance in the covariance')
-        else if (.not. axis%deviation > 0) then
-            call problems%add(key_of(i, 'parameter'), called(i) // ' has no deviation', &
-                              'give deviation > 0, or a covariance')
-        else
-            largest = abs(axis%mean) + most_deviations * axis%deviation
-            limit = merge(log(huge(limit)), huge(limit), axis%law == law_lognormal)
-            if (.not. largest < limit) then
-                call problems%add(key_of(i, 'deviation'), 'the values of ' // called(i) // ' can be too large', &
-                                  'use another mean or deviation')
+        largest = abs(axis%mean) + most_deviations * axis%deviation
+        limit = merge(log(huge(limit)), huge(limit), axis%law == law_lognormal)
+        if (.not. is_drawn(scene)) then
+            call refuse('distribution', 'a distribution needs a random sample', &
+                        "use combine = 'random', 'latin_hypercube' or 'sobol'")
+        else if (size(listed_of(scene, i)) > 0 .or. is_set(scene%from(i)) .or. is_set(scene%to(i)) &
+                 .or. scene%count(i) /= unset_integer .or. scene%spacing(i) == 'log') then
+            call refuse('distribution', called(i) // ' has a distribution and values', &
+                        "omit values, from, to, count and spacing, or use distribution = 'uniform'")
+        else if (axis%law == law_sphere) then
+            if (axis%sphere == 0) then
+                call refuse('distribution', name // ' is neither an attitude nor a direction', &
+                            "'sphere' is for " // join(on_sphere, ', '))
+            else if (is_set(scene%deviation(i))) then
+                call refuse('deviation', "distribution 'sphere' has no deviation", 'omit it')
+            else if (axis%sphere == sphere_direction .and. .not. axis%mean > 0) then
+                call refuse('mean', 'the magnitude of ' // name // ' is not given', 'give mean > 0, the magnitude of the vector')
+            else if (axis%sphere /= sphere_direction .and. is_set(scene%mean(i))) then
+                call refuse('mean', "distribution 'sphere' of " // name // ' has no mean', 'omit it')
             end if
+        else if (axis%whole) then
+            call refuse('distribution', axis%name // ' is a whole number', "use distribution = 'uniform'")
+        else if (.not. is_set(scene%mean(i))) then
+            call refuse('parameter', called(i) // ' has no mean', 'give mean and deviation')
+        else if (is_set(scene%deviation(i)) .and. is_set(scene%covariance(i, i))) then
+            call refuse('deviation', 'the deviation of ' // called(i) // ' is given twice', &
+                        'omit it, or its variance in the covariance')
+        else if (.not. axis%deviation > 0) then
+            call refuse('parameter', called(i) // ' has no deviation', 'give deviation > 0, or a covariance')
+        else if (.not. largest < limit) then
+            call refuse('deviation', 'the values of ' // called(i) // ' can be too large', 'use another mean or deviation')
         end if
-    end subroutine read_normal
+
+    contains
+
+        !> A problem of a key of the axis.
+        subroutine refuse(key, message, hint)
+            character(*), intent(in) :: key, message, hint
+            call problems%add(key_of(i, key), message, hint)
+        end subroutine refuse
+
+    end subroutine read_law
 
     !> Reads the covariance of normal values, or of the logarithms of log-normal ones: the lower triangular factor of the axes
     !> with such values in their order; empty where no covariance is given.
@@ -388,7 +326,7 @@ contains
         real(dp), allocatable :: covariance(:, :)
         integer, allocatable :: normal(:)
         logical :: positive
-        integer :: i, j
+        integer :: i
 
         allocate (factor(0, 0), normal(0))
         if (.not. any(is_set(scene%covariance))) return
@@ -401,11 +339,13 @@ contains
         end if
         if (problems%any()) return
         allocate (covariance(size(normal), size(normal)))
-        do j = 1, size(normal)
-            do i = 1, size(normal)
-                covariance(i, j) = covariance_of(scene, normal(i), normal(j))
-            end do
+        covariance(:, :) = scene%covariance(normal, normal)
+        do i = 1, size(normal)
+            ! One of two mirrored elements may be given, or a deviation in place of a variance.
+            where (.not. is_set(covariance(:, i))) covariance(:, i) = scene%covariance(normal(i), normal)
+            if (.not. is_set(covariance(i, i))) covariance(i, i) = scene%deviation(normal(i))**2
         end do
+        where (.not. is_set(covariance)) covariance = 0
         deallocate (factor)
         allocate (factor(size(normal), size(normal)))
         call factor_covariance(covariance, factor, positive)
@@ -420,48 +360,26 @@ contains
         type(scene_t), intent(in) :: scene
         integer, intent(in) :: normal(:)
         type(problems_t), intent(inout) :: problems
+        character(:), allocatable :: key
         integer :: i, j
 
         do i = 1, size(scene%covariance, 1)
             do j = 1, size(scene%covariance, 2)
                 associate (one => scene%covariance(i, j), mirrored => scene%covariance(j, i))
                     if (.not. is_set(one)) cycle
+                    key = 'sweep.covariance(' // to_text(i) // ',' // to_text(j) // ')'
                     if (abs(one) > 0 .and. .not. (any(normal == i) .and. any(normal == j))) then
-                        call problems%add(key(i, j), 'a covariance is that of two axes with normal values', &
+                        call problems%add(key, 'a covariance is that of two axes with normal values', &
                                           "use distribution = 'normal' or 'lognormal', or omit it")
                         return
                     else if (is_set(mirrored) .and. .not. is_equal(one, mirrored)) then
-                        call problems%add(key(i, j), 'the covariance is not symmetric', 'give each covariance once')
+                        call problems%add(key, 'the covariance is not symmetric', 'give each covariance once')
                         return
                     end if
                 end associate
             end do
         end do
-
-    contains
-
-        !> The key of an element of the covariance.
-        function key(i, j)
-            integer, intent(in) :: i, j
-            character(:), allocatable :: key
-            key = 'sweep.covariance(' // to_text(i) // ',' // to_text(j) // ')'
-        end function key
-
     end subroutine check_covariance
-
-    !> A covariance, or a variance, that is given in some way; 0 if it is not.
-    pure real(dp) function covariance_of(scene, i, j) result(covariance)
-        type(scene_t), intent(in) :: scene
-        integer, intent(in) :: i, j
-        covariance = 0
-        if (is_set(scene%covariance(i, j))) then
-            covariance = scene%covariance(i, j)
-        else if (is_set(scene%covariance(j, i))) then
-            covariance = scene%covariance(j, i)
-        else if (i == j) then
-            covariance = scene%deviation(i)**2
-        end if
-    end function covariance_of
 
     !> Whether the cases of a sweep are a sample.
     pure logical function is_drawn(scene)
@@ -514,14 +432,6 @@ contains
             hint = 'vary a parameter of the top, its start, its span or its integration'
         end do
     end subroutine find_swept
-
-    !> Whether a list of values, an interval, or a part of one is given.
-    pure logical function has_values(scene, i)
-        type(scene_t), intent(in) :: scene
-        integer, intent(in) :: i
-        has_values = size(listed_of(scene, i)) > 0 .or. is_set(scene%from(i)) .or. is_set(scene%to(i)) &
-                     .or. scene%count(i) /= unset_integer .or. scene%spacing(i) == 'log'
-    end function has_values
 
     !> A key of an axis: `sweep.from(2)`.
     pure function key_of(i, name) result(key)

@@ -14,8 +14,7 @@ module spintop_axes_of_table
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: combination_names, combine_grid, combine_zip
+    use spintop_scene_keys, only: scene_t, combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_text, only: to_text
     use spintop_units, only: find_unit, units_of
@@ -45,7 +44,13 @@ contains
         type(error_t), allocatable :: error
         real(dp), allocatable :: sizes(:)
 
-        call check_scene(scene, problems)
+        if (count_axes(scene) > 0) then
+            call problems%add('sweep.table', 'the cases are given twice', 'give either axes or a table')
+        else if (scene%combine /= combination_names(combine_grid)) then
+            call problems%add('sweep.combine', 'the rows of the table are the cases', 'omit it')
+        else if (scene%cases /= unset_integer) then
+            call problems%add('sweep.cases', 'the rows of the table are the cases', 'omit it')
+        end if
         call cases%open(input, scene%sweep_table, diagnostics, error)
         if (allocated(error)) then
             call problems%add('sweep.table', error%message, 'its path is relative to the folder of the input')
@@ -63,19 +68,6 @@ contains
         if (problems%any() .or. .not. cases%is_valid) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
     end subroutine read_axes
-
-    !> Checks that nothing else in the scene specifies the cases.
-    subroutine check_scene(scene, problems)
-        type(scene_t), intent(in) :: scene
-        type(problems_t), intent(inout) :: problems
-        if (count_axes(scene) > 0) then
-            call problems%add('sweep.table', 'the cases are given twice', 'give either axes or a table')
-        else if (scene%combine /= combination_names(combine_grid)) then
-            call problems%add('sweep.combine', 'the rows of the table are the cases', 'omit it')
-        else if (scene%cases /= unset_integer) then
-            call problems%add('sweep.cases', 'the rows of the table are the cases', 'omit it')
-        end if
-    end subroutine check_scene
 
     !> Makes an axis for each column, with the size of its unit in that of its parameter; none if a comma parts a name.
     subroutine find_parameters(cases, table, axis, sizes, diagnostics)
@@ -161,7 +153,7 @@ contains
                     call cases%read_number(i, row, value, problem, hint)
                     value = value * sizes(i)
                     ! A refused column has no rule.
-                    if (problem == '' .and. allocated(axis(i)%slot%rule)) then
+                    if (problem == '' .and. allocated(axis(i)%slot%range%rule)) then
                         problem = axis(i)%slot%refusal(value)
                         if (problem /= '') problem = axis(i)%name // ' ' // problem
                     end if

@@ -8,9 +8,8 @@ module spintop_sweep_axes
     use spintop_parameters, only: parameter_table_t
     use spintop_sample_design, only: design_latin_hypercube, design_random, design_saltelli, design_sobol, &
         sample_design_t
-    use spintop_scene_keys, only: describe_scene, scene_t
-    use spintop_scene_words, only: combine_grid, combine_latin_hypercube, combine_random, combine_saltelli, &
-        combine_sobol, combine_zip
+    use spintop_scene_keys, only: describe_scene, scene_t, combine_grid, combine_latin_hypercube, combine_random, &
+        combine_saltelli, combine_sobol, combine_zip
     use spintop_sweep_axis, only: law_lognormal, law_normal, law_sphere, law_uniform, normal_value, axis_t
     use spintop_text, only: to_text
     implicit none
@@ -59,7 +58,7 @@ module spintop_sweep_axes
         type(number_slot_t), allocatable, private :: slots(:)
     contains
         procedure :: copy => copy_scene
-        procedure :: set_values => set_values
+        procedure :: set_values
     end type case_scene_t
 
 contains
@@ -116,7 +115,7 @@ contains
         class(axes_t), intent(inout) :: self
         real(dp), intent(in) :: factor(:, :) !! as many rows and columns as there are such axes, or none
         integer :: i
-        self%normal = pack([(i, i=1, size(self%axis))], any_normal(self%axis%law))
+        self%normal = pack([(i, i=1, size(self%axis))], self%axis%law == law_normal .or. self%axis%law == law_lognormal)
         if (allocated(self%factor)) deallocate (self%factor)
         if (size(factor) > 0) then
             self%factor = factor
@@ -127,12 +126,6 @@ contains
             self%factor(i, i) = self%axis(self%normal(i))%deviation
         end do
     end subroutine correlate
-
-    !> Whether values, or their logarithms, are normal.
-    elemental logical function any_normal(law)
-        integer, intent(in) :: law
-        any_normal = law == law_normal .or. law == law_lognormal
-    end function any_normal
 
     !> The values of the axes in case `number`, from 1.
     pure function values_of(self, number) result(values)
@@ -242,11 +235,10 @@ contains
         out_of_range = 0
         if (.not. allocated(self%normal)) return
         do k = 1, size(self%normal)
-            associate (i => self%normal(k))
-                if (.not. self%axis(i)%slot%accepts(values(i))) out_of_range = i
-            end associate
-            if (out_of_range > 0) return
+            out_of_range = self%normal(k)
+            if (.not. self%axis(out_of_range)%slot%accepts(values(out_of_range))) return
         end do
+        out_of_range = 0
     end function out_of_range
 
     !> Index of the parameter of an axis in a table.
@@ -269,10 +261,7 @@ contains
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: group !! name of the group, as `top`
         integer :: i
-        varies = .false.
-        do i = 1, size(self%axis)
-            varies = varies .or. index(self%axis(i)%name, group // '.') == 1
-        end do
+        varies = any([(index(self%axis(i)%name, group // '.') == 1, i=1, size(self%axis))])
     end function varies
 
     !> The last axis whose parameter, or the vector of which it is an element, has one of these names; 0 if there is none.
@@ -287,13 +276,11 @@ contains
     !> Description of the cases.
     function in_words(self) result(text)
         class(axes_t), intent(in) :: self
-        character(:), allocatable :: text
-        text = to_text(self%cases)
-        if (self%cases == 1) then
-            text = text // ' case: '
-        else
-            text = text // ' cases: '
-        end if
+        character(:), allocatable :: text, scrambling
+        scrambling = 'not scrambled'
+        if (self%seed /= 0) scrambling = 'scrambled with seed ' // to_text(self%seed)
+        text = to_text(self%cases) // ' cases: '
+        if (self%cases == 1) text = '1 case: '
         select case (self%combination)
         case (combine_grid)
             text = text // 'all combinations, the last axis varying fastest'
@@ -304,20 +291,12 @@ contains
         case (combine_latin_hypercube)
             text = text // 'a Latin hypercube sample with seed ' // to_text(self%seed)
         case (combine_sobol)
-            text = text // "points of a Sobol' sequence, " // scrambling(self%seed)
+            text = text // "points of a Sobol' sequence, " // scrambling
         case (combine_saltelli)
             text = text // to_text(self%cases / (self%design%factors + 2)) // ' groups of ' // &
-                   to_text(self%design%factors + 2) // " for sensitivity indices, from a Sobol' sequence, " // &
-                   scrambling(self%seed)
+                   to_text(self%design%factors + 2) // " for sensitivity indices, from a Sobol' sequence, " // scrambling
         end select
     end function in_words
-
-    pure function scrambling(seed) result(text)
-        integer(int64), intent(in) :: seed
-        character(:), allocatable :: text
-        text = 'not scrambled'
-        if (seed /= 0) text = 'scrambled with seed ' // to_text(seed)
-    end function scrambling
 
     !> Makes it a copy of the scene that describes the axes.
     subroutine copy_scene(self, scene, axes)

@@ -142,49 +142,28 @@ contains
     function axis_in_words(self) result(text)
         class(axis_t), intent(in) :: self
         character(:), allocatable :: text
-        text = self%name // ': '
-        if (allocated(self%listed)) then
-            text = text // counted(size(self%listed), 'listed value')
-            return
-        end if
-        if (self%law /= law_uniform) then
-            text = text // law_in_words(self)
-            return
-        end if
-        if (self%count > 0) then
-            text = text // counted(self%count, 'value')
-        else if (self%whole) then
-            text = text // 'whole numbers'
-        else
-            text = text // 'any value'
-        end if
-        text = text // ' from ' // to_text(self%from) // ' to ' // to_text(self%to)
-        if (self%logarithmic) text = text // ', logarithmic spacing'
-    end function axis_in_words
+        character(*), parameter :: on_sphere(4) = [character(51) :: 'of a random attitude', &
+            'of a vector of random direction and magnitude', 'inclination of a random direction', 'any angle of a full turn']
 
-    !> A distribution that is not uniform over an interval.
-    function law_in_words(axis) result(text)
-        type(axis_t), intent(in) :: axis
-        character(:), allocatable :: text
-        select case (axis%law)
-        case (law_normal)
-            text = 'normal, mean ' // to_text(axis%mean) // ', deviation ' // to_text(axis%deviation)
-        case (law_lognormal)
-            text = 'log-normal, mean ' // to_text(axis%mean) // ' and deviation ' // to_text(axis%deviation) &
-                   // ' of its logarithm'
-        case default
-            select case (axis%sphere)
-            case (sphere_attitude)
-                text = 'of a random attitude'
-            case (sphere_direction)
-                text = 'of a vector of random direction and magnitude ' // to_text(axis%mean)
-            case (sphere_inclination)
-                text = 'inclination of a random direction'
-            case default
-                text = 'any angle of a full turn'
-            end select
-        end select
-    end function law_in_words
+        if (allocated(self%listed)) then
+            text = counted(size(self%listed), 'listed value')
+        else if (self%law == law_sphere) then
+            text = trim(on_sphere(self%sphere))
+            if (self%sphere == sphere_direction) text = text // ' ' // to_text(self%mean)
+        else if (self%law == law_normal) then
+            text = 'normal, mean ' // to_text(self%mean) // ', deviation ' // to_text(self%deviation)
+        else if (self%law == law_lognormal) then
+            text = 'log-normal, mean ' // to_text(self%mean) // ' and deviation ' // to_text(self%deviation) // &
+                   ' of its logarithm'
+        else
+            text = 'any value'
+            if (self%whole) text = 'whole numbers'
+            if (self%count > 0) text = counted(self%count, 'value')
+            text = text // ' from ' // to_text(self%from) // ' to ' // to_text(self%to)
+            if (self%logarithmic) text = text // ', logarithmic spacing'
+        end if
+        text = self%name // ': ' // text
+    end function axis_in_words
 
     !> The standard normal value at a fraction; a fraction that was rounded to 0 or 1 counts as the nearest inside.
     elemental real(dp) function normal_value(fraction)

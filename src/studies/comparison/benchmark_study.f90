@@ -16,11 +16,10 @@ module spintop_benchmark_study
     use spintop_motion, only: motion_t
     use spintop_row_block, only: text_buffer_t
     use spintop_trajectory_columns, only: motion_view_t, trajectory_columns, value_of
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference, reference_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: reference_exact, reference_quadruple
+    use spintop_scene_keys, only: scene_t, reference_exact, reference_quadruple
     use spintop_status, only: is_good_end, is_ok, status_meaning
     use spintop_study_column, only: categorical, column => study_column_t, place_of
     use spintop_summary, only: rounded, summary_t

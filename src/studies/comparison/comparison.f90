@@ -17,8 +17,7 @@ module spintop_comparison
     use spintop_namelist, only: read_override
     use spintop_options, only: options_t
     use spintop_parameters, only: parameter_table_t, is_set, unset, unset_integer
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_projection, only: project_nothing, projection_names

@@ -14,13 +14,11 @@ module spintop_precision_study
     use spintop_methods, only: exact_info, method_infos
     use spintop_own_butcher_tables, only: infos_of_tables, names_of_methods
     use spintop_parameters, only: is_set, unset_integer
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: check_reference, find_reference, read_motion, reference_t
     use spintop_row_block, only: text_buffer_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: reference_auto, reference_exact, reference_names
+    use spintop_scene_keys, only: scene_t, reference_auto, reference_exact, reference_names
     use spintop_status, only: is_ok, status_meaning, status_names
     use spintop_stepper, only: method_info_t
     use spintop_study_column, only: categorical, column => study_column_t

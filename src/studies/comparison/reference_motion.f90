@@ -15,10 +15,10 @@ module spintop_reference_motion
     use spintop_loaded_table, only: table_t
     use spintop_methods, only: create_stepper
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_plan, only: plan_t, sample_time, sample_times
+    use spintop_planning, only: plan_t, sample_time, sample_times
     use spintop_problems, only: problems_t
     use spintop_process, only: seconds
-    use spintop_scene_words, only: reference_auto, reference_exact
+    use spintop_scene_keys, only: reference_auto, reference_exact
     use spintop_status, only: is_good_end, is_ok, status_ok
     use spintop_text, only: to_text
     implicit none

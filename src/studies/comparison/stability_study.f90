@@ -18,13 +18,12 @@ module spintop_stability_study
     use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_parameters, only: is_set, unset_integer
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_reference_motion, only: find_reference
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
     use spintop_row_block, only: text_buffer_t
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: reference_auto
+    use spintop_scene_keys, only: scene_t, reference_auto
     use spintop_status, only: is_ok, status_meaning, status_names, status_meanings
     use spintop_stepper, only: method_info_t
     use spintop_study_column, only: categorical, column => study_column_t

@@ -10,7 +10,7 @@ module spintop_trial
     use spintop_pole_passages, only: through_pole
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_quantities, only: axial_momentum, axis_tip, energy_scale, kinetic_energy, potential_energy, &
         vertical_momentum
     use spintop_reference_motion, only: collect_motions, collector_t, reference_t

@@ -10,8 +10,7 @@ module spintop_fit_model
     use spintop_motion_rows, only: compute_motion, writer_t
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: given, is_set, parameter_table_t
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_scene_keys, only: describe_scene, scene_t
@@ -174,7 +173,10 @@ contains
         class(fit_model_t), intent(in) :: self
         real(dp), intent(in) :: x(:) !! values of the sought numbers
         is_at_pole = .false.
-        if (self%theta > 0) is_at_pole = any(abs(self%slots(self%theta)%ends() - x(self%theta)) <= 0)
+        if (self%theta == 0) return
+        associate (range => self%slots(self%theta)%range)
+            is_at_pole = any(abs([range%lower, range%upper] - x(self%theta)) <= 0)
+        end associate
     end function is_at_pole
 
     !> Describes a start in a pole from the other side: phi and psi differ by half a turn, and theta changes the other way.
@@ -322,7 +324,7 @@ contains
         class(fit_model_t), intent(in) :: self
         integer, intent(in) :: i !! which number
         real(dp), intent(in) :: x !! any value of the parameter, in its unit
-        limited = self%slots(i)%nearest(x)
+        limited = self%slots(i)%range%nearest(x)
         if (is_set(self%ranges(i, 1))) limited = max(limited, self%ranges(i, 1))
         if (is_set(self%ranges(i, 2))) limited = min(limited, self%ranges(i, 2))
     end function limited
@@ -332,7 +334,7 @@ contains
         class(fit_model_t), intent(in) :: self
         integer, intent(in) :: i !! which number
         real(dp) :: ends(2)
-        ends = self%slots(i)%ends()
+        ends = [self%slots(i)%range%lower, self%slots(i)%range%upper]
         if (is_set(self%ranges(i, 1))) ends(1) = max(ends(1), self%ranges(i, 1))
         if (is_set(self%ranges(i, 2))) ends(2) = min(ends(2), self%ranges(i, 2))
     end function ends

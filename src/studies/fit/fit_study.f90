@@ -12,7 +12,7 @@ module spintop_fit_study
     use spintop_least_squares, only: minimum_t, robust_deviation
     use spintop_options, only: options_t
     use spintop_parameters, only: is_set
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_process, only: seconds
@@ -64,7 +64,10 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
         type(fit_model_t), allocatable, target :: model
-        integer :: unknown, i
+        type(plan_t) :: plan
+        type(problems_t) :: reasons
+        character(:), allocatable :: hint
+        integer :: unknown, i, k
         logical :: knows_start
         real(dp) :: last
 
@@ -84,7 +87,24 @@ contains
         end associate
         call job%make_first_case(scene, problems, planned=.true.)
         if (problems%any()) return
-        call plan_for_all(self, job, problems)
+        ! The plan is one for all bodies that are sought: where the first has a closed form and others have none, all motions are
+        ! integrated. A method or formulation that the input names stays, and must be for all.
+        allocate (model)
+        associate (keys => self%sought%keys)
+            call model%prepare(job%input%scene, keys, job%case, job%plan, self%measured)
+            do i = 1, size(keys)
+                call model%plan_with_another(i, [(keys(k)%slot%get(), k=1, size(keys))], plan, reasons)
+                if (reasons%any()) then
+                    hint = "use method = 'auto' and formulation = 'auto'"
+                    if (keys(i)%name == 'top.inertia(2)') hint = 'seek top.inertia(1), which stands for both, or ' // hint
+                    call problems%add('fit.unknown', 'the body with another ' // keys(i)%name // &
+                                      ' has no motion by this method or formulation', hint)
+                else if (job%plan%exact .and. .not. plan%exact) then
+                    job%plan = plan
+                end if
+            end do
+        end associate
+        deallocate (model)
         if (problems%any()) return
         if (.not. job%plan%exact .and. .not. job%plan%is_adaptive()) then
             call problems%add('integration.method', 'a method with a fixed step size has no values at the times of the &
@@ -103,35 +123,6 @@ contains
                               to_text(unknown) // ' parameters and their errors', 'give more measurements')
         end if
     end subroutine check
-
-    !> Makes the plan one for all bodies that are sought: where the first has a closed form and others have none, all motions
-    !> are integrated. A method or formulation that the input names stays, and must be for all.
-    subroutine plan_for_all(self, job, problems)
-        class(fit_study_t), intent(in) :: self
-        type(job_t), target, intent(inout) :: job
-        type(problems_t), intent(inout) :: problems
-        type(fit_model_t), allocatable, target :: model
-        type(plan_t) :: plan
-        type(problems_t) :: reasons
-        character(:), allocatable :: hint
-        integer :: i, k
-
-        allocate (model)
-        associate (keys => self%sought%keys)
-            call model%prepare(job%input%scene, keys, job%case, job%plan, self%measured)
-            do i = 1, size(keys)
-                call model%plan_with_another(i, [(keys(k)%slot%get(), k=1, size(keys))], plan, reasons)
-                if (reasons%any()) then
-                    hint = "use method = 'auto' and formulation = 'auto'"
-                    if (keys(i)%name == 'top.inertia(2)') hint = 'seek top.inertia(1), which stands for both, or ' // hint
-                    call problems%add('fit.unknown', 'the body with another ' // keys(i)%name // &
-                                      ' has no motion by this method or formulation', hint)
-                else if (job%plan%exact .and. .not. plan%exact) then
-                    job%plan = plan
-                end if
-            end do
-        end associate
-    end subroutine plan_for_all
 
     !> Fits the parameters; the study fails if the search does not converge, or the data do not determine them.
     subroutine run(self, job, options, summary, code, error)

@@ -342,7 +342,7 @@ contains
                 call json%add('unit', parameter%unit)
                 if (parameter%default == '') call json%add_null('default')
                 if (parameter%default /= '') call json%add('default', parameter%default)
-                call json%add('range', parameter%rule)
+                call json%add('range', parameter%range%rule)
                 call add_bound(json, 'lower', parameter%range%lower, parameter%range%lower_open)
                 call add_bound(json, 'upper', parameter%range%upper, parameter%range%upper_open)
                 call json%add('choices', parameter%choices)
@@ -372,55 +372,47 @@ contains
     subroutine add_methods(list)
         type(listing_t), intent(inout) :: list !! the items are added
         type(method_info_t), allocatable :: methods(:)
-        integer :: i
+        character(40), allocatable :: aliases(:)
+        character(:), allocatable :: steps
+        character(8) :: kind
+        integer :: i, k, equals
 
         allocate (methods, source=[exact_info, method_infos()])
         call list%add_line('auto', 'the cheapest adequate one (the default)')
         do i = 1, size(methods)
-            call add_method(list, methods(i))
+            associate (method => methods(i), json => list%json)
+                kind = 'exact'
+                if (method%fixed_step) kind = 'fixed'
+                if (method%adaptive) kind = merge('both    ', 'adaptive', method%fixed_step)
+                aliases = [character(40) ::]
+                do k = 1, size(method_aliases)
+                    equals = index(method_aliases(k), '=')
+                    if (method_aliases(k)(equals + 1:) /= method%name) cycle
+                    aliases = [character(40) :: aliases, method_aliases(k)(:equals - 1)]
+                end do
+                steps = ''
+                if (method%order > 0) steps = 'order ' // to_text(method%order)
+                if (method%adaptive) steps = steps // ' adaptive'
+                if (method%fixed_step) steps = steps // ' fixed'
+                call list%begin_item(method%name, method%what, adjustl(steps))
+                call json%add('family', method%family)
+                if (method%order > 0) call json%add('order', method%order)
+                if (.not. method%order > 0) call json%add_null('order')
+                call json%add('kind', kind)
+                call json%add('implicit', method%implicit)
+                call json%add('symmetric', method%symmetric)
+                call json%add('description', method%what)
+                call json%add('formulations', formulations_of(method))
+                call json%add('aliases', aliases)
+                if (method%takes_table) call json%add('tables', arkode_table_names(method%implicit))
+                if (.not. method%takes_table) call json%add_null('tables')
+                call json%close()
+            end associate
         end do
         call append(list%text, '')
         call append(list%text, 'tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', '))
         call append(list%text, 'tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))
     end subroutine add_methods
-
-    subroutine add_method(list, method)
-        type(listing_t), intent(inout) :: list
-        type(method_info_t), intent(in) :: method
-        character(40), allocatable :: aliases(:)
-        character(:), allocatable :: steps
-        character(8) :: kind
-        integer :: i, equals
-
-        kind = 'exact'
-        if (method%fixed_step) kind = 'fixed'
-        if (method%adaptive) kind = merge('both    ', 'adaptive', method%fixed_step)
-        allocate (aliases(0))
-        do i = 1, size(method_aliases)
-            equals = index(method_aliases(i), '=')
-            if (method_aliases(i)(equals + 1:) /= method%name) cycle
-            aliases = [character(40) :: aliases, method_aliases(i)(:equals - 1)]
-        end do
-        steps = ''
-        if (method%order > 0) steps = 'order ' // to_text(method%order)
-        if (method%adaptive) steps = steps // ' adaptive'
-        if (method%fixed_step) steps = steps // ' fixed'
-        call list%begin_item(method%name, method%what, adjustl(steps))
-        associate (json => list%json)
-            call json%add('family', method%family)
-            if (method%order > 0) call json%add('order', method%order)
-            if (.not. method%order > 0) call json%add_null('order')
-            call json%add('kind', kind)
-            call json%add('implicit', method%implicit)
-            call json%add('symmetric', method%symmetric)
-            call json%add('description', method%what)
-            call json%add('formulations', formulations_of(method))
-            call json%add('aliases', aliases)
-            if (method%takes_table) call json%add('tables', arkode_table_names(method%implicit))
-            if (.not. method%takes_table) call json%add_null('tables')
-            call json%close()
-        end associate
-    end subroutine add_method
 
     !> The formulations under which a method can integrate a Lagrange top.
     function formulations_of(method) result(names)

@@ -16,7 +16,7 @@ module spintop_verification
     use spintop_job, only: job_t
     use spintop_loaded_table, only: read_table, table_t
     use spintop_principal_axes, only: find_principal_axes
-    use spintop_plan, only: sample_time
+    use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t
     use spintop_status, only: is_good_end, status_number
@@ -109,7 +109,21 @@ contains
         ! What was found is what the checksum says, or part of it.
         if (found%table%damage /= '' .and. found%wrong%count == 0) call found%wrong%add('the table ' // found%table%damage)
         if (found%wrong%count > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
-        call report(job, found, lines)
+        call append(lines, job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
+                      // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
+        if (.not. found%table%has_end) call append(lines, '  note  the table does not end with the number and the checksum of &
+            &its rows: it was cut, or written by an earlier version')
+        if (allocated(found%wrong%first)) call append(lines, '  first wrong  ' // found%wrong%first)
+        do k = 0, last_reason
+            if (found%reasons(k) == 0) cycle
+            if (k == proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
+                &they are at the limit of the claim')
+            if (k /= proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': ' // trim(proof_reasons(k)))
+        end do
+        do k = 1, proof_count
+            if (found%largest(k) > 0) call append(lines, '  largest bound  ' // trim(found%names(k)) // ' ' &
+                                                    // to_text(found%largest(k)))
+        end do
     end subroutine verify_table
 
     !> The numbers that have true values, and their bounds.
@@ -272,30 +286,6 @@ contains
             end if
         end do
     end subroutine verify_row
-
-    !> The result as text.
-    subroutine report(job, found, lines)
-        type(job_t), intent(in) :: job
-        type(verification_t), intent(in) :: found
-        type(string_t), allocatable, intent(out) :: lines(:)
-        integer :: k
-
-        call append(lines, job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
-                      // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
-        if (.not. found%table%has_end) call append(lines, '  note  the table does not end with the number and the checksum of &
-            &its rows: it was cut, or written by an earlier version')
-        if (allocated(found%wrong%first)) call append(lines, '  first wrong  ' // found%wrong%first)
-        do k = 0, last_reason
-            if (found%reasons(k) == 0) cycle
-            if (k == proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
-                &they are at the limit of the claim')
-            if (k /= proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': ' // trim(proof_reasons(k)))
-        end do
-        do k = 1, proof_count
-            if (found%largest(k) > 0) call append(lines, '  largest bound  ' // trim(found%names(k)) // ' ' &
-                                                    // to_text(found%largest(k)))
-        end do
-    end subroutine report
 
     !> Counts what is wrong, and keeps the first.
     subroutine add(self, what)

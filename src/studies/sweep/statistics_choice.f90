@@ -7,8 +7,7 @@ module spintop_statistics_choice
     use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
     use spintop_process, only: physical_memory
-    use spintop_scene_keys, only: max_over
-    use spintop_scene_words, only: combine_saltelli
+    use spintop_scene_keys, only: max_over, combine_saltelli
     use spintop_statistics_plan, only: binned_t, statistics_plan_t
     use spintop_study_column, only: find_column, study_column_t
     use spintop_summary, only: rounded

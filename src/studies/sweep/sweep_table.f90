@@ -9,7 +9,7 @@ module spintop_sweep_table
     use spintop_nutation, only: class_names
     use spintop_parameters, only: unset_integer
     use spintop_row_block, only: row_block_t
-    use spintop_scene_words, only: combine_grid
+    use spintop_scene_keys, only: combine_grid
     use spintop_statistics_output, only: result_columns
     use spintop_statistics_table, only: statistics_table_t
     use spintop_status, only: is_good_end, status_names, status_non_finite
@@ -36,11 +36,19 @@ contains
         class(row_table_t), allocatable, intent(out) :: table !! not yet started
         character(:), allocatable, intent(out) :: head !! the header
         type(statistics_table_t), allocatable :: with_statistics
+        type(table_column_t), allocatable :: columns(:)
         integer :: i
 
         if (job%statistics%is_wanted) then
             allocate (with_statistics)
-            call describe_statistics(job, shard, with_statistics)
+            with_statistics%keeps_rows = job%keeps_rows()
+            with_statistics%plan = job%statistics
+            with_statistics%is_part = shard%is_part()
+            with_statistics%result_path = job%files%table
+            if (job%keeps_rows()) with_statistics%result_path = job%files%statistics
+            ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
+            allocate (columns, source=result_columns(with_statistics%plan))
+            with_statistics%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
             if (.not. job%keeps_rows()) head = with_statistics%result_head
             call move_alloc(with_statistics, table)
         else
@@ -56,23 +64,6 @@ contains
         end if
         if (job%keeps_rows()) head = study_head(job, table%columns, part=shard%beginning(job%axes%cases))
     end subroutine describe_table
-
-    !> What is gathered of the rows of a table.
-    subroutine describe_statistics(job, shard, table)
-        type(job_t), intent(in) :: job
-        type(shard_t), intent(in) :: shard
-        type(statistics_table_t), intent(inout) :: table
-        type(table_column_t), allocatable :: columns(:)
-
-        table%keeps_rows = job%keeps_rows()
-        table%plan = job%statistics
-        table%is_part = shard%is_part()
-        table%result_path = job%files%table
-        if (job%keeps_rows()) table%result_path = job%files%statistics
-        ! In a variable, since gfortran 12 fails at the result of a function as an argument of a class.
-        allocate (columns, source=result_columns(table%plan))
-        table%result_head = study_head(job, columns, part=shard%beginning(job%axes%cases))
-    end subroutine describe_statistics
 
     !> What the cells of a row are; `add_rows` has them in this order.
     subroutine describe_columns(job, columns)

@@ -13,13 +13,11 @@ module spintop_sweep_worker
     use spintop_job, only: job_t
     use spintop_methods, only: exact_info
     use spintop_parameters, only: is_set
-    use spintop_plan, only: plan_t
-    use spintop_planning, only: make_plan
+    use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_row_block, only: row_block_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
-    use spintop_scene_keys, only: scene_t
-    use spintop_scene_words, only: combine_zip
+    use spintop_scene_keys, only: scene_t, combine_zip
     use spintop_sensitivity, only: other_accuracies, other_value, set_other_accuracy
     use spintop_status, only: is_good_end, is_ok, status_bad_input, status_ok
     use spintop_sweep_axes, only: case_scene_t

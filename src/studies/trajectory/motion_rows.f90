@@ -13,7 +13,7 @@ module spintop_motion_rows
     use spintop_kinds, only: dp, no_number
     use spintop_motion, only: motion_t
     use spintop_netcdf_grid, only: netcdf_axis_t
-    use spintop_plan, only: plan_t, sample_time
+    use spintop_planning, only: plan_t, sample_time
     use spintop_progress, only: progress_t
     use spintop_row_table, only: row_table_t
     use spintop_row_block, only: row_block_t

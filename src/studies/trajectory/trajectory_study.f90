@@ -14,7 +14,7 @@ module spintop_trajectory_study
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t, find_sensitivities
     use spintop_options, only: options_t
-    use spintop_plan, only: sample_time
+    use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t

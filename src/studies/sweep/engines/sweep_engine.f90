@@ -8,7 +8,7 @@ module spintop_sweep_engine
     use spintop_event_text, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_measures, only: growth_t
-    use spintop_plan, only: plan_t
+    use spintop_planning, only: plan_t
     use spintop_status, only: is_good_end, is_ok, status_meanings, status_non_finite, status_ok, status_step_limit
     use spintop_sweep_result, only: at_largest_singular_value, at_lyapunov_exponent, kinds_of_work, note_no_lyapunov, &
         note_no_singular, note_no_turns_known, note_t, of_lyapunov, of_singular, of_turns, of_whole, sweep_result_t

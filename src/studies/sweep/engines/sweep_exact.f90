@@ -1,7 +1,6 @@
 !> Symmetric tops of a sweep, many at once, by their closed form.
 module spintop_sweep_exact
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t
     use spintop_kinds, only: dp, is_finite
     use spintop_conditioning, only: inherent_error
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
@@ -10,7 +9,7 @@ module spintop_sweep_exact
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
     use spintop_regular_start, only: rates_describe
-    use spintop_status, only: is_ok, status_ok, status_step_limit
+    use spintop_status, only: is_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
     use spintop_sweep_engine, only: engine_t, slot_t, task_t
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, &
@@ -58,6 +57,10 @@ contains
         type(slot_t), intent(inout) :: slots(:) !! the block
         integer, intent(in) :: list(:) !! the places of the cases
         type(task_t), intent(in) :: task !! what is asked of them
+        ! These objects are large, and a thread may have a small stack.
+        type(exact_path_t), allocatable :: path
+        type(event_recorder_t), allocatable :: recorder
+        real(dp) :: t_end
         logical :: event_occurred(size(list))
         integer :: i, status
 
@@ -68,8 +71,19 @@ contains
             do i = 1, size(list)
                 associate (slot => slots(list(i)))
                     if (size(task%events) > 0) then
-                        call stop_exactly(slot%case, task, slot%max_steps, status, event_occurred(i))
-                        if (.not. is_ok(status)) call slot%fail(status)
+                        ! The span ends at the event that ends the motion, if the allowed work suffices to find it.
+                        event_occurred(i) = .false.
+                        if (allocated(path)) deallocate (path, recorder)
+                        allocate (path, recorder)
+                        call path%begin(slot%case, looks_per_step * slot%max_steps, status)
+                        if (is_ok(status)) then ! otherwise the kernel reports it
+                            call recorder%set(task%events, task%stop_after, slot%case)
+                            call recorder%search_exactly(path, slot%case, t_end, status)
+                            slot%max_steps = slot%max_steps - path%looks / looks_per_step
+                            event_occurred(i) = recorder%has_enough
+                            slot%case%t_end = t_end
+                            if (.not. is_ok(status)) call slot%fail(status)
+                        end if
                     end if
                 end associate
                 associate (case => slots(list(i))%case)
@@ -98,34 +112,6 @@ contains
             end do
         end associate
     end subroutine compute
-
-    !> Ends the span of a case at the event that ends its motion. `event_occurred` reports whether there was one, `status` whether
-    !> the allowed work was sufficient.
-    subroutine stop_exactly(case, task, max_steps, status, event_occurred)
-        type(case_t), intent(inout) :: case
-        type(task_t), intent(in) :: task
-        integer(int64), intent(inout) :: max_steps !! remaining work of the case
-        integer, intent(out) :: status
-        logical, intent(out) :: event_occurred
-        ! These objects are large, and a thread may have a small stack.
-        type(exact_path_t), allocatable :: path
-        type(event_recorder_t), allocatable :: recorder
-        real(dp) :: t_end
-
-        event_occurred = .false.
-        allocate (path, recorder)
-        call path%begin(case, looks_per_step * max_steps, status)
-        if (.not. is_ok(status)) then
-            ! The kernel reports the status.
-            status = status_ok
-            return
-        end if
-        call recorder%set(task%events, task%stop_after, case)
-        call recorder%search_exactly(path, case, t_end, status)
-        max_steps = max_steps - path%looks / looks_per_step
-        event_occurred = recorder%has_enough
-        case%t_end = t_end
-    end subroutine stop_exactly
 
     !> The quantities of the case in a lane of a computed block.
     subroutine unload_lane(block, lane, wanted, slot)

@@ -23,8 +23,8 @@ module spintop_turning_points
 
     !> Differences of the roots; those with beta in the name stay finite without gravity.
     type, bind(C) :: roots_t
-        !> u1 - u0 <= 0, u2 - u0 >= 0 and u2 - u1.
-        real(c_long_double) :: y1 = 0, y2 = 0, u2_minus_u1 = 0
+        !> u1 - u0 <= 0, u2 - u0 >= 0, beta (u3 - u0), and u2 - u1.
+        real(c_long_double) :: y1 = 0, y2 = 0, beta_y3 = 0, u2_minus_u1 = 0
         !> 1 - u1, 1 - u2, 1 + u1, 1 + u2.
         real(c_long_double) :: one_minus_u1 = 0, one_minus_u2 = 0, one_plus_u1 = 2, one_plus_u2 = 2
         !> beta (u3 - 1), beta (u3 - u1), beta (1 + u3), rad^2/s^2.
@@ -35,6 +35,8 @@ module spintop_turning_points
         real(c_long_double) :: frequency = 0
         !> Inverses of 1 - u1, 1 + u2, beta (u3 - u1) and beta (1 + u3); 0 of 0.
         real(c_long_double) :: per_one_minus_u1 = 0, per_one_plus_u2 = 0, per_beta_u3_minus_u1 = 0, per_beta_u3_plus_1 = 0
+        !> Square roots of beta (u3 - 1), of (1 - u1) (1 - u2), and of the last inverse.
+        real(c_long_double) :: root_of_beta_u3_minus_1 = 0, root_of_upper_distances = 0, root_of_per_beta_u3_plus_1 = 0
     end type roots_t
 
     !> The start with its cubic.

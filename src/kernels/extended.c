@@ -1,4 +1,5 @@
-// The closed form of one symmetric top in extended precision, for turning_points.f90 and circular_form.f90. Components as there.
+// The closed form of one symmetric top in extended precision, for turning_points.f90 and circular_form.f90. Components as
+// there.
 
 #include <float.h>
 #include <math.h>
@@ -21,10 +22,15 @@ enum { laguerre_steps = 60, newton_steps = 30 };
 
 inlined int any_of(truth condition) { return condition; }
 inlined real choose(truth condition, real a, real b) { return condition ? a : b; }
+inlined real less_of(real a, real b) { return a < b ? a : b; }
+inlined real greater_of(real a, real b) { return a > b ? a : b; }
 inlined real magnitude(real x) { return of_real(fabs)(x); }
 inlined real square_root(real x) { return of_real(sqrt)(x); }
 inlined real with_sign(real a, real b) { return of_real(copysign)(a, b); }
 inlined real argument_of(real x, real y) { return of_real(atan2)(y, x); }
+// 0/0 = 0: the limits of the exact solution at rest, at a pole and without gravity.
+inlined real divided(real a, real b) { return choose(magnitude(a) > 0, a / b, 0); }
+inlined real inverse(real b) { return choose(magnitude(b) > 0, 1 / b, 0); }
 // Only rounding errors carry an iterate past a root to which the steps lead from one side.
 inlined int has_settled(real step, real x, real onward, int *returns) {
     *returns += onward < 0;
@@ -33,11 +39,22 @@ inlined int has_settled(real step, real x, real onward, int *returns) {
 
 #include "closed_form/closed_form.h"
 
-// Highest multiple of 2z in the series, of which the next term is at most 4e-17, and rows of the table of polynomials in cos 2z.
+// Highest multiple of 2z in the series, of which the next term is at most 4e-17, and rows of the table of polynomials in cos
+// 2z.
 enum { last = 3, table_rows = 16 };
 enum {
-    upper_even, upper_odd, lower_even, lower_odd, upper_even_slope, upper_odd_slope, lower_even_slope, lower_odd_slope,
-    sn, cn, divisor, divisor_slope
+    upper_even,
+    upper_odd,
+    lower_even,
+    lower_odd,
+    upper_even_slope,
+    upper_odd_slope,
+    lower_even_slope,
+    lower_odd_slope,
+    sn,
+    cn,
+    divisor,
+    divisor_slope
 };
 
 struct clock {
@@ -55,7 +72,9 @@ real spintop_nome(real k2, real kc);
 
 void spintop_find_roots(const struct start *start, struct roots *roots) {
     truth doubt = 0;
-    find_roots(start, roots, &doubt);
+    find_roots_at_turning_point(start, roots);
+    if (start->g0 > 0) find_roots_of_moving(start, roots, &doubt);
+    find_moduli(start, roots);
 }
 
 // Nome q = exp(-pi K'/K) from k^2 <= 0.971 and k'.
@@ -64,8 +83,8 @@ real spintop_nome(real k2, real kc) {
     return nome_of(k2 / (2 * (1 + kc) * root * root));
 }
 
-// U = upper_least - [sin(z)^2 even + i sin(2z) odd], L = lower_least - [cos(z)^2 even + i sin(2z) odd], and their derivatives; the
-// polynomials of the upper pole are in -cos 2z. `way` is 1 for the lower pole and -1 for the upper one.
+// U = upper_least - [sin(z)^2 even + i sin(2z) odd], L = lower_least - [cos(z)^2 even + i sin(2z) odd], and their derivatives;
+// the polynomials of the upper pole are in -cos 2z. `way` is 1 for the lower pole and -1 for the upper one.
 static void tabulate_pole(const struct pole *pole, int way, int even_row, int even_slope, double (*powers)[table_rows]) {
     real even[last + 2] = {0}, odd[last + 2] = {0};
     for (int k = 0, sign = 1; k < last; ++k, sign *= way) {
@@ -102,12 +121,18 @@ void spintop_prepare_circular(const struct start *start, const struct roots *roo
     struct thetas f;
     truth doubt = 0;
     find_nome(start, roots, &f);
-    place_pole(f.q, &f.bottom, &doubt), place_pole(f.q, &f.top, &doubt);
+    find_positions(&f, &doubt);
+    place_pole(f.q, &f.bottom), place_pole(f.q, &f.top);
     find_rates(start, roots, &f);
     *clock = (struct clock){
-        .start = argument_at_start(start, roots, &f, &doubt),
-        .rate = f.z_rate, .period = pi, .half_period = pi / 2, .per_period = 1 / pi,
-        .upper_rate = f.upper_rate, .lower_rate = f.lower_rate, .sum_rate = f.sum_rate,
+        .start = argument_at_start(start, roots, &f, position_at_start(roots, &f, &doubt)),
+        .rate = f.z_rate,
+        .period = pi,
+        .half_period = pi / 2,
+        .per_period = 1 / pi,
+        .upper_rate = f.upper_rate,
+        .lower_rate = f.lower_rate,
+        .sum_rate = f.sum_rate,
         .upper_amplitude = (double)(square_root(f.bottom.weight / 2) * f.theta3),
         .lower_amplitude = (double)(square_root(f.top.weight / 2) * f.theta3),
     };

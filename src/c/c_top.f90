@@ -198,7 +198,8 @@ contains
         call c_f_pointer(t, times, [n])
         call c_f_pointer(cells, found, [n, size(top%columns%face, kind=c_size_t)])
         associate (own => size(top%chosen), others => 2 * top%derivatives%count)
-            allocate (values(top%motion%columns, n), derivatives(others, n), stat=lacks_memory)
+            allocate (values(top%motion%columns, n), stat=lacks_memory)
+            if (lacks_memory == 0) allocate (derivatives(others, n), stat=lacks_memory)
             if (lacks_memory == 0) then
                 call top%motion%find(times, values, status, t_reached)
                 found(:, :own) = transpose(values(:own, :))

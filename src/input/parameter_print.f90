@@ -27,8 +27,8 @@ contains
                     before = size(lines)
                     call append(lines, '&' // name)
                     do i = 1, table%count
-                        if (table%parameters(i)%group == name) &
-                            call print_parameter(table%parameters(i), merge(number, 0, most > 1), lines)
+                        if (table%parameters(i)%group /= name) cycle
+                        call print_parameter(table%parameters(i), merge(number, 0, most > 1), lines)
                     end do
                     if (size(lines) > before + 1) then
                         call append(lines, '/')

@@ -16,7 +16,8 @@ module spintop_accumulators
     public :: accumulators_t, moments_t, summary_of_column_t
     public :: bins_t, even_bins, bins_around, place_among
 
-    !> Bins of one quantity: neighbouring intervals between edges. Bin i holds the values from edge(i) to below edge(i+1); the last one has its upper edge, too.
+    !> Bins of one quantity: neighbouring intervals between edges. Bin i holds the values from edge(i) to below edge(i+1); the
+    !> last one has its upper edge, too.
     type :: bins_t
         !> Increasing; one more than there are bins.
         real(dp), allocatable :: edge(:)

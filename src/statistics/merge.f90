@@ -12,9 +12,9 @@ module spintop_merge
     use spintop_statistics_plan, only: statistics_plan_t
     use spintop_statistics_table, only: is_statistics, read_statistics
     use spintop_table_end, only: check_table, table_check_t
-    use spintop_table_file, only: refuse_to_discard_idle, stem_of, table_file_t
-    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_dated, is_netcdf, read_head, &
-        read_shard_line, shard_t
+    use spintop_table_file, only: refuse_to_discard, stem_of, table_file_t
+    use spintop_table_head, only: check_format, compare_heads, first_line_of, is_netcdf, read_head, read_shard_line, &
+        shard_t, value_of
     use spintop_text, only: append, string_t, to_text
     implicit none
     private
@@ -81,7 +81,7 @@ contains
         integer :: i
 
         call order_parts(path, parts, head, cases, part_at, error)
-        if (.not. allocated(error)) call refuse_to_discard_idle(path, error)
+        if (.not. allocated(error)) call refuse_to_discard(path, error, is_ours=.false.)
         do i = 1, size(parts)
             if (allocated(error)) return
             if (.not. is_statistics(parts(i)%text)) then
@@ -113,7 +113,7 @@ contains
         integer :: head_length, i
 
         call order_parts(path, parts, head, cases, part_at, error)
-        if (.not. allocated(error)) call refuse_to_discard_idle(path, error)
+        if (.not. allocated(error)) call refuse_to_discard(path, error, is_ours=.false.)
         if (allocated(error)) return
         if (is_netcdf(parts(1)%text)) then
             call merge_netcdf(path, parts, part_at, head, error)
@@ -127,7 +127,7 @@ contains
             head_length = len(head) + len('# ' // shard%line(cases) // nl)
             associate (part => parts(part_at(i))%text)
                 rows = shard%last(cases) - shard%first(cases) + 1
-                if (is_dated(head)) rows = -1 ! a case has any number of them
+                if (value_of('date', head) /= '') rows = -1 ! a case has any number of them
                 call copy_part(part, head_length, rows, table, words, error)
             end associate
         end do

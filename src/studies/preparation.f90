@@ -28,7 +28,7 @@ module spintop_preparation
     use spintop_study, only: study_info_t, study_t
     use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, study_column_t
     use spintop_sweep_result, only: sweep_columns
-    use spintop_table_file, only: refuse_to_discard_idle, stem_of
+    use spintop_table_file, only: refuse_to_discard, stem_of
     use spintop_terminal, only: message_width
     use spintop_text, only: append, escaped, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_columns
@@ -181,9 +181,9 @@ contains
         if (options%ranks%is_writer() .and. .not. (options%resume .or. options%restart)) then
             do i = 1, size(prepared)
                 associate (job => prepared(i)%job)
-                    call refuse_to_discard_idle(job%files%table, error)
+                    call refuse_to_discard(job%files%table, error, is_ours=.false.)
                     if (.not. allocated(error) .and. job%files%events /= '') then
-                        call refuse_to_discard_idle(job%files%events, error)
+                        call refuse_to_discard(job%files%events, error, is_ours=.false.)
                     end if
                 end associate
                 if (allocated(error)) exit

@@ -301,7 +301,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: takes_empty !! whether an empty cell is NaN, and no error
         logical :: is_number, takes
-        integer :: column, row
+        integer :: column, row, status
 
         column = index_of(self, name)
         if (column == 0) then
@@ -315,11 +315,17 @@ contains
         if (present(takes_empty)) takes = takes_empty
         allocate (values(self%rows))
         do row = 1, size(values)
-            associate (cell => self%cells(column, row))
-                call read_cell(self%text(cell%from:cell%to), values(row), is_number)
-                if (is_number .or. allocated(error) .or. (takes .and. cell%to < cell%from)) cycle
-                error = input_error(self%place_of_row(row) // ": '" // &
-                                    escaped(abbreviate(self%text(cell%from:cell%to))) // "' in column " // name // &
+            associate (cell => self%text(self%cells(column, row)%from:self%cells(column, row)%to), value => values(row))
+                ! List-directed reading alone takes `/`, `2*3` and more.
+                is_number = is_number_cell(cell)
+                if (is_number) then
+                    read (cell, *, iostat=status) value
+                    is_number = status == 0 .and. (abs(value) <= huge(value) .or. scan(cell, 'nN') > 0) ! 1e999 is too large
+                end if
+                if (is_number) cycle
+                value = no_number
+                if (allocated(error) .or. (takes .and. cell == '')) cycle
+                error = input_error(self%place_of_row(row) // ": '" // escaped(abbreviate(cell)) // "' in column " // name // &
                                     ' is not a number')
             end associate
         end do
@@ -376,21 +382,6 @@ contains
             if (self%names(i)%text == name) place = i
         end do
     end function index_of
-
-    !> The number in a cell; NaN also if it is none.
-    subroutine read_cell(text, value, is_number)
-        character(*), intent(in) :: text
-        real(dp), intent(out) :: value
-        logical, intent(out) :: is_number
-        integer :: status
-        ! List-directed reading alone takes `/`, `2*3` and more.
-        is_number = is_number_cell(text)
-        if (is_number) then
-            read (text, *, iostat=status) value
-            is_number = status == 0 .and. (abs(value) <= huge(value) .or. scan(text, 'nN') > 0) ! 1e999 is too large
-        end if
-        if (.not. is_number) value = no_number
-    end subroutine read_cell
 
     !> Begins a table of many cases, and makes room for all its rows.
     subroutine begin(self, columns, rows, error)

@@ -136,7 +136,7 @@ contains
         else
             call self%table%reserve(path, error)
             if (had_part .and. .not. (allocated(error) .or. restart)) then
-                call refuse_to_discard(path, error)
+                call refuse_to_discard(path, error, is_ours=.true.)
                 if (allocated(error)) call self%table%abandon()
             end if
             if (.not. allocated(error)) call start_anew(self, head, resume, error)

@@ -33,7 +33,7 @@ module spintop_table_file
     use spintop_row_block, only: text_buffer_t
     implicit none
     private
-    public :: table_file_t, part_of, stem_of, refuse_to_discard, refuse_to_discard_idle
+    public :: table_file_t, part_of, stem_of, refuse_to_discard
     public :: journal_entry_t, journal_of, write_journal, read_journal, remove_journal, state_of
 
     character, parameter :: nl = new_line('a')
@@ -263,11 +263,15 @@ contains
         call self%file%close(ignored)
     end subroutine abandon
 
-    !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read.
-    subroutine refuse_to_discard(path, error)
+    !> Returns an error if an interrupted run has left rows of a table, or a journal that cannot be read. Rows of a table that
+    !> a run is writing are in no danger, and it cannot be resumed.
+    subroutine refuse_to_discard(path, error, is_ours)
         character(*), intent(in) :: path !! of the table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
+        logical, intent(in) :: is_ours !! whether this run has reserved the table, so that no other writes it
         type(journal_entry_t) :: entry
+        type(table_file_t) :: table
+        type(error_t), allocatable :: in_use
         character(:), allocatable :: problem, rows
 
         if (.not. (file_exists(part_of(path)) .and. file_exists(journal_of(path)))) return
@@ -277,21 +281,11 @@ contains
         if (problem /= '') rows = problem
         error = input_error('an interrupted run of ' // path // ' is there: ' // rows // nl // &
                             '--resume resumes it; --restart discards it and computes all from the beginning')
-    end subroutine refuse_to_discard
-
-    !> The same, except if a run is writing the table: its rows are not in danger, and it cannot be resumed.
-    subroutine refuse_to_discard_idle(path, error)
-        character(*), intent(in) :: path !! of the table
-        type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        type(error_t), allocatable :: in_use
-        type(table_file_t) :: table
-
-        call refuse_to_discard(path, error)
-        if (.not. allocated(error)) return
+        if (is_ours) return
         call table%reserve(path, in_use)
         call table%abandon()
         if (allocated(in_use)) deallocate (error)
-    end subroutine refuse_to_discard_idle
+    end subroutine refuse_to_discard
 
     !> The name of the journal of a table.
     pure function journal_of(path) result(journal)

@@ -8,7 +8,7 @@ module spintop_table_head
     use spintop_text, only: string_t, to_text
     implicit none
     private
-    public :: table_head, comment_lines, read_head, first_line_of, compare_heads, is_dated, value_of, is_netcdf
+    public :: table_head, comment_lines, read_head, first_line_of, compare_heads, value_of, is_netcdf
     public :: format_key, table_format, check_format
     public :: shard_t, read_shard, read_shard_line, most_shards
 
@@ -185,12 +185,6 @@ contains
         at = index(head, nl // '# ' // key // ': ')
         if (at > 0) text = head(:at) // head(at + index(head(at + 1:), nl) + 1:)
     end function without
-
-    !> Whether a table has a date, as those have whose cases have any number of rows.
-    pure logical function is_dated(head)
-        character(*), intent(in) :: head !! the header of the table
-        is_dated = value_of('date', head) /= ''
-    end function is_dated
 
     !> The line that begins at a position, without the mark of a comment.
     pure function line_at(text, first) result(line)

@@ -52,8 +52,8 @@ inlined int list_rows(const struct motion_kinds *has, struct turned_row *row) {
     return n;
 }
 
-// The kinds that have a build of their own, in which nothing is asked in loops: a single effect, with and without a rotor. There is
-// none without optimization, where each would take stack of its own.
+// The kinds that have a build of their own, in which nothing is asked in loops: a single effect, with and without a rotor.
+// There is none without optimization, where each would take stack of its own.
 #ifdef __OPTIMIZE__
 #define for_single_effects(build)                                                                                 \
     build(.drags = 0) build(.frame = along) build(.frame = anyhow) build(.torque = along) build(.torque = anyhow) \

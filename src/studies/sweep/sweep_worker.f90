@@ -309,7 +309,8 @@ contains
                     ! depend on the cases that the thread had before.
                     one_of_kind = slot%case
                     if (worker%same_plans) one_of_kind%t_end = job%case%t_end
-                    known = kept_plan_t(is_made=.true.)
+                    known%is_made = .true.
+                    if (allocated(known%problem)) deallocate (known%problem)
                     !$omp critical (queue)
                     call make_plan(worker%swept%scene, one_of_kind, known%plan, problems)
                     if (problems%any()) known%problem = problems%first()

@@ -15,7 +15,7 @@ program many_tops
         block%phi_rate(:n) = 0
         block%theta_rate(:n) = 0
         block%omega3(:n) = [(0.1_dp * i, i=1, n)]
-        call block%compute(wants_end=.false., wants_period=.false.)
+        call compute_block(block, wants_end=.false., wants_period=.false.)
         print '(i0, a)', count(block%status(:n) == status_ok), ' tops'
         do i = n / 8, n, n / 8
             print '(a, f5.1, 2(a, f12.9), a)', 'spin', block%omega3(i), ' rad/s: theta up to', block%theta_max(i), &

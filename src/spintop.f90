@@ -25,7 +25,7 @@ module spintop
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_conditioning, only: conditioning_t, prepare_conditioning, inherent_error
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
-    use spintop_exact_block, only: exact_block_t, block_size
+    use spintop_exact_block, only: exact_block_t, block_size, compute_block
     use spintop_nutation, only: nutation_t, find_nutation, class_name
     use spintop_steady_motion, only: steady_rates, steady_rates_at_spin, fast_top_t, find_permanent_rotation, permanent_rate
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues

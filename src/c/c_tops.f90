@@ -5,7 +5,7 @@ module spintop_c_tops
     use spintop_caller, only: default_arithmetic_t
     use spintop_c_error, only: failed, read_c_texts, refuse, take_pointers
     use spintop_errors, only: error_t, exit_input, exit_ok
-    use spintop_exact_block, only: block_size, exact_block_t
+    use spintop_exact_block, only: block_size, compute_block, exact_block_t
     use spintop_kinds, only: dp, no_number
     use spintop_options, only: most_threads
     use spintop_status, only: is_ok
@@ -148,7 +148,7 @@ contains
         do first = 0, request%n - 1, block_size
             block%n = int(min(int(block_size, int64), request%n - first))
             call load(request, first, block)
-            call block%compute(request%wants_end, .false.)
+            call compute_block(block, request%wants_end, .false.)
             call unload(request, first, block)
         end do
         !$omp end do

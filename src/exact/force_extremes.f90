@@ -37,12 +37,12 @@ contains
 
         call find_checked_points(body, start, points, status)
         if (.not. is_ok(status)) return
-        associate (y1 => points%y1, y2 => points%y2)
+        associate (y1 => points%roots%y1, y2 => points%roots%y2)
             vertical(1:2) = [vertical_force(body, points, y1), vertical_force(body, points, y2)]
             vertical(3) = vertical(1)
             ! u'' = f'(u)/2 has its minimum where f'' = 0, if the motion reaches that point.
             if (points%beta > 0) then
-                turning_y = -points%g2 / (3 * points%beta)
+                turning_y = -points%cubic%g2 / (3 * points%beta)
                 if (turning_y > y1 .and. turning_y < y2) then
                     vertical(3) = vertical_force(body, points, turning_y)
                 end if
@@ -64,7 +64,7 @@ contains
         type(turning_points_t), intent(in) :: start
         real(xp), intent(in) :: y
         force = body%mass * (body%gravity + body%centre_of_mass(3) &
-                             * (3 * start%beta * y**2 + 2 * start%g2 * y + start%g1) / 2)
+                             * (3 * start%beta * y**2 + 2 * start%cubic%g2 * y + start%cubic%g1) / 2)
     end function vertical_force
 
     !> Magnitude of the force at u = u0 + y, N: its part along the axis, m (g u - l K), and that across.

@@ -67,23 +67,23 @@ contains
         real(xp) :: q, k, theta3, cosh_sum_at_0, upper_sign, lower_sign
         type(pole_t) :: bottom, top
 
-        associate (kc2 => points%complement_squared, m1 => points%one_minus_u1, &
-                   p2 => points%one_plus_u2)
-            k = sqrt(points%k_squared)
+        associate (kc2 => points%roots%complement_squared, m1 => points%roots%one_minus_u1, &
+                   p2 => points%roots%one_plus_u2)
+            k = sqrt(points%roots%k_squared)
             q = nome(kc2, k)
             theta3 = theta3_constant(q)
             cosh_sum_at_0 = 1 + q**2 + q**6 + q**12
-            clock%rate = points%frequency / theta3**2
+            clock%rate = points%roots%frequency / theta3**2
             if (q > 0) then
                 clock%half_period = -log(q) / 2
                 clock%period = 2 * clock%half_period
                 clock%per_period = 1 / clock%period
             end if
 
-            bottom = pole_at(q, sqrt(k * points%beta_u3_minus_u1), &
-                             sqrt(points%beta * points%one_plus_u1))
-            top = pole_at(q, sqrt(k * points%beta_u3_minus_1), &
-                          sqrt(points%beta * points%one_minus_u2))
+            bottom = pole_at(q, sqrt(k * points%roots%beta_u3_minus_u1), &
+                             sqrt(points%beta * points%roots%one_plus_u1))
+            top = pole_at(q, sqrt(k * points%roots%beta_u3_minus_1), &
+                          sqrt(points%beta * points%roots%one_minus_u2))
 
             upper_sign = sign(1.0_xp, points%b_plus_a)
             lower_sign = sign(1.0_xp, points%b_minus_a)
@@ -194,7 +194,7 @@ contains
         type(turning_points_t), intent(in) :: points
         real(xp), intent(in) :: q, half_period
 
-        associate (y1 => points%y1, y2 => points%y2, kc => points%complement)
+        associate (y1 => points%roots%y1, y2 => points%roots%y2, kc => points%roots%complement)
             if (.not. y1 < 0) then
                 z = 0
             else if (.not. y2 > 0) then

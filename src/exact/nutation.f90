@@ -109,15 +109,15 @@ contains
 
         nutation%class = class_of(points)
         nutation%passes_top = points%regime /= regime_resting .and. (reaches_top(points) .or. &
-            (passes_through(points%one_minus_u2, points%one_minus_u1) &
-             .and. points%beta * points%one_minus_u2 <= points%beta_u3_minus_1))
+            (passes_through(points%roots%one_minus_u2, points%roots%one_minus_u1) &
+             .and. points%beta * points%roots%one_minus_u2 <= points%roots%beta_u3_minus_1))
         nutation%passes_bottom = points%regime /= regime_resting .and. (reaches_bottom(points) &
-            .or. passes_through(points%one_plus_u1, points%one_plus_u2))
-        nutation%theta_min = inclination(points%one_minus_u2, points%one_plus_u2)
-        nutation%theta_max = inclination(points%one_minus_u1, points%one_plus_u1)
-        nutation%delta_u = real(points%u2_minus_u1, dp)
-        nutation%k_squared = real(points%k_squared, dp)
-        nutation%complement_squared = real(points%complement_squared, dp)
+            .or. passes_through(points%roots%one_plus_u1, points%roots%one_plus_u2))
+        nutation%theta_min = inclination(points%roots%one_minus_u2, points%roots%one_plus_u2)
+        nutation%theta_max = inclination(points%roots%one_minus_u1, points%roots%one_plus_u1)
+        nutation%delta_u = real(points%roots%u2_minus_u1, dp)
+        nutation%k_squared = real(points%roots%k_squared, dp)
+        nutation%complement_squared = real(points%roots%complement_squared, dp)
 
         if (points%regime == regime_resting) then
             nutation%theta_min = inclination(points%one_minus_u, points%one_plus_u)
@@ -125,8 +125,9 @@ contains
             nutation%delta_u = 0
             nutation%spin_rate = real(points%omega3, dp)
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
-            ! Without nutation the period is that of infinitely small nutations.
-            if (points%frequency > 0) nutation%period = real(pi_xp / points%frequency, dp)
+            ! Without nutation the period is that of infinitely small nutations, which an unstable upright has not.
+            if (points%roots%frequency > 0 .and. .not. is_separatrix(points)) &
+                nutation%period = real(pi_xp / points%roots%frequency, dp)
             nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
             return
         end if
@@ -202,7 +203,7 @@ contains
             class = class_separatrix
         else if (is_plane(points)) then
             class = merge(class_circulation, class_libration, &
-                          points%beta_u3_minus_1 > points%beta * points%one_minus_u2)
+                          points%roots%beta_u3_minus_1 > points%beta * points%roots%one_minus_u2)
         else if (is_steady(points)) then
             class = class_steady
         else if (is_cusp(points)) then
@@ -223,9 +224,9 @@ contains
     elemental logical function is_separatrix(points)
         class(turning_points_t), intent(in) :: points
         associate (beta => points%beta)
-            is_separatrix = points%k_squared > 0.5_xp .and. &
-                beta * points%one_minus_u2 + points%beta_u3_minus_1 <= data_rounding &
-                * (points%swing_squared + points%a**2 + beta * (2 + abs(points%y1)))
+            is_separatrix = points%roots%k_squared > 0.5_xp .and. &
+                beta * points%roots%one_minus_u2 + points%roots%beta_u3_minus_1 <= data_rounding &
+                * (points%swing_squared + points%a**2 + beta * (2 + abs(points%roots%y1)))
         end associate
     end function is_separatrix
 
@@ -236,15 +237,15 @@ contains
         real(xp) :: terms
         associate (u0 => points%u, k0 => points%swing_squared, s2 => points%sine_squared)
             terms = 2 * abs(u0) * k0 + points%beta * s2 + 2 * abs(points%a * points%turn)
-            is_steady = abs(points%g1) <= data_rounding * terms .and. &
-                4 * points%frequency * abs(points%u_rate) <= data_rounding * terms
+            is_steady = abs(points%cubic%g1) <= data_rounding * terms .and. &
+                4 * points%roots%frequency * abs(points%u_rate) <= data_rounding * terms
         end associate
     end function is_steady
 
     !> Whether the precession vanishes at the upper turning angle, within the rounding error of the data.
     elemental logical function is_cusp(points)
         class(turning_points_t), intent(in) :: points
-        is_cusp = .not. reaches_top(points) .and. abs(points%turn - points%a * points%y2) &
+        is_cusp = .not. reaches_top(points) .and. abs(points%turn - points%a * points%roots%y2) &
             <= data_rounding * (abs(points%turn) + abs(points%a) * points%sine_squared)
     end function is_cusp
 
@@ -261,7 +262,7 @@ contains
         class(turning_points_t), intent(in) :: points
         reaches_top = abs(points%b_minus_a) <= data_rounding &
             * (abs(points%turn) + points%one_minus_u * abs(points%a)) &
-            .and. points%beta * points%one_minus_u2 <= points%beta_u3_minus_1
+            .and. points%beta * points%roots%one_minus_u2 <= points%roots%beta_u3_minus_1
     end function reaches_top
 
     !> Whether the axis passes through theta = pi: b = -a within the rounding error of the data.
@@ -275,9 +276,9 @@ contains
     elemental real(xp) function phi_rate_at_top(points) result(rate)
         class(turning_points_t), intent(in) :: points
         if (reaches_top(points)) then
-            rate = quotient(points%a, points%one_plus_u2)
+            rate = quotient(points%a, points%roots%one_plus_u2)
         else
-            rate = (points%turn - points%a * points%y2) / (points%one_minus_u2 * points%one_plus_u2)
+            rate = (points%turn - points%a * points%roots%y2) / (points%roots%one_minus_u2 * points%roots%one_plus_u2)
         end if
     end function phi_rate_at_top
 
@@ -285,9 +286,9 @@ contains
     elemental real(xp) function phi_rate_at_bottom(points) result(rate)
         class(turning_points_t), intent(in) :: points
         if (reaches_bottom(points)) then
-            rate = quotient(-points%a, points%one_minus_u1)
+            rate = quotient(-points%a, points%roots%one_minus_u1)
         else
-            rate = (points%turn - points%a * points%y1) / (points%one_minus_u1 * points%one_plus_u1)
+            rate = (points%turn - points%a * points%roots%y1) / (points%roots%one_minus_u1 * points%roots%one_plus_u1)
         end if
     end function phi_rate_at_bottom
 
@@ -303,13 +304,13 @@ contains
         integer :: n
 
         rate = 0
-        d = real(points%u2_minus_u1, dp)
+        d = real(points%roots%u2_minus_u1, dp)
         if (.not. d > 0) return
-        k2 = real(points%k_squared, dp)
-        m1 = real(points%one_minus_u1, dp)
-        d2 = real(points%one_minus_u2, dp)
-        p1 = real(points%one_plus_u1, dp)
-        p2 = real(points%one_plus_u2, dp)
+        k2 = real(points%roots%k_squared, dp)
+        m1 = real(points%roots%one_minus_u1, dp)
+        d2 = real(points%roots%one_minus_u2, dp)
+        p1 = real(points%roots%one_plus_u1, dp)
+        p2 = real(points%roots%one_plus_u2, dp)
         low = epsilon_dp**2
         high = 1 - epsilon_dp
         x = 0.5_dp
@@ -328,7 +329,7 @@ contains
         top = d2 + d * (1 - x)
         bottom = p1 + d * x
         ! The products are formed in pairs, which are regular where the motion passes a pole.
-        rate = 2 * real(points%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) * ((1 - x) / top))
+        rate = 2 * real(points%roots%frequency, dp) * d * sqrt((1 - k2 * x) * (x / bottom) * ((1 - x) / top))
     end function largest_theta_rate
 
     !> Inclination from 1 - u and 1 + u, rad.

@@ -101,9 +101,9 @@ contains
         associate (points => self%theta, clock => self%theta%clock, theta => attitude%theta)
             sn2 = theta%sn**2
             cn2 = theta%cn**2
-            range = real(points%u2_minus_u1, dp)
-            one_minus_u = real(points%one_minus_u2, dp) + range * cn2
-            one_plus_u = real(points%one_plus_u1, dp) + range * sn2
+            range = real(points%roots%u2_minus_u1, dp)
+            one_minus_u = real(points%roots%one_minus_u2, dp) + range * cn2
+            one_plus_u = real(points%roots%one_plus_u1, dp) + range * sn2
             u = (one_plus_u - one_minus_u) / 2
             sine = sqrt(one_minus_u * one_plus_u)
 
@@ -116,14 +116,14 @@ contains
                             real(difference + (upper - lower), dp)]
 
             if (sn2 < cn2) then
-                y = real(points%y1, dp) + range * sn2
+                y = real(points%roots%y1, dp) + range * sn2
             else
-                y = real(points%y2, dp) - range * cn2
+                y = real(points%roots%y2, dp) - range * cn2
             end if
             if (sine > 0) then
-                dn = sqrt(real(points%complement_squared, dp) + real(points%k_squared, dp) * cn2)
+                dn = sqrt(real(points%roots%complement_squared, dp) + real(points%roots%k_squared, dp) * cn2)
                 rate(1) = turn_at(points, y, one_minus_u, one_plus_u) / (one_minus_u * one_plus_u)
-                rate(2) = -2 * range * real(points%frequency, dp) * theta%sn * theta%cn * (dn / sine)
+                rate(2) = -2 * range * real(points%roots%frequency, dp) * theta%sn * theta%cn * (dn / sine)
             else
                 rate(1) = 0
                 rate(2) = sqrt(real(points%swing_squared, dp) - real(points%beta, dp) * y)

@@ -107,7 +107,7 @@ contains
             formula = value / theta%divisor
             formula_rate = i * real(rate, dp) * formula + z_rate &
                 * (slope - value * (theta%divisor_slope / theta%divisor)) / theta%divisor
-            phase_constant = argument(real(exact%theta%frequency, dp)**2 * conjg(formula) * cmplx(x, kind=dp) &
+            phase_constant = argument(real(exact%theta%roots%frequency, dp)**2 * conjg(formula) * cmplx(x, kind=dp) &
                                       + conjg(formula_rate) * cmplx(x_rate, kind=dp))
         end function phase_constant
 

@@ -11,25 +11,26 @@
 !> for extended precision.
 !> Source: Whittaker and Watson, A Course of Modern Analysis, chapters XXI and XXII.
 module spintop_theta_functions
+    use, intrinsic :: iso_c_binding, only: c_double, c_long_double
     use spintop_kinds, only: dp, xp
     implicit none
     private
-    public :: theta_clock_t, theta_values_t, nome, nome_coefficients, theta3_constant, series_b, inverse_sc, quotient
+    public :: theta_clock_t, theta_values_t, nome, theta3_constant, series_b, inverse_sc, quotient
     public :: linear_chain
 
     !> Growth of argument and phases with time: the quantities that must not lose digits over long spans.
-    type :: theta_clock_t
+    type, bind(C) :: theta_clock_t
         !> z at the start; dz/dt, rad/s.
-        real(xp) :: start = 0, rate = 0
+        real(c_long_double) :: start = 0, rate = 0
         !> Growth of z in one nutation (0: never repeats), its half and its inverse.
-        real(xp) :: period = 0, half_period = 0, per_period = 0
+        real(c_long_double) :: period = 0, half_period = 0, per_period = 0
         !> Rates of the phases of upper and lower without +-(omega3 - a)/2, and their sum, the mean precession
         !> rate between poles, rad/s.
-        real(xp) :: upper_rate = 0, lower_rate = 0, sum_rate = 0
+        real(c_long_double) :: upper_rate = 0, lower_rate = 0, sum_rate = 0
         !> Additional change of the phases per nutation, rad.
-        real(xp) :: upper_step = 0, lower_step = 0
+        real(c_long_double) :: upper_step = 0, lower_step = 0
         !> Factors of U/W and L/W.
-        real(dp) :: upper_amplitude = 1, lower_amplitude = 0
+        real(c_double) :: upper_amplitude = 1, lower_amplitude = 0
     end type theta_clock_t
 
     !> The theta functions at one argument. Without initial values, because it is filled for every sample.
@@ -42,27 +43,15 @@ module spintop_theta_functions
         real(dp) :: sn, cn
     end type theta_values_t
 
-    !> Coefficients of the series of the nome in the fourth power of its leading term, sufficient for extended
-    !> precision up to k^2 = 0.971; the first `few` are up to k^2 = 1/2.
-    real(dp), parameter :: nome_coefficients(0:11) = [real(dp) :: 1, 2, 15, 150, 1707, 20910, 268616, 3567400, &
-                                                      48555069, 673458874, 9481557398.0_dp, 135119529972.0_dp]
-    integer, parameter :: few = 5
+    interface
+        !> Nome q = exp(-pi K'/K) from k^2 <= 0.971 and the complementary modulus k' = sqrt(1 - k^2).
+        pure real(c_long_double) function nome(k_squared, complement) bind(C, name='spintop_nome')
+            import :: c_long_double
+            real(c_long_double), value :: k_squared, complement
+        end function nome
+    end interface
 
 contains
-
-    !> Nome q = exp(-pi K'/K) from k^2 <= 0.971 and the complementary modulus k'.
-    elemental real(xp) function nome(k_squared, complement) result(q)
-        real(xp), intent(in) :: k_squared, complement !! k^2 <= 0.971, and k' = sqrt(1 - k^2)
-        real(xp) :: leading, t
-        integer :: n
-        leading = k_squared / (2 * (1 + complement) * (1 + sqrt(complement))**2)
-        t = leading**4
-        q = 0
-        do n = merge(few, ubound(nome_coefficients, 1), k_squared <= 0.5_xp), 0, -1
-            q = nome_coefficients(n) + q * t
-        end do
-        q = leading * q
-    end function nome
 
     !> x_0 to x_last of x_(n+1) = x x_n - q^2 x_(n-1): sums W^n + V^n and the like, W + V = x and W V = q^2.
     pure function linear_chain(x, q, first, second, last) result(chain)

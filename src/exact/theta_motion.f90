@@ -43,9 +43,9 @@ contains
         logical :: at_rest, in_balance
         at_rest = .not. points%swing_squared > 0
         in_balance = .not. points%beta * points%sine_squared > 0
-        if ((at_rest .and. in_balance) .or. .not. points%frequency > 0) then
+        if ((at_rest .and. in_balance) .or. .not. points%roots%frequency > 0) then
             regime = regime_resting
-        else if (points%k_squared <= 0.5_dp) then
+        else if (points%roots%k_squared <= 0.5_dp) then
             regime = regime_circular
         else
             regime = regime_hyperbolic

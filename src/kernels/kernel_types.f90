@@ -3,13 +3,13 @@
 !>
 !> A kernel is declared where it is called: in the module of the formulation or the method that it belongs to.
 module spintop_kernel_types
-    use, intrinsic :: iso_c_binding, only: c_double, c_int
+    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_long_long
     use, intrinsic :: iso_fortran_env, only: sp => real32
     use spintop_kinds, only: dp, qp
     implicit none
     private
     public :: one_constants, lane_constants, numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
-    public :: symmetric_top_t, body_numbers_t, motion_kinds_t, lane_body_t
+    public :: symmetric_top_t, body_numbers_t, motion_kinds_t, lane_body_t, exact_block_t, block_size
     public :: short_share, share_rest, acceleration_share, acceleration_rest, per_binomial
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
@@ -50,6 +50,36 @@ module spintop_kernel_types
     type, bind(C) :: lane_body_t
         real(c_double), dimension(lanes, 3) :: coupling = 0, decay = 0, pull = 0, swing = 0
     end type lane_body_t
+
+    !> Maximum number of cases of a block.
+    integer, parameter :: block_size = 512
+
+    !> Undamped symmetric tops to be computed together (spintop_exact_block), one per element of each array, SI units and radians.
+    type, bind(C) :: exact_block_t
+        !> Data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates of phi and
+        !> theta (rad/s), angular velocity about the body axis (rad/s), phi and psi (rad), end of the span
+        !> (s), and a time for which phi is needed (s).
+        real(c_double), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &
+            omega3, phi, psi, t_end, t_period
+        !> Turning angles (rad), cos(theta_max), and cos(theta_min) - cos(theta_max) without cancellation.
+        real(c_double), dimension(block_size) :: theta_min, theta_max, u_min, delta_u
+        !> Nutation period (s), change of phi per nutation (rad), mean precession rate, and the value of phi'
+        !> that is largest in magnitude (rad/s).
+        real(c_double), dimension(block_size) :: period, precession, precession_rate, phi_rate_max
+        !> Angles (rad) and nutation rate (rad/s) at `t_end`, and the change of energy since the start,
+        !> relative to the kinetic energy at the start plus m g l.
+        real(c_double), dimension(block_size) :: theta_end, phi_end, psi_end, theta_rate_end, energy_error
+        !> Change of phi from the start to `t_period`, rad.
+        real(c_double), dimension(block_size) :: phi_at_period
+        !> Not 0 where the kernel may not have reached `block_accuracy`.
+        integer(c_long_long) :: doubt(block_size)
+        !> Status of each case: `status_ok`, a status of `prepare_exact_motion`, or `status_non_finite` if a
+        !> result is not finite. The period and the change of phi per period may be infinite (on the
+        !> separatrix, and for an axis at rest).
+        integer(c_int) :: status(block_size) = 0
+        !> Number of cases, up to `block_size`, and of those that were computed by the scalar routine.
+        integer(c_int) :: n = 0, fallbacks = 0
+    end type exact_block_t
 
     !> Indices in the tables: no compiler need know a type within a constructor.
     integer :: k, n

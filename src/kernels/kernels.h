@@ -39,6 +39,19 @@ struct lane_body {
     double coupling[3][lanes], decay[3][lanes], pull[3][lanes], swing[3][lanes];
 };
 
+// Symmetric tops to be computed together, and what is found: see kernel_types.f90.
+enum { block_size = 512, block_data = 11 };
+struct exact_block {
+    double inertia1[block_size], inertia3[block_size], mgl[block_size], theta[block_size], phi_rate[block_size],
+        theta_rate[block_size], omega3[block_size], phi[block_size], psi[block_size], t_end[block_size], t_period[block_size];
+    double theta_min[block_size], theta_max[block_size], u_min[block_size], delta_u[block_size], period[block_size],
+        precession[block_size], precession_rate[block_size], phi_rate_max[block_size];
+    double theta_end[block_size], phi_end[block_size], psi_end[block_size], theta_rate_end[block_size], energy_error[block_size];
+    double phi_at_period[block_size];
+    long long doubt[block_size];
+    int status[block_size], n, fallbacks;
+};
+
 // As Fortran calls them.
 #define PROCEDURE(name, arguments, ...) void spintop_##name(__VA_ARGS__);
 #define FUNCTION(name, arguments, ...) double spintop_##name(__VA_ARGS__);

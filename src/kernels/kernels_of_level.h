@@ -6,6 +6,9 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 #include "vectors.h"
 
@@ -23,6 +26,8 @@
 
 #include "series/algebra_names.h"
 #include "series/motions_of_level.h"
+
+#include "closed_form/top_lanes.h"
 
 #define PROCEDURE(name, ...) .name = name,
 #define FUNCTION PROCEDURE

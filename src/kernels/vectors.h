@@ -34,6 +34,7 @@ inlined vector load(const double *from) {
     memcpy(&value, from, sizeof value);
     return value;
 }
+inlined void store(double *to, vector value) { memcpy(to, &value, sizeof value); }
 
 // A row of lanes, which may lie anywhere.
 inlined vector get(const double *rows_of_lanes, int row) { return load(rows_of_lanes + lanes * row); }

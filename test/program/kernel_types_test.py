@@ -41,6 +41,7 @@ CONSTANTS = {
         "kernels/kernel_types.f90",
         "lane_constants",
     ),
+    "block_size": ("kernels/kernel_types.f90", "block_size"),
     "most_drags": ("kernels/kernel_types.f90", "most_drags"),
 }
 
@@ -88,7 +89,7 @@ def prototypes(folder):
     for name, text in DECLARATIONS.items():
         source += f"""
             module {name}_declared
-                use, intrinsic :: iso_c_binding, only: c_double, c_int
+                use, intrinsic :: iso_c_binding, only: c_double, c_int, c_long_long
                 use spintop_kernel_types
                 implicit none
                 interface\n{text}

@@ -41,9 +41,9 @@ inlined num inverse_of(num s) { return 1 / s; }
 inlined num power_term(num b, num s, num y) { return (void)b, (void)s, y; }
 
 // Cosine and sine to a unit or two in the last place. The quarters of a turn are taken off with pi/2 as the sum of three
-// numbers, of which the first two have so few digits that the products are exact; then by the polynomials of fdlibm.
-inlined void find_circle(num x, num *cosine, num *sine) {
-    const double round = 0x1.8p52, exact = 1e6, per_quarter = 0x1.45f306dc9c883p-1;
+// numbers, of which the first two have so few digits that the products are exact up to 10^6; then by the polynomials of fdlibm.
+inlined void find_circle_of_few_turns(num x, num *cosine, num *sine) {
+    const double round = 0x1.8p52, per_quarter = 0x1.45f306dc9c883p-1;
     const vector whole = x * per_quarter + round, n = whole - round;
     const vector r = ((x - n * 0x1.921fb544p0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69, y = r * r;
     // clang-format off: the brackets would get a line each.
@@ -56,6 +56,10 @@ inlined void find_circle(num x, num *cosine, num *sine) {
     const bits cosine_of = ((bits)c & ~swaps) | ((bits)s & swaps), sine_of = ((bits)s & ~swaps) | ((bits)c & swaps);
     *cosine = (vector)(cosine_of ^ (((quarter + 1) & 2) << 62));
     *sine = (vector)(sine_of ^ ((quarter & 2) << 62));
+}
+inlined void find_circle(num x, num *cosine, num *sine) {
+    const double exact = 1e6;
+    find_circle_of_few_turns(x, cosine, sine);
     for (int i = 0; i < width; ++i) {
         if (x[i] > -exact && x[i] < exact) continue;
         (*cosine)[i] = cos(x[i]), (*sine)[i] = sin(x[i]);

@@ -4,7 +4,7 @@ module spintop_sweep_exact
     use spintop_kinds, only: dp, is_finite
     use spintop_conditioning, only: inherent_error
     use spintop_event_recorder, only: event_recorder_t, exact_path_t
-    use spintop_exact_block, only: exact_block_t
+    use spintop_exact_block, only: compute_block, exact_block_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t
     use spintop_nutation, only: nutation_t, whole_half_turns
@@ -102,7 +102,7 @@ contains
                 end associate
             end do
             if (any(wanted([of_nutation, of_period, of_end, of_energy]))) then
-                call block%compute(wanted(of_end) .or. wanted(of_energy), wanted(of_period))
+                call compute_block(block, wanted(of_end) .or. wanted(of_energy), wanted(of_period))
             end if
             do i = 1, size(list)
                 associate (slot => slots(list(i)))

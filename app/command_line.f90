@@ -2,7 +2,7 @@
 module spintop_command_line
     use spintop_errors, only: error_t, input_error, exit_codes
     use spintop_listing, only: topic_names
-    use spintop_options, only: most_threads, options_t, shell_word
+    use spintop_study, only: most_threads, options_t, shell_word
     use spintop_table_head, only: most_shards, read_shard
     use spintop_text, only: append, append_wrapped, did_you_mean, line_width, string_t, to_text
     implicit none

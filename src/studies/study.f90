@@ -27,8 +27,7 @@ module spintop_study
         type(string_t), allocatable :: overrides(:)
         !> Number of threads; 0 for all cores.
         integer :: threads = 0
-        logical :: quiet = .false.
-        logical :: progress = .false.
+        logical :: quiet = .false., progress = .false.
         !> Whether the summary of a run has all its lines.
         logical :: verbose = .false.
         !> The part of a sweep, and whether an interrupted run is resumed or discarded.

@@ -145,9 +145,8 @@ module spintop_stability_study
 
     !> Name of the case of the input.
     character(*), parameter :: own_case = 'input'
-    !> Default tolerance.
+    !> Default tolerance, and number of steps for the case of the input.
     real(dp), parameter :: default_tolerance = 1.0e-12_dp
-    !> Default number of steps for the case of the input.
     integer, parameter :: default_steps = 8000
     !> Methods on motions that are difficult to integrate.
     type, extends(comparison_t) :: stability_study_t

@@ -3,6 +3,7 @@
 module spintop_trial
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: rotation_angle, vertical_from_quaternion
+    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_effects_of_scene, only: read_columns
@@ -59,10 +60,8 @@ module spintop_trial
 
     !> The source of what is known in closed form.
     character(*), parameter :: exact_solution = 'exact solution'
-    !> Tolerances of a computed reference, and of the computation it is compared with.
-    real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp
-    !> Tolerance of an independent computation: the smallest one of its arithmetic.
-    real(dp), parameter :: finest = 1.0e-15_dp
+    !> Tolerances of a computed reference, of that it is compared with, and of an independent one (the least of its arithmetic).
+    real(dp), parameter :: fine = 1.0e-24_dp, coarse = 1.0e-20_dp, finest = 1.0e-15_dp
 
     !> The columns of a stored motion.
     character(*), parameter :: columns(*) = [character(6) :: &
@@ -329,8 +328,7 @@ contains
             associate (body => case%body, angles => differences(error_phi:error_psi))
                 differences(error_orientation) = rotation_angle(truth%quaternion, motion%quaternion)
                 differences(error_tip) = norm2(axis_tip(body, motion) - axis_tip(body, truth))
-                differences(error_energy) = ((kinetic_energy(body, motion) + potential_energy(body, motion)) - &
-                    (kinetic_energy(body, truth) + potential_energy(body, truth))) / energy_scale(body, case%start)
+                differences(error_energy) = (energy(body, motion) - energy(body, truth)) / energy_scale(body, case%start)
                 differences(error_lz) = (vertical_momentum(body, motion) - vertical_momentum(body, truth)) / momentum_scale
                 differences(error_l3) = (axial_momentum(body, motion) - axial_momentum(body, truth)) / momentum_scale
                 differences(error_norm) = motion%norm_error
@@ -359,6 +357,13 @@ contains
         if (.not. is_finite(difference)) enlarged = huge(error)
         if (error > enlarged) enlarged = error
     end function enlarged
+
+    !> Total energy, J.
+    pure real(dp) function energy(body, motion)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: motion
+        energy = kinetic_energy(body, motion) + potential_energy(body, motion)
+    end function energy
 
     !> The minimum time of `repeats` computations of a case with a plan, s, for attitude and rates at the end of the span. It is
     !> that of elapsed times: what else the processor does can only lengthen them. The processor time of a thread is no such

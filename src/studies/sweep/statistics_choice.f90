@@ -24,8 +24,6 @@ module spintop_statistics_choice
     integer, parameter :: usual_bins = 50, most_values = 1000
     !> The quantiles if none are given.
     real(dp), parameter :: usual_quantiles(5) = [0.05_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.95_dp]
-    !> The cell with the number of the case.
-    integer, parameter :: case_cell = 1
 
     !> What a scene says of one quantity that is binned, and what its axis says where the scene does not.
     type :: range_of_bins_t
@@ -125,7 +123,7 @@ contains
         integer :: i
 
         place = findloc(cells%name, name, dim=1)
-        if (place > case_cell) then
+        if (place > 1) then ! not the number of the case
             if (cells(place)%kind /= column_of_notes) return
         end if
         call find_column(sweep_columns, name, found, problem, hint)

@@ -4,7 +4,7 @@ module spintop_netcdf_grid
     use spintop_table_column, only: column_length
     implicit none
     private
-    public :: netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, most_netcdf_rows, find_box, size_of_chunk
+    public :: netcdf_axis_t, netcdf_name, other_unit, most_netcdf_rows, find_box, size_of_chunk
 
     !> Maximum number of rows: in the format with 64-bit offsets a variable is smaller than 4 GiB.
     integer(int64), parameter :: most_netcdf_rows = 2_int64**29 - 1
@@ -39,33 +39,20 @@ contains
         end do
     end function netcdf_name
 
-    !> A unit in the form of UDUNITS.
-    pure function netcdf_unit(unit) result(known)
-        character(*), intent(in) :: unit !! unit of a column
-        character(:), allocatable :: known
-        known = with_word(unit, own_words, udunits_words)
-        if (unit == '') known = '1'
-    end function netcdf_unit
-
-    !> The unit of which UDUNITS has this form.
-    pure function own_unit(unit) result(own)
-        character(*), intent(in) :: unit !! as `netcdf_unit` gives it
-        character(:), allocatable :: own
-        own = with_word(unit, udunits_words, own_words)
-        if (unit == '1') own = ''
-    end function own_unit
-
-    !> A unit whose first word is another one, if it is in a list.
-    pure function with_word(unit, words, others) result(changed)
-        character(*), intent(in) :: unit, words(:), others(:)
-        character(:), allocatable :: changed
+    !> A unit in the form of UDUNITS, or the unit of which that has this form: the first word is another one, if it is listed.
+    pure function other_unit(unit, is_own) result(other)
+        character(*), intent(in) :: unit !! unit of a column, or as UDUNITS has it
+        logical, intent(in) :: is_own !! whether it is that of a column
+        character(:), allocatable :: other
         integer :: last, i
         last = scan(unit // ' ', ' */^') - 1
-        changed = trim(unit)
-        do i = 1, size(words)
-            if (words(i) == unit(:last)) changed = trim(others(i)) // trim(unit(last + 1:))
+        other = trim(unit)
+        do i = 1, size(own_words)
+            if (unit(:last) /= merge(own_words(i), udunits_words(i), is_own)) cycle
+            other = trim(merge(udunits_words(i), own_words(i), is_own)) // trim(unit(last + 1:))
         end do
-    end function with_word
+        if (unit == merge(' ', '1', is_own)) other = trim(merge('1', ' ', is_own))
+    end function other_unit
 
     !> The largest box of an array that begins with an element and contains only this and some of the next
     !> `elements - 1`, in order: all of the first dimensions, a part of the next one, one index in the others.

@@ -28,7 +28,7 @@ module spintop_netcdf_table
     use spintop_errors, only: error_t, input_error, output_error, exit_output
     use spintop_files, only: file_size, input_file_t, output_file_t
     use spintop_kinds, only: dp, no_number
-    use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name, netcdf_unit, own_unit, size_of_chunk
+    use spintop_netcdf_grid, only: find_box, netcdf_axis_t, netcdf_name, other_unit, size_of_chunk
     use spintop_process, only: expect_crash, leave_libraries
     use spintop_provenance, only: fact_t, header_of
     use spintop_status, only: last_status
@@ -395,7 +395,7 @@ contains
             call put_text(self, i, 'long_name', trim(column%what))
             select case (column%kind)
             case (column_of_reals)
-                call put_text(self, i, 'units', netcdf_unit(column%unit))
+                call put_text(self, i, 'units', other_unit(column%unit, is_own=.true.))
                 if (column%axis == 0) call check(self, nf90_put_att(self%id, i, '_FillValue', [no_number]))
             case (column_of_words, column_of_notes)
                 ! The meanings of the values, or of the bits of notes.
@@ -571,7 +571,7 @@ contains
         call check(self, nf90_inquire_variable(self%id, i, xtype=kind))
         column%name = text_of(self, i, 'column')
         column%what = text_of(self, i, 'long_name')
-        column%unit = own_unit(text_of(self, i, 'units'))
+        column%unit = other_unit(text_of(self, i, 'units'), is_own=.false.)
         words = text_of(self, i, 'flag_meanings')
         column%kind = column_of_integers
         if (kind == nf90_double) column%kind = column_of_reals

@@ -2,22 +2,17 @@
 module spintop_command_line
     use spintop_errors, only: error_t, input_error, exit_codes
     use spintop_listing, only: topic_names
-    use spintop_options, only: most_threads, options_t, shell_word
+    use spintop_study, only: most_threads, options_t, shell_word
     use spintop_table_head, only: most_shards, read_shard
     use spintop_text, only: append, append_wrapped, did_you_mean, line_width, string_t, to_text
     implicit none
     private
     public :: request_t, read_command_line, describe_usage
-    public :: action_run, action_check, action_list, action_merge, action_help, action_version, &
-        action_verify
-
-    !> Actions of a request.
-    integer, parameter :: action_run = 1, action_check = 2, action_list = 3, action_merge = 4, &
-        action_help = 5, action_version = 6, action_verify = 7
 
     !> The request of the user: inputs to run, a topic to list, parts to merge, or tables to verify.
     type :: request_t
-        integer :: action = action_run
+        !> `run`, `check`, `list`, `merge`, `verify`, `help` or `version`.
+        character(8) :: action = 'run'
         type(options_t) :: options
         !> Inputs to run, parts to merge, tables to verify, or the topic to list.
         type(string_t), allocatable :: inputs(:)
@@ -121,7 +116,7 @@ contains
                 call append(request%inputs, argument)
             else
                 call read_option(i, request, error)
-                if (allocated(error) .or. any(request%action == [action_help, action_version])) return
+                if (allocated(error) .or. any(request%action == [character(7) :: 'help', 'version'])) return
             end if
         end do
         if (size(request%inputs) == 0) error = wrong('no input is given')
@@ -158,10 +153,8 @@ contains
         end if
         if (allocated(error)) return
         select case (known_options(place)%name)
-        case ('--help')
-            request%action = action_help
-        case ('--version')
-            request%action = action_version
+        case ('--help', '--version', '--check')
+            request%action = known_options(place)%name(3:)
         case ('--output')
             request%options%output = value
             if (value == '') error = wrong('the name of the folder for results is empty')
@@ -173,8 +166,6 @@ contains
             if (status /= 0 .or. request%options%threads < 1 .or. request%options%threads > most_threads) then
                 error = wrong('--threads takes a whole number from 1 to ' // to_text(most_threads) // ", not '" // value // "'")
             end if
-        case ('--check')
-            request%action = action_check
         case ('--resume')
             request%options%resume = .true.
         case ('--restart')
@@ -210,6 +201,7 @@ contains
         type(error_t), allocatable, intent(inout) :: error
         character(:), allocatable :: argument, option
         integer :: k
+        request%action = command
         option = trim(merge('--json  ', '--strict', command == 'list'))
         do k = i + 1, command_argument_count()
             argument = argument_at(k)
@@ -225,18 +217,15 @@ contains
         k = size(request%inputs)
         select case (command)
         case ('list')
-            request%action = action_list
             request%topic = ''
             if (k > 1) error = wrong('list takes one topic')
             if (k == 1) request%topic = request%inputs(1)%text
         case ('merge')
-            request%action = action_merge
             if (k < 2) error = wrong('merge takes a table to write and the parts to join')
             if (k < 2) return
             request%merged = request%inputs(1)%text
             request%inputs = request%inputs(2:)
         case ('verify')
-            request%action = action_verify
             request%options%verifies = .true.
             if (k == 0) error = wrong('verify takes a table, which has its input in its header')
         end select

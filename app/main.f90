@@ -2,12 +2,10 @@
 !> the writer prints messages and answers requests other than studies.
 program spintop_main
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_command_line, only: action_check, action_help, action_list, action_merge, action_run, action_verify, &
-        action_version, describe_usage, read_command_line, request_t
+    use spintop_command_line, only: describe_usage, read_command_line, request_t
     use spintop_errors, only: error_t, exit_ok, exit_output
     use spintop_execution, only: explain_job, run_job
     use spintop_files, only: complain_of, end_output, print_text, replace_file
-    use spintop_job, only: job_t
     use spintop_listing, only: list_topic
     use spintop_merge, only: merge_parts
     use spintop_preparation, only: prepare_jobs, prepared_t, protect_interrupted, tables_written
@@ -36,44 +34,47 @@ program spintop_main
     call end_on(error)
     call read_command_line(request, error)
     call end_on(error)
-    if (request%action /= action_run .and. .not. ranks%is_writer()) call leave(exit_ok)
+    if (request%action /= 'run' .and. .not. ranks%is_writer()) call leave(exit_ok)
     select case (request%action)
-    case (action_help)
+    case ('help')
         call describe_usage(lines)
-    case (action_version)
+    case ('version')
         call append(lines, 'spintop ' // program_version // ' (revision ' // program_revision() // ')')
-    case (action_list)
+    case ('list')
         call list_topic(request%topic, request%as_json, lines, error)
         call end_on(error)
-    case (action_merge)
+    case ('merge')
         call merge_parts(request%merged, request%inputs, cases, error)
         call end_on(error)
         call append(lines, to_text(size(request%inputs)) // ' parts, ' // to_text(cases) // ' cases -> ' // request%merged)
     end select
-    if (all(request%action /= [action_run, action_check, action_verify])) then
+    if (all(request%action /= [character(7) :: 'run', 'check', 'verify'])) then
         code = exit_ok
         call print_lines(lines, code)
         call leave(code)
     end if
 
-    if (request%action == action_run) request%options%ranks = ranks
+    if (request%action == 'run') request%options%ranks = ranks
     call prepare_jobs(request%inputs, request%options, prepared, error)
     call end_on(error)
-    if (request%action == action_run) call protect_interrupted(prepared, request%options, error)
+    if (request%action == 'run') call protect_interrupted(prepared, request%options, error)
     call end_on(error)
     worst = exit_ok
     written = ''
     do i = 1, size(prepared)
         call complain(prepared(i)%job%warnings)
         code = exit_ok
-        if (request%action == action_check) then
+        if (request%action == 'check') then
             call explain_job(prepared(i)%study, prepared(i)%job, request%options, lines)
-        else if (request%action == action_verify) then
+        else if (request%action == 'verify') then
             call verify_table(prepared(i)%job, request%options%strict, lines, code, error)
         else
             call run_job(prepared(i)%study, prepared(i)%job, request%options, lines, code, error)
             call complain(prepared(i)%job%late_warnings)
-            if (.not. allocated(error)) call note_tables(prepared(i)%job, error)
+            if (request%written /= '' .and. ranks%is_writer() .and. .not. allocated(error)) then
+                written = written // tables_written(prepared(i)%job) ! those of all inputs so far
+                call replace_file(request%written, written, error)
+            end if
         end if
         if (allocated(error)) then
             call complain(error%message)
@@ -85,15 +86,6 @@ program spintop_main
     call leave(worst)
 
 contains
-
-    !> Writes the names of all tables so far to the file that is asked for.
-    subroutine note_tables(job, error)
-        type(job_t), intent(in) :: job
-        type(error_t), allocatable, intent(out) :: error
-        if (request%written == '' .or. .not. ranks%is_writer()) return
-        written = written // tables_written(job)
-        call replace_file(request%written, written, error)
-    end subroutine note_tables
 
     !> Writes a text to standard error, unless it is empty. It may quote bytes of a damaged file.
     subroutine complain(text)

@@ -10,7 +10,7 @@ module spintop_c_run
     use spintop_errors, only: error_t
     use spintop_execution, only: memory_run_t, run_in_memory
     use spintop_listing, only: list_topic
-    use spintop_options, only: most_threads, options_t
+    use spintop_study, only: most_threads, options_t
     use spintop_provenance, only: program_version
     use spintop_text, only: join, string_t
     implicit none

@@ -16,7 +16,7 @@ module spintop_c_top
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, is_finite, no_number
     use spintop_motion_rows, only: compute_motion, writer_t
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t
     use spintop_planning, only: plan_t
     use spintop_preparation, only: prepare_job, prepared_t
     use spintop_scene_keys, only: scene_t, kind_trajectory, study_kinds
@@ -248,12 +248,12 @@ contains
             if (plan%exact) times = times(:0)
             allocate (recorder)
             call recorder%set(job%events, job%stop_after, job%case)
-            call recorder%keep_table(top%chosen, job%case, job%input%scene)
+            call recorder%open_table(top%chosen, job%case, job%input%scene, problem)
             call writer%set_columns(top%chosen, job%case, job%input%scene)
             allocate (writer%kept(size(top%chosen), plan%samples))
             call compute_motion(job%case, plan, times, writer, outcome, recorder, job%input%scene)
         end associate
-        call writer%columns%close()
+        call writer%columns%proof%close()
         call describe_status(outcome%status, outcome%end_time(), message)
         run%summary = message
         run%warnings = ''

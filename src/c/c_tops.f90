@@ -7,7 +7,7 @@ module spintop_c_tops
     use spintop_errors, only: error_t, exit_input, exit_ok
     use spintop_exact_block, only: block_size, compute_block, exact_block_t
     use spintop_kinds, only: dp, no_number
-    use spintop_options, only: most_threads
+    use spintop_study, only: most_threads
     use spintop_status, only: is_ok
     use spintop_text, only: string_t
     !$ use omp_lib, only: omp_get_max_threads

@@ -186,14 +186,17 @@ contains
         subroutine judge(factor, slack)
             real(dp), intent(in) :: factor, slack !! of the errors; added to them
             real(dp), parameter :: part = 0.05_dp ! of a combination, which has the size 1
-            real(dp) :: divisors(size(norms)), bounds(size(norms))
-            integer :: k, m, n
+            real(dp) :: divisors(size(norms)), bounds(size(norms)), scaled(size(jacobian, 1), size(norms)), unused(1, 1)
+            real(dp) :: work(size(jacobian, 1) + 10 * size(norms))
+            integer :: k, m, n, info
 
             m = size(jacobian, 1)
             n = size(norms)
             norms = norm2(jacobian, dim=1)
             divisors = merge(norms, 1.0_dp, norms > 0)
-            call decompose(jacobian / spread(divisors, 1, m), estimate%singular_values, vectors)
+            scaled = jacobian / spread(divisors, 1, m)
+            call dgesvd('N', 'A', m, n, scaled, m, estimate%singular_values, unused, 1, vectors, n, work, size(work), info)
+            if (info /= 0) estimate%singular_values = no_number
             do k = 1, n
                 bounds(k) = norm2(matmul(errors, abs(vectors(k, :)) / divisors)) + max(m, n) * epsilon(part)
             end do
@@ -241,18 +244,6 @@ contains
         estimate%lower(k) = max(ends(1), merge(range(1), ends(1), abs(range(1)) < huge(range)))
         estimate%upper(k) = min(ends(2), merge(range(2), ends(2), abs(range(2)) < huge(range)))
     end subroutine find_interval
-
-    !> The singular values and the right singular vectors (in rows) of a matrix with at least as many rows as columns.
-    subroutine decompose(matrix, values, vectors)
-        real(dp), intent(in) :: matrix(:, :)
-        real(dp), intent(out) :: values(:), vectors(:, :)
-        real(dp) :: copy(size(matrix, 1), size(matrix, 2)), work(size(matrix, 1) + 10 * size(matrix, 2)), unused(1, 1)
-        integer :: info
-        copy = matrix
-        call dgesvd('N', 'A', size(copy, 1), size(copy, 2), copy, size(copy, 1), values, unused, 1, vectors, size(values), &
-                    work, size(work), info)
-        if (info /= 0) values = no_number
-    end subroutine decompose
 
     !> Finds the least sum of squares with a value of one parameter. The others begin on the line of the linear model, or where
     !> that leads to no motion, at the last place.

@@ -292,9 +292,10 @@ contains
         type(minimum_t), intent(inout) :: minimum
         logical, intent(out) :: is_valid
         real(dp), intent(in), optional :: goal
-        real(dp) :: x(size(minimum%x)), residuals(size(minimum%residuals)), norm, new_norm, length, actual, predicted, &
-            slope, ratio, factor, least
+        real(dp) :: x(size(minimum%x)), residuals(size(minimum%residuals)), change(search%n), norm, new_norm, length, actual, &
+            predicted, slope, ratio, factor, least
         logical :: exists, is_cut
+        integer :: j
 
         least = tolerance
         if (present(goal)) least = goal
@@ -316,9 +317,13 @@ contains
                 if (exists) new_norm = norm2(model%loss%bend(residuals))
                 actual = -1
                 if (0.1_dp * new_norm < norm) actual = 1 - (new_norm / norm)**2
-                predicted = (norm2(times_r(search, step)) / norm)**2
+                change = 0 ! R times the permuted step
+                do j = 1, n
+                    change(:j) = change(:j) + search%jacobian(:j, j) * step(search%pivot(j))
+                end do
+                predicted = (norm2(change) / norm)**2
                 if (is_cut) then
-                    slope = dot_product(search%qtf, times_r(search, step)) / norm**2
+                    slope = dot_product(search%qtf, change) / norm**2
                     predicted = -2 * slope - predicted
                 else
                     slope = -(predicted + search%parameter * (length / norm)**2)
@@ -375,18 +380,6 @@ contains
             x(free(i)) = wanted
         end do
     end subroutine add_step
-
-    !> R times the permuted step.
-    pure function times_r(search, step) result(product)
-        type(search_t), intent(in) :: search
-        real(dp), intent(in) :: step(:)
-        real(dp) :: product(size(step))
-        integer :: j
-        product = 0
-        do j = 1, size(step)
-            product(:j) = product(:j) + search%jacobian(:j, j) * step(search%pivot(j))
-        end do
-    end function times_r
 
     !> The derivatives of the residuals with respect to some parameters, by differences.
     subroutine find_jacobian(model, x, free, residuals, is_central, jacobian, is_valid, errors)

@@ -133,25 +133,18 @@ contains
         real(dp), intent(in) :: t
         integer, intent(in) :: freedom
         real(dp) :: angle, term, total
-        integer :: i
+        integer :: i, odd
 
         angle = atan2(t, sqrt(real(freedom, dp)))
+        odd = mod(freedom, 2)
+        term = merge(cos(angle), 1.0_dp, odd == 1)
         total = 0
-        if (mod(freedom, 2) == 1) then
-            term = cos(angle)
-            do i = 2, freedom - 1, 2
-                total = total + term
-                term = term * cos(angle)**2 * i / (i + 1)
-            end do
-            total = 2 / pi * (angle + sin(angle) * total)
-        else
-            term = 1
-            do i = 1, freedom - 1, 2
-                total = total + term
-                term = term * cos(angle)**2 * i / (i + 1)
-            end do
-            total = sin(angle) * total
-        end if
+        do i = 1 + odd, freedom - 1, 2
+            total = total + term
+            term = term * cos(angle)**2 * i / (i + 1)
+        end do
+        total = sin(angle) * total
+        if (odd == 1) total = 2 / pi * (angle + total)
         tail_of = (1 - total) / 2
     end function tail_of
 

@@ -39,21 +39,22 @@ module spintop_text
     end interface did_you_mean
 
     interface
-        integer(c_int) function c_integer_to_text(value, text, capacity) &
-            bind(C, name='spintop_integer_to_text')
+        !> Writes an integer to the start of a text of `real_width` characters or more; the number of characters written.
+        integer(c_int) function write_integer(value, text, capacity) bind(C, name='spintop_integer_to_text')
             import :: c_char, c_int, c_long_long
-            integer(c_long_long), value :: value
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: capacity
-        end function c_integer_to_text
+            integer(c_long_long), value :: value !! the integer to write
+            character(c_char), intent(inout) :: text(*) !! the digits are at its beginning
+            integer(c_int), value :: capacity !! length of the text
+        end function write_integer
 
-        integer(c_int) function c_reals_to_text(values, count, text, capacity) &
-                bind(C, name='spintop_reals_to_text')
+        !> Writes numbers, separated by commas, to the start of a text with room for `(real_width + 1)*count` characters; the
+        !> number of characters written. This is the fast way to make a row of a table.
+        integer(c_int) function write_reals(values, count, text, capacity) bind(C, name='spintop_reals_to_text')
             import :: c_char, c_double, c_int
-            real(c_double), intent(in) :: values(*)
-            integer(c_int), value :: count, capacity
-            character(c_char), intent(inout) :: text(*)
-        end function c_reals_to_text
+            real(c_double), intent(in) :: values(*) !! numbers
+            integer(c_int), value :: count, capacity !! how many there are; length of the text
+            character(c_char), intent(inout) :: text(*) !! the numbers are at its beginning
+        end function write_reals
     end interface
 
 contains
@@ -333,7 +334,7 @@ contains
         real(dp), intent(in) :: value !! the value
         character(real_width) :: text
         integer :: length
-        length = c_reals_to_text([value], 1, text, real_width)
+        length = write_reals([value], 1, text, real_width)
         text(length + 1:) = ''
     end function fixed_text
 
@@ -352,23 +353,6 @@ contains
         write (room, '(ss, i0)') value
         text = trim(room)
     end function long_integer_to_text
-
-    !> Writes an integer to the start of a text of `real_width` characters or more.
-    subroutine write_integer(value, text, length)
-        integer(int64), intent(in) :: value !! the integer to write
-        character(*), intent(inout) :: text !! the digits are at its beginning
-        integer, intent(out) :: length !! characters written
-        length = c_integer_to_text(value, text, len(text))
-    end subroutine write_integer
-
-    !> Writes numbers, separated by commas, to the start of a text with room for `(real_width +
-    !> 1)*size(values)` characters. This is the fast way to make a row of a table.
-    subroutine write_reals(values, text, length)
-        real(dp), intent(in), contiguous :: values(:) !! numbers
-        character(*), intent(inout) :: text !! the numbers are at its beginning
-        integer, intent(out) :: length !! characters written
-        length = c_reals_to_text(values, size(values), text, len(text))
-    end subroutine write_reals
 
     !> The text as a terminal may show it: a tab becomes a blank; other control characters, and bytes that are
     !> not UTF-8, become '?'; line ends are kept.

@@ -116,8 +116,6 @@ module spintop_thread_team
         procedure :: assemble
         procedure :: compute
         procedure :: in_words
-        procedure, private :: exchange => exchange_block
-        procedure, private :: write_due
     end type team_t
 
 contains
@@ -194,7 +192,7 @@ contains
         number = retry_later
         do
             if (self%ranks%is_writer()) then
-                call self%exchange(table, number, rows)
+                call exchange_block(self, table, number, rows)
             else
                 call self%ranks%exchange(number, rows)
             end if
@@ -233,7 +231,7 @@ contains
             else if (number == signed_off) then
                 left = left - 1
             else
-                call self%exchange(table, number, rows)
+                call exchange_block(self, table, number, rows)
                 call self%ranks%answer(rank, number)
             end if
         end do
@@ -300,7 +298,7 @@ contains
                 call self%queue%begin_write(is_due)
                 !$omp end critical (queue)
                 do while (is_due)
-                    call self%write_due(table, is_due)
+                    call write_due(self, table, is_due)
                 end do
                 !$omp critical (queue)
                 table%entry_wanted = .true.
@@ -329,7 +327,7 @@ contains
         call self%queue%begin_write(is_due)
         !$omp end critical (queue)
         do while (is_due)
-            call self%write_due(table, is_due)
+            call write_due(self, table, is_due)
         end do
         !$omp critical (queue)
         call self%queue%claim_next(number)
@@ -387,10 +385,8 @@ contains
         integer, intent(in) :: room !! number of blocks that arrive early
         integer(int64), intent(in) :: blocks !! number of blocks
         self%blocks = blocks
-        self%taken = 0
-        self%written = 0
-        allocate (self%waiting(room), self%is_waiting(room))
-        self%is_waiting = .false.
+        allocate (self%waiting(room))
+        allocate (self%is_waiting(room), source=.false.)
     end subroutine start
 
     !> Assigns the next number. There is room for the rows of all assigned blocks.

@@ -7,10 +7,10 @@ module spintop_sample_design
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
     use spintop_random, only: mix, random_words, uniform, uniforms
-    use spintop_sobol_sequence, only: most_sobol_dimensions, sobol_sequence_t
+    use spintop_sobol_sequence, only: sobol_sequence_t
     implicit none
     private
-    public :: sample_design_t, saltelli_place_t, place_in_saltelli, dimensions_fit, permutation_t, make_permutation
+    public :: sample_design_t, saltelli_place_t, place_in_saltelli, permutation_t, make_permutation
     public :: design_random, design_latin_hypercube, design_sobol, design_saltelli
 
     !> Independent points; a Latin hypercube (M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979); the
@@ -68,14 +68,6 @@ module spintop_sample_design
     end type saltelli_place_t
 
 contains
-
-    !> Whether a design can have so many dimensions.
-    pure logical function dimensions_fit(kind, dimensions)
-        integer, intent(in) :: kind !! one of the constants above
-        integer, intent(in) :: dimensions !! number of dimensions
-        dimensions_fit = all(kind /= [design_sobol, design_saltelli]) .or. &
-                         merge(2, 1, kind == design_saltelli) * dimensions <= most_sobol_dimensions
-    end function dimensions_fit
 
     !> Prepares a sample. `whole` names the dimensions of lists and whole numbers, `factor` the factor of each
     !> dimension, from 1 and without gaps.

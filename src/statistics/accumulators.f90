@@ -162,17 +162,12 @@ contains
     subroutine merge_with(self, other)
         class(accumulators_t), intent(inout) :: self
         type(accumulators_t), intent(in) :: other !! accumulators that were started alike; their cases are others
-        integer(int64) :: bin
         integer :: i
 
         self%cases = self%cases + other%cases
         self%words = self%words + other%words
         self%failed = self%failed + other%failed
-        do bin = 1, self%bin_count + 1
-            do i = 1, size(self%moments, 1)
-                call self%moments(i, bin)%merge_with(other%moments(i, bin))
-            end do
-        end do
+        call self%moments%merge_with(other%moments)
         do i = 1, size(self%sizes)
             call self%sizes(i)%merge_with(other%sizes(i))
         end do
@@ -254,7 +249,7 @@ contains
     end subroutine add_values
 
     !> Adds the values of others.
-    pure subroutine merge_moments(self, other)
+    elemental subroutine merge_moments(self, other)
         class(moments_t), intent(inout) :: self
         type(moments_t), intent(in) :: other !! moments of other cases of the same column and bin
         if (other%count == 0) return

@@ -200,7 +200,7 @@ contains
     end subroutine add_square
 
     !> Adds the terms of another sum.
-    pure subroutine merge_with(self, other)
+    elemental subroutine merge_with(self, other)
         class(exact_sum_t), intent(inout) :: self
         type(exact_sum_t), intent(in) :: other !! the sum whose terms are added
         integer :: shift

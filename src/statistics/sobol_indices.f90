@@ -122,17 +122,12 @@ contains
     subroutine merge_with(self, other)
         class(sobol_indices_t), intent(inout) :: self
         type(sobol_indices_t), intent(in) :: other !! sums over other groups of the same design
-        integer :: i, part
         self%added = self%added + other%added
         self%left_out = self%left_out + other%left_out
-        do part = 1, parts
-            call self%values(part)%merge_with(other%values(part))
-            call self%squares(part)%merge_with(other%squares(part))
-            do i = 1, self%factors
-                call self%first(i, part)%merge_with(other%first(i, part))
-                call self%total(i, part)%merge_with(other%total(i, part))
-            end do
-        end do
+        call self%values%merge_with(other%values)
+        call self%squares%merge_with(other%squares)
+        call self%first%merge_with(other%first)
+        call self%total%merge_with(other%total)
     end subroutine merge_with
 
     !> The indices of a factor.

@@ -52,10 +52,6 @@ module spintop_statistics_table
         !> The checksum of the last snapshot, and whether no entry names it yet.
         character(checksum_width), private :: checksum = ''
         logical, private :: is_new = .false.
-        !> Numbers of the cases of a block, whether they have values, and their words.
-        integer(int64), allocatable, private :: numbers(:)
-        logical, allocatable, private :: is_ok(:)
-        integer, allocatable, private :: words(:, :)
     contains
         procedure :: start
         procedure :: format => extract_statistics_cells
@@ -63,7 +59,6 @@ module spintop_statistics_table
         procedure :: make_entry_if_due
         procedure :: keep_entry
         procedure :: finish
-        procedure, private :: restore
     end type statistics_table_t
 
 contains
@@ -85,7 +80,7 @@ contains
             return
         end if
         call self%plan%start(self%accumulators)
-        if (self%rows() > 0) call self%restore(error)
+        if (self%rows() > 0) call restore(self, error)
         if (allocated(error)) then
             call self%abandon(error)
         else
@@ -198,27 +193,28 @@ contains
         class(statistics_table_t), intent(inout) :: self
         type(row_block_t), intent(in) :: block !! rows in their order
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        integer(int64) :: bin
-        integer :: first, last, n
-        logical :: is_scattered
+        integer(int64), dimension(block%statistics_rows) :: bins, numbers
+        logical :: is_ok(block%statistics_rows)
+        integer :: words(block%statistics_rows, size(self%plan%categories))
+        integer :: first, last, n, rows
 
         n = cells_before + size(self%plan%numbers)
-        first = 1
+        rows = block%statistics_rows
         associate (gathered => block%statistics_cells)
-            call convert(self, gathered, n)
-            is_scattered = count(abs(gathered(2:, bin_cell) &
-                - gathered(:block%statistics_rows - 1, &
-                    bin_cell)) > 0) > block%statistics_rows / 2
-            if (is_scattered) call self%accumulators%fetch(int(gathered(:, bin_cell), int64))
-            do while (first <= block%statistics_rows)
-                bin = int(gathered(first, bin_cell), int64)
+            bins = int(gathered(:rows, bin_cell), int64)
+            numbers = int(gathered(:rows, number_cell), int64)
+            is_ok = is_good_end(nint(gathered(:rows, status_cell)))
+            words = int(gathered(:rows, n + 1:))
+            if (count(bins(2:) /= bins(:rows - 1)) > rows / 2) call self%accumulators%fetch(bins)
+            first = 1
+            do while (first <= rows)
                 last = first
-                do while (last < block%statistics_rows)
-                    if (int(gathered(last + 1, bin_cell), int64) /= bin) exit
+                do while (last < rows)
+                    if (bins(last + 1) /= bins(first)) exit
                     last = last + 1
                 end do
-                call self%accumulators%add(self%numbers(first:last), self%is_ok(first:last), bin, &
-                                           gathered(first:last, cells_before + 1:n), self%words(first:last, :))
+                call self%accumulators%add(numbers(first:last), is_ok(first:last), bins(first), &
+                                           gathered(first:last, cells_before + 1:n), words(first:last, :))
                 first = last + 1
             end do
         end associate
@@ -239,22 +235,6 @@ contains
                          .false., self%checksum, error)
         self%is_new = .not. allocated(error)
     end subroutine save_snapshot
-
-    !> Converts the gathered cells that are whole numbers; `last` is the last cell before the words.
-    subroutine convert(self, gathered, last)
-        class(statistics_table_t), intent(inout) :: self
-        real(dp), intent(in) :: gathered(:, :)
-        integer, intent(in) :: last
-        integer :: n
-        n = size(gathered, 1)
-        if (allocated(self%numbers)) then
-            if (size(self%numbers) < n) deallocate (self%numbers, self%is_ok, self%words)
-        end if
-        if (.not. allocated(self%numbers)) allocate (self%numbers(n), self%is_ok(n), self%words(n, size(gathered, 2) - last))
-        self%numbers(:n) = int(gathered(:, number_cell), int64)
-        self%is_ok(:n) = is_good_end(nint(gathered(:, status_cell)))
-        self%words(:n, :) = int(gathered(:, last + 1:))
-    end subroutine convert
 
     !> Makes an entry that names the snapshot, if there is a new one.
     subroutine make_entry_if_due(self, entry, due, error)

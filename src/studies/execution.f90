@@ -7,15 +7,14 @@ module spintop_execution
     use spintop_fit_study, only: residual_path
     use spintop_job, only: job_t, print_input, study_head
     use spintop_loaded_table, only: data_table_t, load_table
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t, study_t
     use spintop_preparation, only: prepare_job, prepare_jobs, prepared_t, protect_interrupted
     use spintop_row_table, only: row_table_t
     use spintop_scene_keys, only: kind_fit, kind_sweep, study_kinds
     use spintop_statistics_output, only: path_beside
-    use spintop_study, only: study_t
     use spintop_summary, only: summary_t
     use spintop_sweep_study, only: compute_cases
-    use spintop_sweep_table, only: describe_columns
+    use spintop_sweep_worker, only: describe_columns
     use spintop_terminal, only: output_width
     use spintop_text, only: append, append_wrapped, join, line_width, string_t
     use spintop_thread_team, only: team_t

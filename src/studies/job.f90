@@ -8,7 +8,7 @@ module spintop_job
     use spintop_case, only: case_t, make_case
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, input_error
-    use spintop_event_text, only: column_event_t
+    use spintop_event_recorder, only: column_event_t
     use spintop_kinds, only: dp
     use spintop_parameter_print, only: given_groups, print_namelist
     use spintop_parameters, only: find_missing_beside, is_set, parameter_table_t, unset_integer

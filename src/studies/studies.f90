@@ -31,8 +31,8 @@ contains
             study%info = study_info_t(name, 'a sweep', 'sweeps', &
                 ', besides case, the swept parameters, status and notes', &
                 'many motions: a row of quantities per combination of parameters', takes_axes=.true., &
-                takes_columns=.true., has_parts=.true., shares_ranks=.true., resumes=.true., has_statistics=.true., &
-                has_netcdf=.true., keeps_exact_motion=.false.)
+                needs_axes=.true., takes_columns=.true., has_parts=.true., shares_ranks=.true., resumes=.true., &
+                has_statistics=.true., has_netcdf=.true., keeps_exact_motion=.false.)
             study%columns = sweep_columns
         case (study_kinds(kind_stability))
             allocate (stability_study_t :: study)

@@ -24,12 +24,13 @@ module spintop_checksum
             integer(c_long_long), value :: count
         end subroutine c_add
 
-        subroutine c_add_reals(self, values, count) bind(C, name='spintop_add_reals_to_checksum')
+        !> Adds the bytes of numbers, which are no lines.
+        subroutine add_reals_to_checksum(self, values, count) bind(C, name='spintop_add_reals_to_checksum')
             import :: c_double, c_long_long, checksum_t
-            type(checksum_t), intent(inout) :: self
-            real(c_double), intent(in) :: values(*)
-            integer(c_long_long), value :: count
-        end subroutine c_add_reals
+            type(checksum_t), intent(inout) :: self !! the CRC-32
+            real(c_double), intent(in) :: values(*) !! numbers
+            integer(c_long_long), value :: count !! how many there are
+        end subroutine add_reals_to_checksum
     end interface
 
 contains
@@ -40,13 +41,6 @@ contains
         character(*), intent(in) :: text !! bytes
         call c_add(self, text, len(text, c_long_long))
     end subroutine add_to_checksum
-
-    !> Adds the bytes of numbers, which are no lines.
-    subroutine add_reals_to_checksum(self, values)
-        type(checksum_t), intent(inout) :: self !! the CRC-32
-        real(c_double), intent(in), contiguous :: values(:, :) !! numbers
-        call c_add_reals(self, values, size(values, kind=c_long_long))
-    end subroutine add_reals_to_checksum
 
     !> The CRC-32 of all bytes so far, as hexadecimal digits.
     function checksum_text(self) result(text)

@@ -12,6 +12,8 @@ module spintop_files
     integer, parameter :: no_file = -1
     !> Numbers of the standard streams.
     integer(c_int), parameter :: standard_output = 1, standard_error = 2
+    !> Characters of a text that posix.c makes, at most, with the null character behind it.
+    integer, parameter :: room_of_text = 4096
 
     !> A file open for reading, from its beginning.
     type :: input_file_t
@@ -43,8 +45,8 @@ module spintop_files
     end type output_file_t
 
     ! Functions of posix.c, which describes them. Those that can fail return 0, or a number from which `check_call` makes an
-    ! error. Paths end with a null character. Those with values are declared one by one, since gfortran 12 may pass values by
-    ! reference to what is declared by an abstract interface.
+    ! error. Paths end with a null character. Numbers of files and of bytes are passed by reference, so that functions with the
+    ! same arguments have one interface: gfortran 12 may pass values by reference to what is declared by an abstract interface.
     abstract interface
         integer(c_int) function c_on_path(path) bind(C)
             import :: c_char, c_int
@@ -61,6 +63,23 @@ module spintop_files
             character(c_char), intent(in) :: path(*)
             integer(c_int), intent(out) :: file
         end function c_opening
+
+        integer(c_int) function c_on_file(file) bind(C)
+            import :: c_int
+            integer(c_int), intent(in) :: file
+        end function c_on_file
+
+        integer(c_int) function c_on_bytes(file, bytes, count) bind(C)
+            import :: c_char, c_int, c_long_long
+            integer(c_int), intent(in) :: file
+            character(c_char), intent(in) :: bytes(*)
+            integer(c_long_long), intent(in) :: count
+        end function c_on_bytes
+
+        integer(c_int) function c_saying(text) bind(C)
+            import :: c_char, c_int
+            character(c_char), intent(inout) :: text(*) !! room for `room_of_text` characters
+        end function c_saying
     end interface
 
     procedure(c_on_path), bind(C, name='spintop_check_target') :: c_check_target
@@ -75,50 +94,15 @@ module spintop_files
     procedure(c_opening), bind(C, name='spintop_open_regular') :: c_open_regular
     procedure(c_opening), bind(C, name='spintop_open_own') :: c_open_own
     procedure(c_opening), bind(C, name='spintop_open_locked') :: c_open_locked
+    procedure(c_on_file), bind(C, name='spintop_sync') :: c_sync
+    procedure(c_on_file), bind(C, name='spintop_close') :: c_close
+    procedure(c_on_bytes), bind(C, name='spintop_write') :: c_write
+    procedure(c_on_bytes), bind(C, name='spintop_check_written') :: c_check_written
+    procedure(c_saying), bind(C, name='spintop_private_folder') :: c_private_folder
+    procedure(c_saying), bind(C, name='spintop_utc') :: c_utc
+    procedure(c_saying), bind(C, name='spintop_host') :: c_host
 
     interface
-        integer(c_int) function c_sync(file) bind(C, name='spintop_sync')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_sync
-
-        integer(c_int) function c_close(file) bind(C, name='spintop_close')
-            import :: c_int
-            integer(c_int), value :: file
-        end function c_close
-
-        integer(c_int) function c_write(file, bytes, count) bind(C, name='spintop_write')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
-        end function c_write
-
-        integer(c_int) function c_check_written(file, bytes, count) bind(C, name='spintop_check_written')
-            import :: c_char, c_int, c_long_long
-            integer(c_int), value :: file
-            character(c_char), intent(in) :: bytes(*)
-            integer(c_long_long), value :: count
-        end function c_check_written
-
-        integer(c_int) function c_private_folder(text, room) bind(C, name='spintop_private_folder')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end function c_private_folder
-
-        integer(c_int) function c_utc(text, room) bind(C, name='spintop_utc')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end function c_utc
-
-        integer(c_int) function c_host(text, room) bind(C, name='spintop_host')
-            import :: c_char, c_int
-            character(c_char), intent(inout) :: text(*)
-            integer(c_int), value :: room
-        end function c_host
-
         integer(c_int) function c_read(file, bytes, room, count) bind(C, name='spintop_read')
             import :: c_char, c_int, c_long_long
             integer(c_int), value :: file
@@ -310,9 +294,9 @@ contains
     subroutine make_private_folder(path, error)
         character(:), allocatable, intent(out) :: path !! path of the folder
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        character(4096) :: room
+        character(room_of_text) :: room
         integer(c_int) :: status
-        status = c_private_folder(room, len(room))
+        status = c_private_folder(room)
         path = up_to_null(room)
         call check_call(status, 'make a folder in', path(:index(path, '/', back=.true.) - 1), error)
     end subroutine make_private_folder
@@ -501,15 +485,15 @@ contains
     !> Date and time in UTC: `2024-05-31T12:34:56Z`.
     function utc_now() result(text)
         character(:), allocatable :: text
-        character(64) :: room
-        if (c_utc(room, len(room)) == 0) text = up_to_null(room)
+        character(room_of_text) :: room
+        if (c_utc(room) == 0) text = up_to_null(room)
     end function utc_now
 
     !> Name of the machine on which the process runs.
     function host_name() result(text)
         character(:), allocatable :: text
-        character(256) :: room
-        if (c_host(room, len(room)) == 0) text = up_to_null(room)
+        character(room_of_text) :: room
+        if (c_host(room) == 0) text = up_to_null(room)
     end function host_name
 
     !> Makes an error of a nonzero returned number: an output error, unless another code is given.

@@ -22,8 +22,11 @@
 // What spintop_reason says beside errno values.
 enum { in_use = -1, is_link = -2, has_links = -3, is_special = -4, keeps_moving = -5, was_changed = -6, no_locks = -7 };
 
-int spintop_host(char *text, int room);
-int spintop_write(int file, const char *bytes, long long count);
+// Characters of a text that is made here for Fortran, as in files.f90.
+enum { room_of_text = 4096 };
+
+int spintop_host(char *text);
+int spintop_write(const int *file, const char *bytes, const long long *count);
 void spintop_remove_lock_file(const char *path);
 
 // Opens a file for reading. A FIFO or a device, which may never answer, is refused where only a regular file is wanted.
@@ -93,16 +96,17 @@ static atomic_int is_held[most_held];
 // In place of a lock, where the file system has none: a file beside the other one, which only one run can make. It names the
 // run, and stays if that is killed.
 static int make_lock_file(const char *path) {
-    char host[256], text[512];
-    int file, length, status, place = 0;
+    char host[room_of_text], text[room_of_text + 32];
+    long long length;
+    int file, status, place = 0;
     while (place < most_held && is_held[place]) ++place;
     if (place == most_held) return ENOLCK;
     if (snprintf(held[place], room_of_name, "%s.lock", path) >= PATH_MAX) return ENAMETOOLONG;
     file = open(held[place], O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0) return errno == EEXIST ? no_locks : errno;
-    spintop_host(host, sizeof host);
+    spintop_host(host);
     length = snprintf(text, sizeof text, "%s %ld\n", host, (long)getpid());
-    status = spintop_write(file, text, length);
+    status = spintop_write(&file, text, &length);
     close(file);
     if (status != 0) unlink(held[place]);
     is_held[place] = status == 0;
@@ -124,23 +128,24 @@ static int is_same(const struct stat *a, const struct stat *b) { return a->st_de
 
 // Whether a file still has the name under which it was opened, and the size that was written to it (-1: any). If not,
 // another program has been at it, and its contents are not to be trusted.
-int spintop_check_written(int file, const char *path, long long size) {
+int spintop_check_written(const int *file, const char *path, const long long *size) {
     struct stat opened, named;
-    if (fstat(file, &opened) < 0 || lstat(path, &named) < 0) return errno;
-    return is_same(&opened, &named) && (size < 0 || opened.st_size == (off_t)size) ? 0 : was_changed;
+    if (fstat(*file, &opened) < 0 || lstat(path, &named) < 0) return errno;
+    return is_same(&opened, &named) && (*size < 0 || opened.st_size == (off_t)*size) ? 0 : was_changed;
 }
 
 // The same as spintop_open_own, and locks the file until it is closed. Where the file system has no locks, a file
 // PATH.lock is made, which the caller removes.
 int spintop_open_locked(const char *path, int *file) {
     enum { most_tries = 100 };
+    const long long any_size = -1;
     for (int tries = 0; tries < most_tries; ++tries) {
         int status = spintop_open_own(path, file);
         if (status != 0) return status;
         status = lock(*file);
         if (status == no_locks) status = make_lock_file(path);
         // Between the opening and the lock another run may have renamed the file.
-        if (status == 0 && spintop_check_written(*file, path, -1) == 0) return 0;
+        if (status == 0 && spintop_check_written(file, path, &any_size) == 0) return 0;
         if (status == 0) spintop_remove_lock_file(path);
         close(*file);
         *file = -1;
@@ -149,15 +154,15 @@ int spintop_open_locked(const char *path, int *file) {
     return keeps_moving;
 }
 
-int spintop_write(int file, const char *bytes, long long count) {
-    while (count > 0) {
-        const ssize_t written = write(file, bytes, (size_t)count);
+int spintop_write(const int *file, const char *bytes, const long long *count) {
+    const char *const end = bytes + *count;
+    while (bytes < end) {
+        const ssize_t written = write(*file, bytes, (size_t)(end - bytes));
         if (written < 0) {
             if (errno == EINTR) continue;
             return errno;
         }
         bytes += written;
-        count -= written;
     }
     return 0;
 }
@@ -177,10 +182,10 @@ int spintop_read(int file, char *bytes, long long room, long long *count) {
     return 0;
 }
 
-int spintop_sync(int file) {
+int spintop_sync(const int *file) {
     int result;
     do {
-        result = fsync(file);
+        result = fsync(*file);
     } while (result < 0 && errno == EINTR);
     // Some file systems and special files cannot be synchronised at all; that is no failure.
     if (result < 0 && (errno == EINVAL || errno == ENOTSUP || errno == EROFS)) return 0;
@@ -192,7 +197,7 @@ int spintop_sync_folder(const char *path) {
     int file;
     int status = spintop_open(path, &file);
     if (status != 0) return status == EACCES ? 0 : status;
-    status = spintop_sync(file);
+    status = spintop_sync(&file);
     close(file);
     return status;
 }
@@ -206,7 +211,7 @@ int spintop_truncate(int file, long long size) {
 }
 
 // On Linux the descriptor is gone even when close is interrupted: no second try.
-int spintop_close(int file) { return close(file) < 0 && errno != EINTR ? errno : 0; }
+int spintop_close(const int *file) { return close(*file) < 0 && errno != EINTR ? errno : 0; }
 
 int spintop_rename(const char *from, const char *to) {
     const int status = spintop_check_target(to);
@@ -230,9 +235,9 @@ int spintop_remove_folder(const char *path) {
 }
 
 // Makes a folder that no other process has, in TMPDIR or in /tmp.
-int spintop_private_folder(char *path, int room) {
+int spintop_private_folder(char *path) {
     const char *folder = getenv("TMPDIR");
-    snprintf(path, (size_t)room, "%s/spintop.XXXXXX", folder != NULL && *folder != '\0' ? folder : "/tmp");
+    snprintf(path, room_of_text, "%s/spintop.XXXXXX", folder != NULL && *folder != '\0' ? folder : "/tmp");
     return mkdtemp(path) == NULL ? errno : 0;
 }
 
@@ -269,16 +274,16 @@ double spintop_seconds(void) { return time_of(CLOCK_MONOTONIC); }
 double spintop_processor_seconds(void) { return time_of(CLOCK_THREAD_CPUTIME_ID); }
 
 // YYYY-MM-DDThh:mm:ssZ
-int spintop_utc(char *text, int room) {
+int spintop_utc(char *text) {
     const time_t now = time(NULL);
     struct tm parts;
     gmtime_r(&now, &parts);
-    return strftime(text, (size_t)room, "%Y-%m-%dT%H:%M:%SZ", &parts) == 0;
+    return strftime(text, room_of_text, "%Y-%m-%dT%H:%M:%SZ", &parts) == 0;
 }
 
-int spintop_host(char *text, int room) {
-    if (gethostname(text, (size_t)room) < 0) text[0] = '\0';
-    text[room - 1] = '\0';
+int spintop_host(char *text) {
+    if (gethostname(text, room_of_text) < 0) text[0] = '\0';
+    text[room_of_text - 1] = '\0';
     return 0;
 }
 

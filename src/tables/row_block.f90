@@ -191,7 +191,7 @@ contains
         if (size(values) == 0) return
         call start_cell(self)
         call make_room(self, (real_width + 1) * size(values))
-        call write_reals(values, self%room(self%length + 1:), written)
+        written = write_reals(values, size(values), self%room(self%length + 1:), len(self%room) - self%length)
         self%length = self%length + written
     end subroutine add_reals
 
@@ -202,7 +202,7 @@ contains
         integer :: written
         call start_cell(self)
         call make_room(self, real_width)
-        call write_integer(value, self%room(self%length + 1:), written)
+        written = write_integer(value, self%room(self%length + 1:), len(self%room) - self%length)
         self%length = self%length + written
     end subroutine add_integer
 

@@ -101,7 +101,7 @@ contains
     subroutine add_cells(self, cells)
         class(table_end_t), intent(inout) :: self
         real(dp), intent(in), contiguous :: cells(:, :) !! the cell of column i in row k is `cells(i, k)`
-        call add_reals_to_checksum(self%crc, cells)
+        call add_reals_to_checksum(self%crc, cells, size(cells, kind=int64))
         self%of_numbers = self%of_numbers + size(cells, 2)
     end subroutine add_cells
 

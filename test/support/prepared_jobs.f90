@@ -6,12 +6,11 @@ module prepared_jobs
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_job, only: job_t
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t
     use spintop_row_block, only: row_block_t
     use spintop_row_table, only: row_table_t
-    use spintop_sweep_table, only: describe_table
-    use spintop_sweep_worker, only: sweep_worker_t
+    use spintop_sweep_worker, only: describe_table, sweep_worker_t
     use spintop_text, only: split
     implicit none
     private

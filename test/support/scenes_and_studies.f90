@@ -6,13 +6,12 @@ module scenes_and_studies
     use spintop_case
     use spintop_comparison
     use spintop_event_recorder
-    use spintop_event_text
-    use spintop_hard_cases
+    use spintop_stability_study, only: hard_case_t, hard_cases, settings_of
     use spintop_job
-    use spintop_options
+    use spintop_study
     use spintop_planning, only: plan_t, sample_time, sample_times
     use spintop_preparation
-    use spintop_reference_motion
+    use spintop_trial, only: check_reference, find_reference, read_motion, reference_t
     use spintop_scene_keys
     use spintop_study_column
     use spintop_summary

@@ -4,7 +4,7 @@ module study_tables
     use spintop_files, only: make_folder, read_file
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t
     use spintop_preparation, only: prepared_t
     use spintop_summary, only: summary_t
     use spintop_text, only: string_t

@@ -5,7 +5,7 @@ module spintop_axes_of_scene
     use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: is_set, parameter_table_t, unset, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_sample_design, only: dimensions_fit, design_saltelli, design_sobol
+    use spintop_sobol_sequence, only: most_sobol_dimensions
     use spintop_scene_keys, only: max_axes, max_list_axes, scene_t, combination_names, combine_grid, combine_saltelli, &
         combine_sobol, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
@@ -101,8 +101,8 @@ contains
             call problems%add('sweep.combine', 'axes side by side need equal numbers of values: ' // lengths, &
                               "give equal numbers of values, or use combine = 'grid'")
         else if (combination == combine_sobol .or. combination == combine_saltelli) then
-            if (.not. dimensions_fit(merge(design_sobol, design_saltelli, combination == combine_sobol), &
-                                     sum(axis%dimensions()))) then
+            ! The design of Saltelli has two coordinates for each dimension.
+            if (merge(1, 2, combination == combine_sobol) * sum(axis%dimensions()) > most_sobol_dimensions) then
                 call problems%add('sweep.combine', 'the sample has more dimensions than there are direction numbers for', &
                                   'use fewer axes, or another design')
             end if

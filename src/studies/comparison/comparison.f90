@@ -15,24 +15,22 @@ module spintop_comparison
     use spintop_kinds, only: dp, no_number
     use spintop_methods, only: method_aliases
     use spintop_namelist, only: read_override
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t, study_t
     use spintop_parameters, only: parameter_table_t, is_set, unset, unset_integer
     use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
     use spintop_projection, only: project_nothing, projection_names
     use spintop_ranks, only: ranks_t
-    use spintop_reference_motion, only: reference_t
+    use spintop_trial, only: reference_t, trial_t
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_status, only: is_ok, last_status, status_ok
     use spintop_stepper, only: method_info_t
-    use spintop_study, only: study_t
     use spintop_suggestions, only: own_name
     use spintop_summary, only: rounded, summary_t
     use spintop_journaled_table, only: table_file_t
     use spintop_text, only: split, string_t, did_you_mean, to_text
-    use spintop_trial, only: trial_t
     implicit none
     private
     public :: comparison_t, problem_t, attempt_t, make_scene_of_settings, method_choice_t, setting_t, add_methods
@@ -101,7 +99,8 @@ module spintop_comparison
         integer(int64) :: ends(0:last_status) = 0, failures = 0
         !> How often each method had each verdict.
         integer(int64), allocatable :: verdicts(:, :)
-        !> Whether the lines of the summary so far stand below the table.
+        !> Lines of the header after the columns, and whether the lines of the summary so far stand below the table.
+        type(string_t), allocatable :: remarks(:)
         logical :: ends_in_words = .false.
         type(progress_t) :: progress
         !> Attempts on each problem, as far as they are known, and those done.
@@ -114,7 +113,6 @@ module spintop_comparison
         procedure(settings_i), deferred :: settings
         procedure(compare_i), deferred :: compare
         procedure(judge_i), deferred :: judge
-        procedure :: remarks
         procedure :: summarize
     end type comparison_t
 
@@ -152,13 +150,6 @@ module spintop_comparison
 
 contains
 
-    !> Lines of the header after the columns; none unless the kind overrides this.
-    function remarks(self) result(lines)
-        class(comparison_t), intent(in) :: self
-        type(string_t), allocatable :: lines(:)
-        allocate (lines(0))
-    end function remarks
-
     !> Adds lines on all problems; none unless the kind overrides this.
     subroutine summarize(self, summary)
         class(comparison_t), intent(in) :: self
@@ -190,7 +181,7 @@ contains
         last = options%shard%last(self%count)
         axes = 0
         if (allocated(job%axes%axis)) axes = size(job%axes%axis)
-        head = study_head(job, [self%columns%column_t, (job%axis_column(i), i=1, axes)], self%remarks(), &
+        head = study_head(job, [self%columns%column_t, (job%axis_column(i), i=1, axes)], self%remarks, &
                           options%shard%line(self%count))
         call compare_with_writer(ranks, head, error)
         if (allocated(error)) return

@@ -6,7 +6,6 @@ module spintop_precision_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_comparison, only: add_methods, method_choice_t, setting_t, attempt_t, comparison_t, problem_t
-    use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_formulation, only: structure_quadruple
     use spintop_job, only: job_t
@@ -16,7 +15,8 @@ module spintop_precision_study
     use spintop_parameters, only: is_set, unset_integer
     use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
-    use spintop_reference_motion, only: check_reference, find_reference, read_motion, reference_t
+    use spintop_trial, only: check_reference, find_reference, read_motion, reference_t, error_energy, error_l3, error_lz, &
+        error_norm, error_orientation, error_phi, error_tip, no_errors, run_trial, time_trial
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t, reference_auto, reference_exact, reference_names
     use spintop_status, only: is_ok, status_meaning, status_names
@@ -25,8 +25,6 @@ module spintop_precision_study
     use spintop_summary, only: duration, summary_t, rounded
     use spintop_sweep_axes, only: case_scene_t
     use spintop_text, only: append, string_t, to_text
-    use spintop_trial, only: error_energy, error_l3, error_lz, error_norm, error_orientation, error_phi, error_tip, no_errors, &
-        run_trial, time_trial
     implicit none
     private
     public :: precision_study_t, precision_columns, add_row, sort_rows, mark_front, summarize_problem, auto_tally_t
@@ -127,19 +125,15 @@ module spintop_precision_study
 contains
 
     !> Makes the first problem, the methods and their settings.
-    subroutine check(self, job, problems, diagnostics)
+    subroutine check(self, job, problems)
         class(precision_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: first
         character(:), allocatable :: key
         integer :: i
 
-        if (job%names_axes()) then
-            call job%make_axes(problems, diagnostics)
-            if (job%axes%cases == 0) return
-        end if
+        if (job%names_axes() .and. job%axes%cases == 0) return
         call job%make_first_case(first, problems, planned=.false.)
         if (.not. allocated(first)) return
         call self%choose(first, problems)

@@ -19,8 +19,7 @@ module spintop_fit_data
     use spintop_units, only: convert_unit
     implicit none
     private
-    public :: measurements_t, read_measurements, columns_of_motion, find_instants, read_sensors, find_unknown
-    public :: key_of
+    public :: measurements_t, read_measurements, columns_of_motion, read_sensors, find_unknown, key_of, gauss_nodes
 
     character(*), parameter :: key = 'fit.data'
     !> What follows the name of a column in that of its standard deviations, row by row.
@@ -394,19 +393,6 @@ contains
             turned = reshape([turned, places], [3, size(turned, 2) + 1])
         end do
     end subroutine columns_of_motion
-
-    !> The instants of the motion at which the readings of some rows are those of the motion, or over which they are averaged.
-    pure subroutine find_instants(settings, t, instants)
-        type(fit_scene_t), intent(in) :: settings !! the group of the input
-        real(dp), intent(in) :: t(:) !! times of the rows, s
-        real(dp), allocatable, intent(out) :: instants(:) !! as many for each row, s
-        integer :: i
-        if (settings%averaged > 0) then
-            instants = [(settings%time_offset + t(i) + settings%averaged / 2 * gauss_nodes, i=1, size(t))]
-        else
-            instants = settings%time_offset + t
-        end if
-    end subroutine find_instants
 
     !> The readings of the sensors.
     subroutine read_sensors(settings, sensor, sizes, turned, quantities, readings)

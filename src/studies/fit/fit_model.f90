@@ -3,7 +3,7 @@ module spintop_fit_model
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_caller, only: stop_is_wanted
     use spintop_case, only: case_t, make_case
-    use spintop_fit_data, only: columns_of_motion, find_instants, key_of, measurements_t, read_sensors
+    use spintop_fit_data, only: columns_of_motion, gauss_nodes, key_of, measurements_t, read_sensors
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, is_equal, is_finite, no_number, pi
     use spintop_least_squares, only: residuals_t, robust_deviation
@@ -246,13 +246,18 @@ contains
         type(writer_t), allocatable :: writer
         type(outcome_t) :: outcome
         type(problems_t) :: problems
+        integer :: i
 
         readings = no_number
         is_valid = .false.
-        if (stop_is_wanted() .or. .not. accepts(self, x)) return
+        if (stop_is_wanted() .or. .not. all([(self%slots(i)%accepts(x(i)), i=1, size(x))])) return
         call set_case(self, x, problems)
         if (problems%any()) return
-        call find_instants(self%scene%fit, self%measured%t(:size(readings, 2)), t)
+        ! The instants of the motion at which the readings are its own, or over which they are averaged.
+        associate (fit => self%scene%fit, rows => self%measured%t)
+            t = fit%time_offset + rows(:size(readings, 2))
+            if (fit%averaged > 0) t = [(fit%time_offset + rows(i) + fit%averaged / 2 * gauss_nodes, i=1, size(readings, 2))]
+        end associate
         if (t(1) < 0) return
         self%case%t_end = t(size(t))
         if (self%plan%exact .and. .not. self%case%body%has_closed_form()) return
@@ -265,14 +270,6 @@ contains
         if (.not. is_valid) return
         call read_sensors(self%scene%fit, self%measured%sensor, self%measured%columns%size, self%turned, writer%kept, readings)
     end subroutine predict
-
-    !> Whether all numbers are in their ranges.
-    pure logical function accepts(self, x)
-        class(fit_model_t), intent(in) :: self
-        real(dp), intent(in) :: x(:)
-        integer :: i
-        accepts = all([(self%slots(i)%accepts(x(i)), i=1, size(x))])
-    end function accepts
 
     !> Makes the case with some values of the sought numbers.
     subroutine set_case(self, x, problems)
@@ -297,12 +294,12 @@ contains
         type(problems_t), intent(out) :: problems !! why there is no such motion
         real(dp), parameter :: steps(2) = [1.0e-6_dp, -1.0e-6_dp]
         real(dp) :: moved(size(x))
-        integer :: side
+        integer :: side, k
 
         do side = 1, size(steps)
             moved = x
             moved(i) = x(i) + steps(side) * self%step_scale(i, x(i))
-            if (.not. accepts(self, moved)) cycle
+            if (.not. all([(self%slots(k)%accepts(moved(k)), k=1, size(x))])) cycle
             problems = problems_t()
             call set_case(self, moved, problems)
             if (.not. problems%any()) call make_plan(self%scene, self%case, plan, problems)

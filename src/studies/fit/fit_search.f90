@@ -486,6 +486,7 @@ contains
         logical, intent(in) :: with_words !! whether reason and warnings are wanted
         type(judgement_t), intent(out) :: judgement !! what was found
         real(dp), allocatable :: residuals(:), t(:)
+        character(:), allocatable :: name
         integer, allocatable :: rows(:)
         integer :: i, k
 
@@ -495,14 +496,77 @@ contains
         if (.not. is_noisy) return
         do i = 1, size(differences, 1)
             rows = pack([(k, k=1, size(differences, 2))], measured%is_there(i, :size(differences, 2)))
+            name = trim(measured%columns(i)%name)
             t = measured%t(rows)
             residuals = differences(i, rows)
             if (measured%knows_sigma) residuals = residuals / measured%sigma(i, rows)
-            call judge_order(trim(measured%columns(i)%name), t, residuals, with_words, judgement)
-            call judge_outliers(trim(measured%columns(i)%name), t, rows, residuals, size(minimum%x), loss, with_words, &
-                                judgement)
+            call judge_order(name, t, residuals, with_words, judgement)
+            call judge_outliers()
         end do
+
+    contains
+
+        !> The rows of a column that stand out of the others.
+        subroutine judge_outliers()
+            character(:), allocatable :: text, hint
+            real(dp) :: deviation, limit
+            integer :: parameters, farthest, more
+            logical :: is_spoiled
+
+            parameters = size(minimum%x)
+            if (size(t) <= parameters + 3) return
+            deviation = robust_deviation(residuals, parameters)
+            limit = standing_out * (1 + 5.0_dp / (size(t) - parameters)) * deviation
+            farthest = maxloc(abs(residuals), dim=1)
+            if (.not. (abs(residuals(farthest)) > limit .and. deviation > 0)) return
+            is_spoiled = .not. loss%is_robust() .and. sum(pack(residuals, abs(residuals) > limit)**2) > spoiling * sum(residuals**2)
+            judgement%is_poor = judgement%is_poor .or. is_spoiled
+            if (.not. with_words) return
+            more = count(abs(residuals) > limit) - 1
+            text = name // ' in row ' // to_text(rows(farthest)) // ', t = ' // to_text(t(farthest)) // ' s, is ' // &
+                   rounded(abs(residuals(farthest)) / deviation, 3) // ' standard deviations from the motion'
+            if (more > 0) then
+                text = text // ', and ' // to_text(more) // trim(merge(' more row stands', ' more rows stand', more == 1)) // ' out'
+            end if
+            hint = "; remove what is wrong, or use loss = 'huber' or 'tukey'"
+            if (loss%is_robust()) hint = ''
+            if (is_spoiled) then
+                call add_reason(judgement, text)
+            else
+                call append(judgement%warnings, text // hint)
+            end if
+        end subroutine judge_outliers
+
     end subroutine judge
+
+    !> Residuals that are no noise: each like the one before, or minus that, or like others far from it.
+    subroutine judge_order(name, t, residuals, with_words, judgement)
+        character(*), intent(in) :: name
+        real(dp), intent(in) :: t(:), residuals(:)
+        logical, intent(in) :: with_words
+        type(judgement_t), intent(inout) :: judgement
+        real(dp) :: ratio, strength, chance, period, amplitude, probability, drift, significance
+        character(:), allocatable :: text
+
+        ratio = von_neumann_ratio(residuals)
+        call find_correlation(residuals, cut * robust_deviation(residuals, 0), strength, chance)
+        text = ''
+        if (abs(ratio - 2) > max(far, significant * 2 / sqrt(real(size(residuals), dp)))) then
+            text = 'each is like ' // trim(merge('the one before      ', 'minus the one before', ratio < 2)) // &
+                   ' (ratio of von Neumann ' // rounded(ratio, 3) // ', 2 for noise)'
+        else if (strength > correlated .and. chance < impossible) then
+            text = 'they repeat themselves (far neighbours have a correlation of ' // rounded(strength, 2) // ')'
+        end if
+        if (text == '') return
+        judgement%is_poor = .true.
+        if (.not. with_words) return
+        text = 'the residuals of ' // name // ' are no noise: ' // text
+        call find_period(t, residuals, period, amplitude, probability)
+        call find_drift(t, residuals, drift, significance)
+        if (probability < seldom) text = text // ', with a period of ' // rounded(period, 3) // ' s'
+        if (significance > clear_drift) text = text // ', with a drift'
+        call add_reason(judgement, text)
+    end subroutine judge_order
 
     !> Adds what stands out to the reason of a poor fit.
     subroutine add_reason(judgement, text)
@@ -538,7 +602,7 @@ contains
         if (.not. with_words) return
         what = 'chi2 is ' // rounded(per_freedom, 3) // ' per degree of freedom'
         if (judgement%is_poor) then
-            call add_reason(judgement, what)
+            judgement%reason = what
         else if (judgement%probability < doubtful .and. per_freedom > 1) then
             call append(judgement%warnings, what // ', which has a probability of ' // rounded(judgement%probability, 2) // &
                         ': the standard deviations are larger than sigma by a factor of ' // rounded(sqrt(per_freedom), 3))
@@ -547,70 +611,5 @@ contains
                         rounded(sqrt(per_freedom), 3))
         end if
     end subroutine judge_size
-
-    !> Residuals that are no noise: each like the one before, or minus that, or like others far from it.
-    subroutine judge_order(name, t, residuals, with_words, judgement)
-        character(*), intent(in) :: name
-        real(dp), intent(in) :: t(:), residuals(:)
-        logical, intent(in) :: with_words
-        type(judgement_t), intent(inout) :: judgement
-        real(dp) :: ratio, strength, chance, period, amplitude, probability, drift, significance
-        character(:), allocatable :: text
-
-        ratio = von_neumann_ratio(residuals)
-        call find_correlation(residuals, cut * robust_deviation(residuals, 0), strength, chance)
-        text = ''
-        if (abs(ratio - 2) > max(far, significant * 2 / sqrt(real(size(residuals), dp)))) then
-            text = 'each is like ' // trim(merge('the one before      ', 'minus the one before', ratio < 2)) // &
-                   ' (ratio of von Neumann ' // rounded(ratio, 3) // ', 2 for noise)'
-        else if (strength > correlated .and. chance < impossible) then
-            text = 'they repeat themselves (far neighbours have a correlation of ' // rounded(strength, 2) // ')'
-        end if
-        if (text == '') return
-        judgement%is_poor = .true.
-        if (.not. with_words) return
-        text = 'the residuals of ' // name // ' are no noise: ' // text
-        call find_period(t, residuals, period, amplitude, probability)
-        call find_drift(t, residuals, drift, significance)
-        if (probability < seldom) text = text // ', with a period of ' // rounded(period, 3) // ' s'
-        if (significance > clear_drift) text = text // ', with a drift'
-        call add_reason(judgement, text)
-    end subroutine judge_order
-
-    !> The rows of a column that stand out of the others.
-    subroutine judge_outliers(name, t, rows, residuals, parameters, loss, with_words, judgement)
-        character(*), intent(in) :: name
-        real(dp), intent(in) :: t(:), residuals(:)
-        integer, intent(in) :: rows(:), parameters
-        type(loss_t), intent(in) :: loss
-        logical, intent(in) :: with_words
-        type(judgement_t), intent(inout) :: judgement
-        character(:), allocatable :: text, hint
-        real(dp) :: deviation, limit
-        integer :: i, more
-        logical :: is_spoiled
-
-        if (size(t) <= parameters + 3) return
-        deviation = robust_deviation(residuals, parameters)
-        limit = standing_out * (1 + 5.0_dp / (size(t) - parameters)) * deviation
-        i = maxloc(abs(residuals), dim=1)
-        if (.not. (abs(residuals(i)) > limit .and. deviation > 0)) return
-        is_spoiled = .not. loss%is_robust() .and. sum(pack(residuals, abs(residuals) > limit)**2) > spoiling * sum(residuals**2)
-        judgement%is_poor = judgement%is_poor .or. is_spoiled
-        if (.not. with_words) return
-        more = count(abs(residuals) > limit) - 1
-        text = name // ' in row ' // to_text(rows(i)) // ', t = ' // to_text(t(i)) // ' s, is ' // &
-               rounded(abs(residuals(i)) / deviation, 3) // ' standard deviations from the motion'
-        if (more > 0) then
-            text = text // ', and ' // to_text(more) // trim(merge(' more row stands', ' more rows stand', more == 1)) // ' out'
-        end if
-        hint = "; remove what is wrong, or use loss = 'huber' or 'tukey'"
-        if (loss%is_robust()) hint = ''
-        if (is_spoiled) then
-            call add_reason(judgement, text)
-        else
-            call append(judgement%warnings, text // hint)
-        end if
-    end subroutine judge_outliers
 
 end module spintop_fit_search

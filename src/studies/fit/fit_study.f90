@@ -1,6 +1,5 @@
 !> The fit as a kind of study: numbers of the input from measurements of the motion, by least squares.
 module spintop_fit_study
-    use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: find_unknown, measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
@@ -10,7 +9,7 @@ module spintop_fit_study
     use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp, is_finite, no_number
     use spintop_least_squares, only: minimum_t, robust_deviation
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t, study_t
     use spintop_parameters, only: is_set
     use spintop_planning, only: plan_t
     use spintop_probability, only: student_quantile
@@ -20,7 +19,6 @@ module spintop_fit_study
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
-    use spintop_study, only: study_t
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_table_column, only: column_t
@@ -57,11 +55,10 @@ module spintop_fit_study
 contains
 
     !> Reads the measurements, and plans the motion up to the last of them.
-    subroutine check(self, job, problems, diagnostics)
+    subroutine check(self, job, problems)
         class(fit_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
         type(fit_model_t), allocatable, target :: model
         type(plan_t) :: plan
@@ -295,14 +292,12 @@ contains
         end if
         if (loss%is_robust()) then
             call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // &
-                             to_text(count(abs(minimum%residuals) > loss%bound)) // &
-                             ' of ' // to_text(m) // ' residuals are beyond its bound')
+                             to_text(count(abs(minimum%residuals) > loss%bound)) // ' of ' // to_text(m) // &
+                             ' residuals are beyond its bound')
         end if
-        call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // &
-                         ' evaluations from ' // &
+        call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // ' evaluations from ' // &
                          counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // &
-                             ' from ' // &
-                         rounded(search%first_span, 3) // ' s', is_detail=.true.)
+                         ' from ' // rounded(search%first_span, 3) // ' s', is_detail=.true.)
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit

@@ -2,13 +2,13 @@
 !> of text (its name, a second column, and what it is) and an object of JSON, for scripts, where what does not exist is null.
 module spintop_listing
     use spintop_arkode, only: arkode_table_names
-    use spintop_benchmark_cases, only: benchmarks
+    use spintop_benchmark_study, only: benchmarks
     use spintop_body, only: body_t
     use spintop_errors, only: error_t, input_error, exit_codes
-    use spintop_event_text, only: named_events, event_grammar
+    use spintop_event_recorder, only: named_events, event_grammar
     use spintop_formulation, only: formulation_info_t, formulation_t
     use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_hard_cases, only: hard_cases
+    use spintop_stability_study, only: hard_cases
     use spintop_json, only: json_t
     use spintop_kinds, only: dp
     use spintop_methods, only: create_stepper, exact_info, method_infos, method_aliases

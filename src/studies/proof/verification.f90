@@ -4,6 +4,7 @@
 !> more, else *unproved*. The claim is the bound beside the number; with `output.certified` 3/4 of the last place; for
 !> the exact solution what the data allow (`inherent_error`). Other numbers have no claim.
 module spintop_verification
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_case, only: case_t, make_case
     use spintop_certificate, only: balls_hint, balls_missing, has_balls, last_reason, proof_count, proof_names, &
@@ -28,15 +29,6 @@ module spintop_verification
     private
     public :: verify_table
 
-    !> What is wrong in a table.
-    type :: findings_t
-        integer(int64) :: count = 0
-        !> The first, as text; not allocated if nothing is wrong.
-        character(:), allocatable :: first
-    contains
-        procedure :: add
-    end type findings_t
-
     character, parameter :: nl = new_line('a')
     integer, parameter :: largest_table = 2**30 - 1
     !> Relative difference of numbers that were computed from the same input by other versions of the program.
@@ -52,12 +44,15 @@ module spintop_verification
         logical :: has_number(proof_count) = .false., has_bound(proof_count) = .false.
         !> Whether it is the table of a sweep, or one of events, whose rows are not known before.
         logical :: is_sweep = .false., has_events = .false.
-        integer(int64) :: proved = 0, unproved = 0
-        type(findings_t) :: wrong
+        integer(int64) :: proved = 0, unproved = 0, wrong = 0
+        !> The first that is wrong, as text; not allocated if nothing is.
+        character(:), allocatable :: first_wrong
         !> Unproved cells by reason, and without a claim.
         integer(int64) :: reasons(0:last_reason) = 0
         !> The largest bound of each quantity.
         real(dp) :: largest(proof_count) = 0
+    contains
+        procedure :: add_wrong
     end type verification_t
 
     !> A number may differ from the true one by so many times the inherent error, and by this.
@@ -90,12 +85,12 @@ contains
         call read_table(job%input%path, found%table, error, takes_damaged=.true.)
         if (.not. allocated(error)) call read_numbers(job, found, error)
         if (allocated(error)) return
-        call check_proof_cells(found%table, job%input%scene%certified, found%wrong)
+        call check_proof_cells(found, job%input%scene%certified)
         if (found%is_sweep) then
             call verify_sweep(job, found, error)
         else
             call found%table%read_column('t', times, error)
-            if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found%wrong, error)
+            if (.not. (allocated(error) .or. found%has_events)) call check_times(job, times, found, error)
             if (allocated(error)) return
             call proof%open([(any(is_finite(found%printed(k, :))), k=1, proof_count)], .false., job%case%given_body, &
                             job%case%given_start, data_radii(job%input%scene))
@@ -107,13 +102,13 @@ contains
         end if
         if (allocated(error)) return
         ! What was found is what the checksum says, or part of it.
-        if (found%table%damage /= '' .and. found%wrong%count == 0) call found%wrong%add('the table ' // found%table%damage)
-        if (found%wrong%count > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
+        if (found%table%damage /= '' .and. found%wrong == 0) call found%add_wrong('the table ' // found%table%damage)
+        if (found%wrong > 0 .or. (strict .and. found%unproved > 0)) code = exit_failed
         call append(lines, job%input%path // ': ' // to_text(found%proved) // ' numbers proved, ' // to_text(found%unproved) &
-                      // ' unproved, ' // to_text(found%wrong%count) // ' wrong')
+                      // ' unproved, ' // to_text(found%wrong) // ' wrong')
         if (.not. found%table%has_end) call append(lines, '  note  the table does not end with the number and the checksum of &
             &its rows: it was cut, or written by an earlier version')
-        if (allocated(found%wrong%first)) call append(lines, '  first wrong  ' // found%wrong%first)
+        if (allocated(found%first_wrong)) call append(lines, '  first wrong  ' // found%first_wrong)
         do k = 0, last_reason
             if (found%reasons(k) == 0) cycle
             if (k == proved) call append(lines, '  unproved  ' // to_text(found%reasons(k)) // ': nothing is claimed of them, or &
@@ -181,7 +176,7 @@ contains
         integer :: row, i
 
         call found%table%read_column('case', cases, error)
-        if (.not. (allocated(error) .or. found%has_events)) call check_cases(job, cases, found%wrong, error)
+        if (.not. (allocated(error) .or. found%has_events)) call check_cases(job, cases, found, error)
         if (allocated(error)) return
         allocate (ends(size(cases)), source=no_number)
         call read_column(found%table, 't_end', ends, has_end, error)
@@ -203,7 +198,7 @@ contains
             values = job%axes%values_of(int(cases(row), int64))
             do i = 1, size(values)
                 if (.not. is_there(i) .or. abs(printed(row, i) - values(i)) <= same * abs(values(i))) cycle
-                call found%wrong%add('row ' // to_text(row) // ', ' // job%axes%axis(i)%name // ' = ' // &
+                call found%add_wrong('row ' // to_text(row) // ', ' // job%axes%axis(i)%name // ' = ' // &
                                      to_text(printed(row, i)) // ': the case has ' // to_text(values(i)))
             end do
             if (size(status) > 0) call check_cells(found, row, is_good_end(status_number(status(row)%text)))
@@ -233,13 +228,13 @@ contains
 
         do k = 1, proof_count
             associate (printed => found%printed(k, row), bound => found%bounds(k, row), name => found%names(k))
-                if (found%has_bound(k) .and. is_nan(bound) .and. is_finite(printed)) then
-                    call found%wrong%add('row ' // to_text(row) // ', ' // trim(name) // '_bound is nan')
+                if (found%has_bound(k) .and. ieee_is_nan(bound) .and. is_finite(printed)) then
+                    call found%add_wrong('row ' // to_text(row) // ', ' // trim(name) // '_bound is nan')
                 end if
                 has_to_be = has_ended_well .and. k <= proof_of_theta
                 if (found%has_bound(k)) has_to_be = has_to_be .or. is_finite(bound)
                 if (found%has_number(k) .and. has_to_be .and. .not. is_finite(printed)) then
-                    call found%wrong%add('row ' // to_text(row) // ', ' // trim(name) // ' = ' // to_text(printed) // &
+                    call found%add_wrong('row ' // to_text(row) // ', ' // trim(name) // ' = ' // to_text(printed) // &
                                          ': not a finite number')
                 end if
             end associate
@@ -278,7 +273,7 @@ contains
                 found%proved = found%proved + 1
             else if (proof%bounds(k) - half_place > claim) then
                 ! A ball is at most half of the last place wide.
-                call found%wrong%add('row ' // to_text(row) // ', ' // trim(found%names(k)) // ' = ' // to_text(printed(k)) &
+                call found%add_wrong('row ' // to_text(row) // ', ' // trim(found%names(k)) // ' = ' // to_text(printed(k)) &
                     // ': off by up to ' // to_text(proof%bounds(k)) // ', claimed ' // to_text(claim))
             else
                 found%unproved = found%unproved + 1
@@ -288,24 +283,18 @@ contains
     end subroutine verify_row
 
     !> Counts what is wrong, and keeps the first.
-    subroutine add(self, what)
-        class(findings_t), intent(inout) :: self
+    subroutine add_wrong(self, what)
+        class(verification_t), intent(inout) :: self
         character(*), intent(in) :: what !! what is wrong
-        if (self%count == 0) self%first = what
-        self%count = self%count + 1
-    end subroutine add
-
-    !> Whether a number is none.
-    elemental logical function is_nan(value)
-        real(dp), intent(in) :: value !! any number
-        is_nan = .not. (value > 0 .or. value <= 0)
-    end function is_nan
+        if (self%wrong == 0) self%first_wrong = what
+        self%wrong = self%wrong + 1
+    end subroutine add_wrong
 
     !> The rows of a trajectory: all of them, at their times. Of a motion that ended early only their order is known.
-    subroutine check_times(job, times, wrong, error)
+    subroutine check_times(job, times, found, error)
         type(job_t), intent(in) :: job !! the job of the table
         real(dp), intent(in) :: times(:) !! its column t
-        type(findings_t), intent(inout) :: wrong !! what is wrong is added
+        type(verification_t), intent(inout) :: found !! what is wrong is added
         type(error_t), allocatable, intent(out) :: error !! the table cannot be read
         character(:), allocatable :: text
         logical :: is_whole
@@ -313,27 +302,27 @@ contains
 
         call read_file(job%input%path, largest_table, text, error, is_text=.true.)
         if (allocated(error)) return
-        if (index(text, nl // '# status: ') == 0) call wrong%add('the table is cut short: it has no status')
+        if (index(text, nl // '# status: ') == 0) call found%add_wrong('the table is cut short: it has no status')
         is_whole = index(text, nl // '# status: ok' // nl) > 0 .and. job%input%scene%stop_at == ''
         if (size(times) == 0 .or. (is_whole .and. size(times) /= job%plan%samples)) then
-            call wrong%add(to_text(size(times)) // ' rows, where the input asks for ' // to_text(job%plan%samples))
+            call found%add_wrong(to_text(size(times)) // ' rows, where the input asks for ' // to_text(job%plan%samples))
         end if
         do row = 2, size(times)
-            if (.not. times(row) > times(row - 1)) call wrong%add('row ' // to_text(row) // ', t = ' // to_text(times(row)) &
+            if (.not. times(row) > times(row - 1)) call found%add_wrong('row ' // to_text(row) // ', t = ' // to_text(times(row)) &
                                                                   // ': not after the row before')
         end do
         if (.not. is_whole .or. size(times) /= job%plan%samples) return
         do row = 1, size(times)
             if (abs(times(row) - sample_time(job%case%t_end, job%plan%samples, row)) <= 1.0e-12_dp * job%case%t_end) cycle
-            call wrong%add('row ' // to_text(row) // ', t = ' // to_text(times(row)) // ': not a time of its input')
+            call found%add_wrong('row ' // to_text(row) // ', t = ' // to_text(times(row)) // ': not a time of its input')
         end do
     end subroutine check_times
 
     !> The rows of a sweep, or of a part of it: one for each case, in order.
-    subroutine check_cases(job, cases, wrong, error)
+    subroutine check_cases(job, cases, found, error)
         type(job_t), intent(in) :: job !! the job of the table
         real(dp), intent(in) :: cases(:) !! its column case
-        type(findings_t), intent(inout) :: wrong !! what is wrong is added
+        type(verification_t), intent(inout) :: found !! what is wrong is added
         type(error_t), allocatable, intent(out) :: error !! the table cannot be read
         type(shard_t) :: part
         character(:), allocatable :: text
@@ -347,11 +336,11 @@ contains
         if (.not. is_part) part = shard_t()
         first = part%first(job%axes%cases)
         expected = part%last(job%axes%cases) - first + 1
-        if (size(cases) /= expected) call wrong%add(to_text(size(cases)) // ' rows, where the input has ' // &
+        if (size(cases) /= expected) call found%add_wrong(to_text(size(cases)) // ' rows, where the input has ' // &
                                                     to_text(expected) // ' cases')
         do row = 1, size(cases)
             if (abs(cases(row) - real(first + row - 1, dp)) <= 0) cycle
-            call wrong%add('row ' // to_text(row) // ', case = ' // to_text(cases(row)) // ': not the case ' &
+            call found%add_wrong('row ' // to_text(row) // ', case = ' // to_text(cases(row)) // ': not the case ' &
                            // to_text(first + row - 1))
         end do
     end subroutine check_cases
@@ -359,22 +348,21 @@ contains
     !> The column `proof` of a table with bounds: `proved` where all bounds of the row are finite, `unproved` where one is
     !> infinite. What a case does not have has no bound. Certified numbers without a bound count, too: then a row may be
     !> unproved though its bounds are finite.
-    subroutine check_proof_cells(table, certified, wrong)
-        type(table_t), intent(in) :: table !! the table
+    subroutine check_proof_cells(found, certified)
+        type(verification_t), intent(inout) :: found !! what is wrong is added
         logical, intent(in) :: certified !! whether proved numbers replace the computed ones
-        type(findings_t), intent(inout) :: wrong !! what is wrong is added
         type(string_t), allocatable :: words(:)
         real(dp), allocatable :: numbers(:), largest(:)
         character(:), allocatable :: name
         integer :: i, row
 
-        allocate (words, source=table%words('proof'))
+        allocate (words, source=found%table%words('proof'))
         allocate (largest(size(words)), source=-1.0_dp)
-        do i = 1, size(table%names)
-            name = table%names(i)%text
+        do i = 1, size(found%table%names)
+            name = found%table%names(i)%text
             if (len(name) <= len('_bound') .or. size(words) == 0) cycle
             if (name(len(name) - len('_bound') + 1:) /= '_bound') cycle
-            numbers = table%column(name)
+            numbers = found%table%column(name)
             where (numbers > largest) largest = numbers
         end do
         do row = 1, size(words)
@@ -382,7 +370,7 @@ contains
             name = words(row)%text
             if (name == 'proved' .and. is_finite(largest(row))) cycle
             if (name == 'unproved' .and. (certified .or. .not. is_finite(largest(row)))) cycle
-            call wrong%add('row ' // to_text(row) // ', proof = ' // name // ': its bounds say otherwise')
+            call found%add_wrong('row ' // to_text(row) // ', proof = ' // name // ': its bounds say otherwise')
         end do
     end subroutine check_proof_cells
 

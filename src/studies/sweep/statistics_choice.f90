@@ -13,7 +13,7 @@ module spintop_statistics_choice
     use spintop_summary, only: rounded
     use spintop_sweep_axes, only: axis_t
     use spintop_sweep_result, only: sweep_columns
-    use spintop_sweep_table, only: describe_columns
+    use spintop_sweep_worker, only: describe_columns
     use spintop_table_column, only: column_length, column_of_notes, column_of_words, status_column, table_column_t
     use spintop_text, only: did_you_mean, string_t, to_text
     implicit none
@@ -24,8 +24,6 @@ module spintop_statistics_choice
     integer, parameter :: usual_bins = 50, most_values = 1000
     !> The quantiles if none are given.
     real(dp), parameter :: usual_quantiles(5) = [0.05_dp, 0.25_dp, 0.5_dp, 0.75_dp, 0.95_dp]
-    !> The cell with the number of the case.
-    integer, parameter :: case_cell = 1
 
     !> What a scene says of one quantity that is binned, and what its axis says where the scene does not.
     type :: range_of_bins_t
@@ -46,8 +44,9 @@ contains
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
         type(table_column_t), allocatable :: cells(:)
         type(statistics_plan_t) :: plan
+        type(study_column_t), allocatable :: found(:)
         integer, allocatable :: numbers(:), categories(:)
-        character(:), allocatable :: key
+        character(:), allocatable :: key, problem, hint
         integer :: i, place
 
         if (.not. job%names_statistics()) then
@@ -60,7 +59,20 @@ contains
                               "give for example columns = 'theta_max', 'status'")
             return
         end if
-        if (.not. job%keeps_rows()) call keep_needed_columns(job, problems)
+        if (.not. job%keeps_rows()) then
+            if (any(job%input%scene%columns /= '')) then
+                call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
+                                  'omit it; statistics.columns are computed')
+            end if
+            associate (names => [character(column_length) :: job%input%scene%statistics_columns, job%input%scene%over])
+                allocate (found(size(names)))
+                do i = 1, size(names)
+                    call find_column(sweep_columns, trim(names(i)), found(i), problem, hint)
+                    if (any(found(:i - 1)%name == found(i)%name)) found(i)%place = 0
+                end do
+            end associate
+            job%columns = [(pack(found, found%place == i), i=1, size(sweep_columns))]
+        end if
         if (job%axes%cases == 0) return
         call describe_columns(job, cells)
         plan%is_wanted = .true.
@@ -99,28 +111,6 @@ contains
         job%statistics = plan
     end subroutine choose_statistics
 
-    !> Keeps the columns that the statistics need, where no others are written.
-    subroutine keep_needed_columns(job, problems)
-        type(job_t), intent(inout) :: job
-        type(problems_t), intent(inout) :: problems
-        type(study_column_t), allocatable :: found(:)
-        character(:), allocatable :: problem, hint
-        integer :: i
-
-        if (any(job%input%scene%columns /= '')) then
-            call problems%add('output.columns', "there are no rows to have columns, by output.rows = 'none'", &
-                              'omit it; statistics.columns are computed')
-        end if
-        associate (names => [character(column_length) :: job%input%scene%statistics_columns, job%input%scene%over])
-            allocate (found(size(names)))
-            do i = 1, size(names)
-                call find_column(sweep_columns, trim(names(i)), found(i), problem, hint)
-                if (any(found(:i - 1)%name == found(i)%name)) found(i)%place = 0
-            end do
-        end associate
-        job%columns = [(pack(found, found%place == i), i=1, size(sweep_columns))]
-    end subroutine keep_needed_columns
-
     !> The cell of a column or a swept parameter; 0, and a problem, if there is none.
     integer function find_cell(job, cells, name, key, problems) result(place)
         type(job_t), intent(in) :: job
@@ -133,7 +123,7 @@ contains
         integer :: i
 
         place = findloc(cells%name, name, dim=1)
-        if (place > case_cell) then
+        if (place > 1) then ! not the number of the case
             if (cells(place)%kind /= column_of_notes) return
         end if
         call find_column(sweep_columns, name, found, problem, hint)
@@ -237,6 +227,8 @@ contains
         type(binned_t), intent(inout) :: over
         type(problems_t), intent(inout) :: problems
         type(range_of_bins_t) :: range
+        type(bins_t) :: made
+        integer, parameter :: bytes_of_ends = 16
         real(dp), allocatable :: values(:)
         character(:), allocatable :: name
         integer :: axis
@@ -275,7 +267,26 @@ contains
                               'give ' // range%key('from') // ' and ' // range%key('to'))
             return
         end if
-        call make_bins(range, over%bins, problems)
+        if (.not. range%from < range%to) then
+            call problems%add(range%key('to'), 'the bins would end at ' // to_text(range%to) // ', which is not above ' &
+                              // to_text(range%from) // ', where they begin', 'give from < to')
+        else if (range%is_log .and. .not. range%from > 0) then
+            call problems%add(range%key('spacing'), 'logarithmic spacing needs positive ends, not ' // to_text(range%from), &
+                              "use spacing = 'linear' or another " // range%key('from'))
+        else if (.not. is_finite(range%to - range%from)) then
+            call problems%add(range%key('to'), 'the ends of the bins are too far apart', 'use other ends')
+        else if (real(range%count, dp) * bytes_of_ends > real(physical_memory(), dp)) then
+            call problems%add(range%key('bins'), to_text(range%count) // ' bins need more memory than this machine has', &
+                              'use fewer bins')
+        else
+            made = even_bins(range%from, range%to, range%count, range%is_log)
+            if (all(made%edge(2:) > made%edge(:range%count))) then
+                over%bins = made
+            else
+                call problems%add(range%key('bins'), to_text(range%count) // ' bins are narrower than the spacing of the &
+                                  &numbers between ' // to_text(range%from) // ' and ' // to_text(range%to), 'use fewer bins')
+            end if
+        end if
     end subroutine choose_bins_of
 
     !> The values of an axis, increasing, each once (none if it has an interval), and its range.
@@ -309,36 +320,6 @@ contains
             found = smallest
         end do
     end subroutine find_axis_values
-
-    !> Bins of a range; none if there are problems.
-    subroutine make_bins(range, bins, problems)
-        type(range_of_bins_t), intent(in) :: range
-        type(bins_t), intent(inout) :: bins
-        type(problems_t), intent(inout) :: problems
-        type(bins_t) :: made
-        integer, parameter :: bytes_of_ends = 16
-
-        if (.not. range%from < range%to) then
-            call problems%add(range%key('to'), 'the bins would end at ' // to_text(range%to) // ', which is not above ' &
-                              // to_text(range%from) // ', where they begin', 'give from < to')
-        else if (range%is_log .and. .not. range%from > 0) then
-            call problems%add(range%key('spacing'), 'logarithmic spacing needs positive ends, not ' // to_text(range%from), &
-                              "use spacing = 'linear' or another " // range%key('from'))
-        else if (.not. is_finite(range%to - range%from)) then
-            call problems%add(range%key('to'), 'the ends of the bins are too far apart', 'use other ends')
-        else if (real(range%count, dp) * bytes_of_ends > real(physical_memory(), dp)) then
-            call problems%add(range%key('bins'), to_text(range%count) // ' bins need more memory than this machine has', &
-                              'use fewer bins')
-        else
-            made = even_bins(range%from, range%to, range%count, range%is_log)
-            if (all(made%edge(2:) > made%edge(:range%count))) then
-                bins = made
-            else
-                call problems%add(range%key('bins'), to_text(range%count) // ' bins are narrower than the spacing of the &
-                                  &numbers between ' // to_text(range%from) // ' and ' // to_text(range%to), 'use fewer bins')
-            end if
-        end if
-    end subroutine make_bins
 
     !> A key of the binned quantity: `statistics.from(2)`.
     function key(self, name)

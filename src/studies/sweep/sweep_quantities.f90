@@ -1,40 +1,105 @@
-!> The quantities of a case in a sweep table. A quantity that does not exist is NaN, with the reason in a
-!> note.
+!> The cases of a sweep, and how their quantities are computed. A block has a slot for each of its cases; engines, of which each
+!> takes the cases that suit it, compute their quantities, many at once where they can. A quantity that does not exist is NaN,
+!> with the reason in a note.
+!>
+!>     call run_engines(engines, slots, task)   ! the first engine that takes a case computes it
 module spintop_sweep_quantities
+    use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_case, only: case_t
-    use spintop_kinds, only: dp, pi, degree, is_finite, cross
+    use spintop_event_recorder, only: column_event_t
     use spintop_floquet, only: find_multipliers
     use spintop_force_extremes, only: force_extremes_t, find_force_extremes
     use spintop_free_motion, only: free_motion_t, inclination_range, prepare_free_motion
-    use spintop_measures, only: measures_t, no_class, watch_centre_height, watch_nutation_rate, watch_precession_rate, &
-        watch_total_force, watch_turning, watch_vertical_force
+    use spintop_kinds, only: dp, pi, degree, is_finite, cross
+    use spintop_measures, only: growth_t, measures_t, no_class, watch_centre_height, watch_nutation_rate, &
+        watch_precession_rate, watch_total_force, watch_turning, watch_vertical_force
     use spintop_momentum_path, only: find_momentum_path, momentum_path_t
     use spintop_motion, only: motion_t, motion_from_quaternion
     use spintop_nutation, only: nutation_t, find_nutation
+    use spintop_planning, only: plan_t
     use spintop_relative_equilibrium, only: find_equilibrium_eigenvalues
-    use spintop_status, only: is_ok, status_meanings, status_non_finite, status_unsuitable
+    use spintop_status, only: is_good_end, is_ok, status_meanings, status_non_finite, status_ok, status_step_limit, &
+        status_unsuitable
     use spintop_steady_motion, only: fast_top_t, fast_top, critical_omega3
-    use spintop_sweep_engine, only: slot_t, lacks_perturbations
-    use spintop_sweep_result, only: at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, &
-        at_nutation_rate, at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, &
-        at_precession_rate_fast_top, at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, &
-        at_azimuth_after_period, at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, at_theta_end, &
-        at_phi_end, at_psi_end, at_theta_rate_end, at_energy_error_max, at_motion_class, at_spin_per_nutation, &
-        at_theta_rate_max, at_force_max, at_force_z_min, at_force_z_max, at_t_end, at_momentum_period, at_momentum_turn, &
-        at_momentum_turn_geometric, at_momentum_axis, at_omega_max, note_t, note_no_period, note_no_turns, &
-        note_no_nutation, note_no_class, note_no_fast_top, note_no_details, note_no_azimuth, note_no_exact_motion, &
-        note_no_momentum_period, note_no_precession_period, note_not_free, note_no_threshold, note_nothing_to_bound, &
-        kinds_of_work, of_class, of_fastest, of_force, of_free, of_geometric, of_lowest, of_nutation_rate, of_range, &
-        of_vertical_force, of_whole, sweep_result_t, &
-        at_critical_omega3, at_sleeping_ratio, at_growth_rate, at_upright_multiplier, note_no_growth, note_no_lyapunov, &
-        note_no_multiplier, note_no_singular, only_without_effects, of_growth, of_lyapunov, of_multiplier, of_singular
+    use spintop_sweep_result, only: at_largest_singular_value, at_lyapunov_exponent, kinds_of_work, note_no_lyapunov, &
+        note_no_singular, note_no_turns_known, note_t, of_lyapunov, of_singular, of_turns, of_whole, sweep_result_t, &
+        at_theta_min, at_theta_max, at_delta_u, at_delta_u_fast_top, at_nutation_period, at_nutation_rate, &
+        at_nutation_rate_fast_top, at_precession_per_nutation, at_precession_rate, at_precession_rate_fast_top, &
+        at_nutations_per_turn, at_nutations_per_turn_fast_top, at_precession_period, at_azimuth_after_period, &
+        at_nutations_in_period, at_phi_rate_max, at_fast_top_ratio, at_com_z_min, at_theta_end, at_phi_end, at_psi_end, &
+        at_theta_rate_end, at_energy_error_max, at_motion_class, at_spin_per_nutation, at_theta_rate_max, at_force_max, &
+        at_force_z_min, at_force_z_max, at_t_end, at_momentum_period, at_momentum_turn, at_momentum_turn_geometric, &
+        at_momentum_axis, at_omega_max, note_no_period, note_no_turns, note_no_nutation, note_no_class, note_no_fast_top, &
+        note_no_details, note_no_azimuth, note_no_exact_motion, note_no_momentum_period, note_no_precession_period, &
+        note_not_free, note_no_threshold, note_nothing_to_bound, of_class, of_fastest, of_force, of_free, of_geometric, &
+        of_lowest, of_nutation_rate, of_range, of_vertical_force, at_critical_omega3, at_sleeping_ratio, at_growth_rate, &
+        at_upright_multiplier, note_no_growth, note_no_multiplier, only_without_effects, of_growth, of_multiplier
     use spintop_tangent_flow, only: drive_period
     implicit none
     private
-    public :: extremes, watched_for, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, set_details, &
+    public :: task_t, slot_t, engine_t, engine_entry_t, run_engines, lacks_nothing, lacks_motion, lacks_perturbations, &
+        extremes, watched_for, set_nutation, set_measured, set_fast_top, set_azimuth, set_end, set_details, &
         precession_period, explain_missing, find_free_constants, compute_stability, set_threshold
+
+    !> What a case still lacks: the quantities of its motion, and then those that perturbations of it tell.
+    integer, parameter :: lacks_nothing = 0, lacks_motion = 1, lacks_perturbations = 2
+
+    !> What is asked of every case of a sweep.
+    type :: task_t
+        !> Selected groups of quantities.
+        logical :: wanted(kinds_of_work) = .false.
+        !> The motion ends at the n-th of the events, if there are any.
+        type(column_event_t), allocatable :: events(:)
+        integer :: stop_after = 1
+    end type task_t
+
+    !> A case of a block, and what is known of it.
+    type :: slot_t
+        type(case_t) :: case
+        !> Model, method and settings.
+        type(plan_t), pointer :: plan => null()
+        !> Remaining work, in steps.
+        integer(int64) :: max_steps = 0
+        integer :: lacks = lacks_nothing
+        !> `status_ok`, another good end, or the reason of a failure (spintop_status).
+        integer :: status = status_ok
+        type(note_t) :: note
+        type(sweep_result_t) :: result
+        !> The end of the motion, s, up to which the growth of perturbations is to be found; 0 where it is not.
+        real(dp) :: growth_until = 0
+    contains
+        procedure :: fail
+        procedure :: explain_turns
+        procedure :: store_growth
+    end type slot_t
+
+    !> A way to compute cases.
+    type, abstract :: engine_t
+        !> What it gives to cases that lack it.
+        integer :: gives = lacks_motion
+    contains
+        procedure, nopass :: takes
+        procedure, nopass :: shares_lanes
+        procedure(compute), deferred :: compute
+    end type engine_t
+
+    !> An engine of a list.
+    type :: engine_entry_t
+        class(engine_t), allocatable :: engine
+    end type engine_entry_t
+
+    abstract interface
+        !> Computes some cases of a block. Those that it sets back to `lacks_motion` are left to the engines after it.
+        subroutine compute(self, slots, list, task)
+            import :: engine_t, slot_t, task_t
+            class(engine_t), intent(inout) :: self
+            type(slot_t), intent(inout) :: slots(:) !! the block
+            integer, intent(in) :: list(:) !! the places of the cases, one at least
+            type(task_t), intent(in) :: task !! what is asked of them, the same in every call
+        end subroutine compute
+    end interface
 
     real(dp), parameter :: no_angles(3) = 0
 
@@ -52,6 +117,90 @@ module spintop_sweep_quantities
         extreme_t(at_force_max, of_force, watch_total_force, .true.)]
 
 contains
+
+    !> Computes the cases of a block: each by the first engine that takes it.
+    subroutine run_engines(engines, slots, task)
+        type(engine_entry_t), intent(inout) :: engines(:) !! the last for what is lacking takes all
+        type(slot_t), intent(inout) :: slots(:) !! the cases
+        type(task_t), intent(in) :: task !! what is asked of them
+        integer :: list(size(slots)), i, k, n
+        logical :: is_like(size(slots))
+
+        do i = 1, size(engines)
+            associate (engine => engines(i)%engine)
+                n = 0
+                do k = 1, size(slots)
+                    if (slots(k)%lacks /= engine%gives) cycle
+                    if (.not. engine%takes(slots(k), task)) cycle
+                    n = n + 1
+                    list(n) = k
+                end do
+                do while (n > 0)
+                    is_like(:n) = [(engine%shares_lanes(slots(list(1)), slots(list(k))), k=1, n)]
+                    associate (like => pack(list(:n), is_like(:n)), others => pack(list(:n), .not. is_like(:n)))
+                        slots(like)%lacks = lacks_nothing
+                        call engine%compute(slots, like, task)
+                        n = size(others)
+                        list(:n) = others
+                    end associate
+                end do
+            end associate
+        end do
+    end subroutine run_engines
+
+    !> Whether the engine can compute a case: any that has not failed, unless the engine overrides this.
+    logical function takes(slot, task)
+        type(slot_t), intent(in) :: slot !! the case
+        type(task_t), intent(in) :: task !! what is asked of it
+        takes = is_good_end(slot%status)
+    end function takes
+
+    !> Whether two cases can be computed together; any two unless the engine overrides this.
+    logical function shares_lanes(a, b)
+        type(slot_t), intent(in) :: a, b !! the cases
+        shares_lanes = .true.
+    end function shares_lanes
+
+    !> Notes that the motion passed poles within its error, where turns are wanted.
+    subroutine explain_turns(self, passages, wanted)
+        class(slot_t), intent(inout) :: self
+        integer, intent(in) :: passages !! number of such passages
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (passages == 0 .or. .not. (wanted(of_turns) .or. wanted(of_whole))) return
+        call self%note%add(note_no_turns_known, 'the motion passes a pole within its error')
+    end subroutine explain_turns
+
+    !> Stores what perturbations tell, or notes the reasons why they do not. Work that was not finished, or overflow, is a failure
+    !> of the case.
+    subroutine store_growth(self, found, wanted)
+        class(slot_t), intent(inout) :: self
+        type(growth_t), intent(in) :: found !! the growth
+        logical, intent(in) :: wanted(kinds_of_work) !! selected groups of quantities
+        if (wanted(of_lyapunov)) call store(at_lyapunov_exponent, found%exponent, found%exponent_status, note_no_lyapunov)
+        if (wanted(of_singular)) call store(at_largest_singular_value, found%singular, found%singular_status, note_no_singular)
+
+    contains
+
+        subroutine store(place, value, how, reason)
+            integer, intent(in) :: place, how, reason
+            real(dp), intent(in) :: value
+            if (is_ok(how)) then
+                self%result%of(place) = value
+            else
+                call self%note%add(reason, trim(status_meanings(how)))
+                if (how == status_step_limit .or. how == status_non_finite) self%status = how
+            end if
+        end subroutine store
+
+    end subroutine store_growth
+
+    !> Ends a case without success.
+    subroutine fail(self, status)
+        class(slot_t), intent(inout) :: self
+        integer, intent(in) :: status !! the reason
+        self%status = status
+        call self%note%explain(trim(status_meanings(status)))
+    end subroutine fail
 
     !> The whole nutation of a closed form, in the axes of the input and relative to its frame.
     subroutine set_nutation(slot, nutation, wanted)
@@ -255,25 +404,13 @@ contains
         type(slot_t), intent(inout) :: slot !! a case, and what is known of it
         type(motion_t), intent(in) :: motion !! the motion at the end of the span, in the axes of the computation
         real(dp), intent(in) :: energy_error !! largest relative energy error
+        type(motion_t) :: seen
+        seen = motion
+        if (slot%case%turn%is_turned()) seen = slot%case%turn%back(motion, motion%given_angle)
         slot%result%of(at_energy_error_max) = energy_error
-        if (slot%case%turn%is_turned()) then
-            call set_end_as_given(slot%case%turn%back(motion, motion%given_angle))
-        else
-            call set_end_as_given(motion)
-        end if
-
-    contains
-
-        !> The same in the axes in which the body was given.
-        subroutine set_end_as_given(seen)
-            type(motion_t), intent(in) :: seen
-            slot%result%of(at_t_end) = seen%t
-            slot%result%of(at_theta_end) = seen%angle(2)
-            slot%result%of(at_phi_end) = seen%angle(1)
-            slot%result%of(at_psi_end) = seen%angle(3)
-            slot%result%of(at_theta_rate_end) = seen%rate(2)
-        end subroutine set_end_as_given
-
+        slot%result%of(at_t_end) = seen%t
+        slot%result%of([at_phi_end, at_theta_end, at_psi_end]) = seen%angle
+        slot%result%of(at_theta_rate_end) = seen%rate(2)
     end subroutine set_end
 
     !> Notes why a case lacks a quantity: the note of its column, unless something else tells the same.

@@ -3,12 +3,11 @@
 !> begun, finished and summarized. What it will need, the size of its table, memory and time, shows a sample of its cases.
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_files, only: host_name, replace_file, utc_now
     use spintop_job, only: compare_with_writer, job_t
     use spintop_kinds, only: dp
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t, study_t
     use spintop_problems, only: problems_t
     use spintop_process, only: peak_memory, processor_seconds, seconds, stop_watching_signals
     use spintop_ranks, only: ranks_t
@@ -18,12 +17,10 @@ module spintop_sweep_study
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: count_failed, is_good_end, last_status, status_meaning, status_name, status_ok
-    use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: duration, rounded, summary_t
     use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
-    use spintop_sweep_table, only: cells_of_row, describe_columns, describe_table
-    use spintop_sweep_worker, only: size_of_block, sweep_rows_t
+    use spintop_sweep_worker, only: cells_of_row, describe_columns, describe_table, size_of_block, sweep_rows_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_table_head, only: shard_t
     use spintop_text, only: join, string_t, strings_of, to_text
@@ -50,9 +47,6 @@ module spintop_sweep_study
         real(dp) :: work = 0
     end type sample_t
 
-    !> First and last case of an empty range.
-    integer(int64), parameter :: no_cases(2) = [1, 0]
-
     !> A case for each combination of the axes, one row each.
     type, extends(study_t) :: sweep_study_t
     contains
@@ -65,14 +59,12 @@ module spintop_sweep_study
 contains
 
     !> Plans the first case; the others are made during the run.
-    subroutine check(self, job, problems, diagnostics)
+    subroutine check(self, job, problems)
         class(sweep_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: first
 
-        call job%make_axes(problems, diagnostics)
         if (job%axes%cases == 0) return
         call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
@@ -169,7 +161,7 @@ contains
         type(error_t), allocatable, intent(out) :: error
         character(:), allocatable :: head, text
 
-        cases = no_cases
+        cases = [1, 0] ! none
         call describe_table(job, options%shard, table, head)
         call compare_with_writer(options%ranks, head, error)
         if (allocated(error)) return

@@ -380,7 +380,7 @@ contains
         end do
         ! The last row is that of the event which ends the motion.
         if (stride > 1 .and. allocated(recorder) .and. writer%rows > 0) values(:, size(values, 2)) = writer%kept(:, writer%rows)
-        call writer%columns%close()
+        call writer%columns%proof%close()
     end subroutine find
 
 end module spintop_motion_rows

@@ -3,7 +3,6 @@
 !> derive from the registry.
 module spintop_trajectory_columns
     use spintop_attitude, only: rotation_angle, to_space, vertical_from_quaternion
-    use spintop_body, only: body_t
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_orientation, proof_of_phi, &
         proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_words
@@ -26,36 +25,7 @@ module spintop_trajectory_columns
         watch_vertical_momentum
     implicit none
     private
-    public :: trajectory_columns, value_of, is_free_of_angles, motion_view_t, row_maker_t
-
-    !> One motion after the other of a case.
-    type :: motion_view_t
-        !> The body as it was given, and that of the computation.
-        type(body_t) :: body, turned_body
-        !> The motion of the body as it was given, and as it was computed.
-        type(motion_t) :: motion, computed
-        !> Work of effects since the start by its parts, J.
-        real(dp) :: work(works) = 0
-        !> Energy and vertical momentum at the start, and the scale of the energy error.
-        real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
-        type(case_t), private :: case
-        !> Angles of the last motion.
-        real(dp) :: near(3) = 0
-        !> The proof of the numbers, where it is wanted.
-        type(row_proof_t) :: proof
-        type(exact_motion_t), allocatable, private :: oracle
-        type(conditioning_t), allocatable, private :: conditioning
-        !> What was computed of this motion when a column asked for it.
-        logical, private :: has_energies = .false., has_force = .false.
-        real(dp), private :: known_energies(2) = 0, known_force(3) = 0
-    contains
-        procedure :: set_case
-        procedure :: set_motion
-        procedure :: set_angles
-        procedure :: energies
-        procedure :: energy_change
-        procedure :: force
-    end type motion_view_t
+    public :: trajectory_columns, is_free_of_angles, row_maker_t
 
     !> The vectors by their numbers.
     enum, bind(C)
@@ -174,18 +144,28 @@ module spintop_trajectory_columns
     !> All columns, in the order of the table's documentation. A variable, since flang 19 fails at components of constants.
     type(column), protected :: trajectory_columns(size(registry)) = registry
 
-    !> Gives the values of columns, motion by motion.
+    !> Gives the values of columns, one motion of a case after the other.
     type :: row_maker_t
-        private
-        type(study_column_t), allocatable :: columns(:)
+        !> The proof of the numbers, where it is wanted.
+        type(row_proof_t) :: proof
+        type(study_column_t), allocatable, private :: columns(:)
         !> The vectors by their numbers, and the numbers of those of which the columns are components.
-        real(dp) :: vectors(longest, vectors) = 0
-        integer, allocatable :: needed(:)
-        type(motion_view_t) :: view
-        !> Whether the angles and their rates are enough for all columns.
-        logical :: needs_angles_only = .false.
-        !> Whether some columns are in other units than their own.
-        logical :: has_converted = .false.
+        real(dp), private :: vectors(longest, vectors) = 0
+        integer, allocatable, private :: needed(:)
+        !> Whether the angles and their rates are enough for all columns; whether some columns are in other units than their own.
+        logical, private :: needs_angles_only = .false., has_converted = .false.
+        type(case_t), private :: case
+        !> The motion of the body as it was given, and as it was computed.
+        type(motion_t), private :: motion, computed
+        !> Work of effects since the start by its parts, J.
+        real(dp), private :: work(works) = 0
+        !> Energy and vertical momentum at the start, and the scale of the energy error.
+        real(dp), private :: energy_of_start = 0, momentum_of_start = 0, energy_scale = 1
+        type(exact_motion_t), allocatable, private :: oracle
+        type(conditioning_t), allocatable, private :: conditioning
+        !> What was computed of this motion when a column asked for it.
+        logical, private :: has_energies = .false., has_force = .false.
+        real(dp), private :: known_energies(2) = 0, known_force(3) = 0
     contains
         procedure :: set
         procedure :: row
@@ -193,34 +173,173 @@ module spintop_trajectory_columns
         procedure :: find_exact_row
         procedure :: is_defined
         procedure :: write_row
-        procedure :: proof_summary
-        procedure :: close
     end type row_maker_t
 
 contains
 
-    !> Sets the case, and the invariants of its start.
-    subroutine set_case(self, case)
-        class(motion_view_t), intent(out) :: self
+    !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
+    !> pole are not replaced.
+    pure subroutine use_given_start(start, motion)
+        type(motion_t), intent(in) :: start
+        type(motion_t), intent(inout) :: motion
+        motion%angle = start%angle
+        where (is_finite(start%rate)) motion%rate = start%rate
+        motion%omega = start%omega
+        motion%quaternion = start%quaternion
+    end subroutine use_given_start
+
+    !> Kinetic and potential energy, J.
+    function energies(self)
+        type(row_maker_t), intent(inout) :: self
+        real(dp) :: energies(2)
+        if (.not. self%has_energies) self%known_energies = [kinetic_energy(self%case%given_body, self%motion), &
+                                                            potential_energy(self%case%given_body, self%motion)]
+        self%has_energies = .true.
+        energies = self%known_energies
+    end function energies
+
+    !> Change of the energy since the start, J.
+    real(dp) function energy_change(self)
+        type(row_maker_t), intent(inout) :: self
+        energy_change = sum(energies(self)) - self%energy_of_start
+    end function energy_change
+
+    !> The support force in space axes, N.
+    function force_on(self) result(force)
+        type(row_maker_t), intent(inout) :: self
+        real(dp) :: force(3)
+        if (.not. self%has_force) self%known_force = support_force(self%case%given_body, self%motion)
+        self%has_force = .true.
+        force = self%known_force
+    end function force_on
+
+    !> Whether the value follows from the attitude, the angular velocity and its rate.
+    elemental logical function is_free_of_angles(of)
+        type(column), intent(in) :: of !! the column
+        is_free_of_angles = any(groups_free_of_angles == of%group)
+    end function is_free_of_angles
+
+    !> The components of a vector for the current motion; those that it does not have are left as they were.
+    subroutine fill_vector(now, which)
+        type(row_maker_t), intent(inout) :: now !! the motion; the components are set
+        integer, intent(in) :: which !! number of the vector
+        type(motion_t) :: exact
+        real(dp) :: force(3)
+        integer :: status
+        associate (vector => now%vectors(:, which), body => now%case%given_body)
+            select case (which)
+            case (vector_time)
+                vector(1) = now%motion%t
+            case (vector_angles)
+                vector(:3) = now%motion%angle
+            case (vector_rates)
+                vector(:3) = now%motion%rate
+            case (vector_omega)
+                vector(:3) = now%motion%omega
+            case (vector_omega_in_space)
+                vector(:3) = to_space(now%motion%quaternion, now%motion%omega)
+            case (vector_quaternion)
+                vector(:4) = now%motion%quaternion
+            case (vector_vertical) ! upward, in body axes
+                vector(:3) = vertical_from_quaternion(now%motion%quaternion)
+            case (vector_axis)
+                vector(:3) = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
+            case (vector_centre)
+                vector(:3) = to_space(now%motion%quaternion, body%centre_of_mass)
+            case (vector_energies) ! kinetic, potential, and their sum
+                vector(:2) = energies(now)
+                vector(3) = sum(vector(:2))
+            case (vector_energy_error)
+                ! Without the work of effects, relative to the scale of the energies, which work may exceed.
+                vector(1) = (energy_change(now) - sum(now%work)) / max(now%energy_scale, sum(abs(now%work)))
+            case (vector_momenta) ! about the vertical, and about body z
+                vector(1) = vertical_momentum(body, now%motion)
+                vector(2) = axial_momentum(body, now%motion)
+            case (vector_residuals) ! of Euler's equations
+                vector(:3) = euler_residuals(body, now%motion)
+            case (vector_changes) ! of the vertical momentum and of the energy
+                vector(:2) = [vertical_momentum(body, now%motion) - now%momentum_of_start, energy_change(now)]
+            case (vector_force)
+                vector(:3) = force_on(now)
+            case (vector_force_beside_axis) ! along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0)
+                force = force_on(now)
+                associate (phi => now%motion%angle(1))
+                    vector(:2) = [force(1) * sin(phi) - force(2) * cos(phi), force(1) * cos(phi) + force(2) * sin(phi)]
+                end associate
+            case (vector_errors) ! of the attitude, and of the axis tip, in the axes of the computation
+                if (.not. allocated(now%oracle)) then
+                    allocate (now%oracle)
+                    call prepare_exact_motion(now%case%body, now%case%start, now%oracle, status)
+                end if
+                exact = now%oracle%at(now%computed%t)
+                vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
+                vector(2) = norm2(axis_tip(now%case%body, now%computed) - axis_tip(now%case%body, exact))
+            case (vector_inherent_error)
+                if (.not. allocated(now%conditioning)) then
+                    allocate (now%conditioning)
+                    call prepare_conditioning(now%case%body, now%case%start, now%conditioning, status)
+                end if
+                vector(1) = now%conditioning%floor_at(now%motion%t)
+            case (vector_norm_error)
+                vector(1) = now%motion%norm_error
+            case (vector_axis_z_rate)
+                vector(1) = axis_height_rate(now%motion)
+            case (vector_kovalevskaya)
+                vector(1) = kovalevskaya_integral(body, now%motion)
+            case (vector_goryachev)
+                vector(1) = goryachev_integral(body, now%motion)
+            case (vector_accelerometer) ! at the centre of mass, in body axes
+                vector(:3) = specific_force(body, now%motion)
+            case (vector_work) ! the parts, and their sum
+                vector(:works) = now%work
+                vector(works + 1) = sum(now%work)
+            case (vector_bounds) ! one for each quantity (spintop_certificate)
+                vector(:proof_count) = now%proof%bounds
+            case (vector_proof) ! 1 where all bounds of the row are proved
+                vector(1) = merge(1, 0, now%proof%is_proved())
+            end select
+        end associate
+    end subroutine fill_vector
+
+    !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
+    !> says what is to be proved, and of which data.
+    subroutine set(self, columns, case, scene)
+        class(row_maker_t), intent(inout) :: self
+        type(study_column_t), intent(in) :: columns(:) !! the columns
         type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
+        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
+        integer :: i
+        call self%proof%close()
+        self%proof = row_proof_t()
+        if (allocated(self%oracle)) deallocate (self%oracle)
+        if (allocated(self%conditioning)) deallocate (self%conditioning)
+        self%columns = columns
+        self%needed = pack([(i, i=1, vectors)], [(any(columns%source == i), i=1, vectors)])
+        self%has_converted = any(columns%is_converted())
+        self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
         self%case = case
-        self%near = case%given_start%angle
-        self%body = case%given_body
-        self%turned_body = case%body
+        self%work = 0
         associate (body => case%given_body, start => case%given_start)
             self%energy_of_start = kinetic_energy(body, start) + potential_energy(body, start)
             self%momentum_of_start = vertical_momentum(body, start)
             self%energy_scale = energy_scale(body, start)
         end associate
-    end subroutine set_case
+        if (.not. present(scene)) return
+        call self%proof%open(wanted_proofs(columns%quantity(), scene%certified, ''), scene%certified, case%given_body, &
+                             case%given_start, data_radii(scene))
+    end subroutine set
 
-    !> Sets the current motion. That at the start, by its time, is shown as it was given.
-    subroutine set_motion(self, computed, as_computed)
-        class(motion_view_t), intent(inout) :: self
-        type(motion_t), intent(in) :: computed !! in the axes of the computation
+    !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
+    !> body as it was given. That at the start, by its time, is told as it was given.
+    function row(self, computed, as_computed, work) result(values)
+        class(row_maker_t), intent(inout) :: self
+        type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
         logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
+        real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
+        real(dp) :: values(size(self%columns))
         real(dp) :: printed(proof_count)
         logical :: is_start
+        if (present(work)) self%work = work
         is_start = is_zero(computed%t)
         if (present(as_computed)) is_start = is_start .and. .not. as_computed
         self%computed = computed
@@ -236,190 +355,6 @@ contains
             self%motion%angle = printed([proof_of_phi, proof_of_theta, proof_of_psi])
             self%motion%omega = printed(proof_of_omega1:proof_of_omega3)
         end if
-        call forget(self)
-    end subroutine set_motion
-
-    !> Sets the time, the angles and their rates of the current motion alone. The axes are those of the computation, and no
-    !> number is to be proved.
-    subroutine set_angles(self, t, angle, rate)
-        class(motion_view_t), intent(inout) :: self
-        real(dp), intent(in) :: t, angle(3), rate(3) !! time, s; phi, theta, psi, rad; their rates, rad/s
-        self%motion%t = t
-        self%motion%angle = angle
-        self%motion%rate = rate
-        if (is_zero(t)) call use_given_start(self%case%given_start, self%motion)
-        call forget(self)
-    end subroutine set_angles
-
-    !> Forgets what columns asked of the motion before.
-    subroutine forget(self)
-        type(motion_view_t), intent(inout) :: self
-        self%near = self%motion%angle
-        self%has_energies = .false.
-        self%has_force = .false.
-    end subroutine forget
-
-    !> Replaces the attitude and the rates of a formulation by the given values. Rates that do not exist at a
-    !> pole are not replaced.
-    pure subroutine use_given_start(start, motion)
-        type(motion_t), intent(in) :: start
-        type(motion_t), intent(inout) :: motion
-        motion%angle = start%angle
-        where (is_finite(start%rate)) motion%rate = start%rate
-        motion%omega = start%omega
-        motion%quaternion = start%quaternion
-    end subroutine use_given_start
-
-    !> Kinetic and potential energy, J.
-    function energies(self)
-        class(motion_view_t), intent(inout) :: self
-        real(dp) :: energies(2)
-        if (.not. self%has_energies) self%known_energies = [kinetic_energy(self%body, self%motion), &
-                                                            potential_energy(self%body, self%motion)]
-        self%has_energies = .true.
-        energies = self%known_energies
-    end function energies
-
-    !> Change of the energy since the start, J.
-    real(dp) function energy_change(self)
-        class(motion_view_t), intent(inout) :: self
-        energy_change = sum(self%energies()) - self%energy_of_start
-    end function energy_change
-
-    !> The support force in space axes, N.
-    function force(self)
-        class(motion_view_t), intent(inout) :: self
-        real(dp) :: force(3)
-        if (.not. self%has_force) self%known_force = support_force(self%body, self%motion)
-        self%has_force = .true.
-        force = self%known_force
-    end function force
-
-    !> Whether the value follows from the attitude, the angular velocity and its rate.
-    elemental logical function is_free_of_angles(of)
-        type(column), intent(in) :: of !! the column
-        is_free_of_angles = any(groups_free_of_angles == of%group)
-    end function is_free_of_angles
-
-    !> The value of a column for the current motion.
-    real(dp) function value_of(which, now)
-        type(column), intent(in) :: which !! the column
-        type(motion_view_t), intent(inout) :: now !! the motion
-        real(dp) :: vector(longest)
-        call fill_vector(which%source, now, vector)
-        value_of = vector(which%component)
-    end function value_of
-
-    !> The components of a vector for the current motion; those that it does not have are left as they were.
-    subroutine fill_vector(which, now, vector)
-        integer, intent(in) :: which !! number of the vector
-        type(motion_view_t), intent(inout) :: now !! the motion
-        real(dp), intent(inout) :: vector(longest) !! its components are set
-        type(motion_t) :: exact
-        real(dp) :: force(3)
-        integer :: status
-        select case (which)
-        case (vector_time)
-            vector(1) = now%motion%t
-        case (vector_angles)
-            vector(:3) = now%motion%angle
-        case (vector_rates)
-            vector(:3) = now%motion%rate
-        case (vector_omega)
-            vector(:3) = now%motion%omega
-        case (vector_omega_in_space)
-            vector(:3) = to_space(now%motion%quaternion, now%motion%omega)
-        case (vector_quaternion)
-            vector(:4) = now%motion%quaternion
-        case (vector_vertical) ! upward, in body axes
-            vector(:3) = vertical_from_quaternion(now%motion%quaternion)
-        case (vector_axis)
-            vector(:3) = to_space(now%motion%quaternion, [0.0_dp, 0.0_dp, 1.0_dp])
-        case (vector_centre)
-            vector(:3) = to_space(now%motion%quaternion, now%body%centre_of_mass)
-        case (vector_energies) ! kinetic, potential, and their sum
-            vector(:2) = now%energies()
-            vector(3) = sum(vector(:2))
-        case (vector_energy_error)
-            ! Without the work of effects, relative to the scale of the energies, which work may exceed.
-            vector(1) = (now%energy_change() - sum(now%work)) / max(now%energy_scale, sum(abs(now%work)))
-        case (vector_momenta) ! about the vertical, and about body z
-            vector(1) = vertical_momentum(now%body, now%motion)
-            vector(2) = axial_momentum(now%body, now%motion)
-        case (vector_residuals) ! of Euler's equations
-            vector(:3) = euler_residuals(now%body, now%motion)
-        case (vector_changes) ! of the vertical momentum and of the energy
-            vector(:2) = [vertical_momentum(now%body, now%motion) - now%momentum_of_start, now%energy_change()]
-        case (vector_force)
-            vector(:3) = now%force()
-        case (vector_force_beside_axis) ! along (sin phi, -cos phi, 0), and along the line of nodes (cos phi, sin phi, 0)
-            force = now%force()
-            associate (phi => now%motion%angle(1))
-                vector(:2) = [force(1) * sin(phi) - force(2) * cos(phi), force(1) * cos(phi) + force(2) * sin(phi)]
-            end associate
-        case (vector_errors) ! of the attitude, and of the axis tip, in the axes of the computation
-            if (.not. allocated(now%oracle)) then
-                allocate (now%oracle)
-                call prepare_exact_motion(now%case%body, now%case%start, now%oracle, status)
-            end if
-            exact = now%oracle%at(now%computed%t)
-            vector(1) = rotation_angle(exact%quaternion, now%computed%quaternion)
-            vector(2) = norm2(axis_tip(now%turned_body, now%computed) - axis_tip(now%turned_body, exact))
-        case (vector_inherent_error)
-            if (.not. allocated(now%conditioning)) then
-                allocate (now%conditioning)
-                call prepare_conditioning(now%case%body, now%case%start, now%conditioning, status)
-            end if
-            vector(1) = now%conditioning%floor_at(now%motion%t)
-        case (vector_norm_error)
-            vector(1) = now%motion%norm_error
-        case (vector_axis_z_rate)
-            vector(1) = axis_height_rate(now%motion)
-        case (vector_kovalevskaya)
-            vector(1) = kovalevskaya_integral(now%body, now%motion)
-        case (vector_goryachev)
-            vector(1) = goryachev_integral(now%body, now%motion)
-        case (vector_accelerometer) ! at the centre of mass, in body axes
-            vector(:3) = specific_force(now%body, now%motion)
-        case (vector_work) ! the parts, and their sum
-            vector(:works) = now%work
-            vector(works + 1) = sum(now%work)
-        case (vector_bounds) ! one for each quantity (spintop_certificate)
-            vector(:proof_count) = now%proof%bounds
-        case (vector_proof) ! 1 where all bounds of the row are proved
-            vector(1) = merge(1, 0, now%proof%is_proved())
-        end select
-    end subroutine fill_vector
-
-    !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
-    !> says what is to be proved, and of which data.
-    subroutine set(self, columns, case, scene)
-        class(row_maker_t), intent(inout) :: self
-        type(study_column_t), intent(in) :: columns(:) !! the columns
-        type(case_t), intent(in) :: case !! the case whose motions are shown, in the axes in which its body was given
-        type(scene_t), intent(in), optional :: scene !! contents of the input, if numbers may be proved
-        integer :: i
-        call self%close()
-        self%columns = columns
-        self%needed = pack([(i, i=1, vectors)], [(any(columns%source == i), i=1, vectors)])
-        self%has_converted = any(columns%is_converted())
-        call self%view%set_case(case)
-        self%needs_angles_only = .not. case%turn%is_turned() .and. all(columns%group == angle_group)
-        if (.not. present(scene)) return
-        call self%view%proof%open(wanted_proofs(columns%quantity(), scene%certified, ''), scene%certified, case%given_body, &
-                                  case%given_start, data_radii(scene))
-    end subroutine set
-
-    !> The row of a motion, which is in the axes of the computation; all but the errors are those of the
-    !> body as it was given. That at the start is told as it was given.
-    function row(self, computed, as_computed, work) result(values)
-        class(row_maker_t), intent(inout) :: self
-        type(motion_t), intent(in) :: computed !! the motion in the axes of the computation
-        logical, intent(in), optional :: as_computed !! whether the start, too, is shown as it was computed
-        real(dp), intent(in), optional :: work(works) !! of effects, J; that of the last motion if it is not given
-        real(dp) :: values(size(self%columns))
-        if (present(work)) self%view%work = work
-        call self%view%set_motion(computed, as_computed)
         call find_values(self, values)
     end function row
 
@@ -428,7 +363,7 @@ contains
     pure logical function wants_angles_of(self, exact)
         class(row_maker_t), intent(in) :: self
         type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
-        wants_angles_of = self%needs_angles_only .and. .not. exact%has_to_follow() .and. .not. any(self%view%proof%wanted)
+        wants_angles_of = self%needs_angles_only .and. .not. exact%has_to_follow() .and. .not. any(self%proof%wanted)
     end function wants_angles_of
 
     !> The row at a time t of the exact motion, which is much faster than `row` and has the same values.
@@ -437,9 +372,9 @@ contains
         type(exact_motion_t), intent(in) :: exact !! the exact motion of the case
         real(dp), intent(in) :: t !! time, s
         real(dp), intent(out) :: values(:) !! the row, one value per column
-        real(dp) :: angle(3), rate(3)
-        call exact%find_angles(t, angle, rate)
-        call self%view%set_angles(t, angle, rate)
+        self%motion%t = t
+        call exact%find_angles(t, self%motion%angle, self%motion%rate)
+        if (is_zero(t)) call use_given_start(self%case%given_start, self%motion)
         call find_values(self, values)
     end subroutine find_exact_row
 
@@ -448,8 +383,10 @@ contains
         class(row_maker_t), intent(inout) :: self
         real(dp), intent(out) :: values(:)
         integer :: i
+        self%has_energies = .false.
+        self%has_force = .false.
         do i = 1, size(self%needed)
-            call fill_vector(self%needed(i), self%view, self%vectors(:, self%needed(i)))
+            call fill_vector(self, self%needed(i))
         end do
         do i = 1, size(self%columns)
             values(i) = self%vectors(self%columns(i)%component, self%columns(i)%source)
@@ -465,7 +402,7 @@ contains
         integer :: i
         is_defined = all(abs(values) <= huge(1.0_dp)) ! faster than calls of is_finite
         if (is_defined) return
-        at_pole = abs(sin(self%view%near(2))) <= 4 * epsilon(1.0_dp)
+        at_pole = abs(sin(self%motion%angle(2))) <= 4 * epsilon(1.0_dp)
         do i = 1, size(values)
             if (is_finite(values(i)) .or. self%columns(i)%group == proof_group) cycle
             if (.not. (at_pole .and. self%columns(i)%is(off_poles))) return
@@ -487,19 +424,5 @@ contains
             end if
         end do
     end subroutine write_row
-
-    !> How many rows are proved, and why others are not; empty if no proof was wanted.
-    function proof_summary(self) result(text)
-        class(row_maker_t), intent(in) :: self
-        character(:), allocatable :: text
-        text = ''
-        if (any(self%view%proof%wanted)) text = self%view%proof%summary()
-    end function proof_summary
-
-    !> Gives back the memory of the proof.
-    subroutine close(self)
-        class(row_maker_t), intent(inout) :: self
-        call self%view%proof%close()
-    end subroutine close
 
 end module spintop_trajectory_columns

@@ -3,7 +3,6 @@ module spintop_trajectory_study
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_q0
     use spintop_process, only: seconds, stop_watching_signals
-    use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t, exit_internal, exit_ok
     use spintop_event_recorder, only: event_columns, event_recorder_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
@@ -13,14 +12,13 @@ module spintop_trajectory_study
     use spintop_kinds, only: dp
     use spintop_motion, only: motion_t
     use spintop_motion_rows, only: compute_motion, writer_t, find_sensitivities
-    use spintop_options, only: options_t
+    use spintop_study, only: options_t, study_t
     use spintop_planning, only: sample_time
     use spintop_problems, only: problems_t
     use spintop_row_proof, only: row_proof_t, wanted_proofs
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: code_of, is_good_end, is_ok, status_meaning, status_name
     use spintop_steady_motion, only: sleeps_slowly
-    use spintop_study, only: study_t
     use spintop_study_column, only: study_column_t
     use spintop_summary, only: decimal, rounded, slow_sleeper, summary_t
     use spintop_table_end, only: check_table
@@ -48,11 +46,10 @@ module spintop_trajectory_study
 contains
 
     !> Plans the motion.
-    subroutine check(self, job, problems, diagnostics)
+    subroutine check(self, job, problems)
         class(trajectory_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(scene_t), allocatable :: scene
 
         call job%make_first_case(scene, problems, planned=.true.)
@@ -160,8 +157,10 @@ contains
             end associate
         end if
         if (missing > 0) call summary%add('note', to_text(missing) // ' derivatives do not converge: they are nan')
-        if (writer%columns%proof_summary() /= '') call summary%add('proof', writer%columns%proof_summary())
-        call writer%columns%close()
+        associate (proof => writer%columns%proof)
+            if (any(proof%wanted)) call summary%add('proof', proof%summary())
+            call proof%close()
+        end associate
     end subroutine run
 
     !> Begins the table of the motion, and that of its events if there is to be one. `recorder` looks for the events; it is not
@@ -193,10 +192,11 @@ contains
         if (size(job%events) > 0) then
             allocate (recorder)
             call recorder%set(job%events, job%stop_after, job%case)
-            if (job%files%events /= '') call recorder%open_table(job%files%events, study_head(job, &
-                [event_columns, job%columns%column_t]), job%columns, job%case, job%input%scene, error)
+            if (job%files%events /= '') call recorder%open_table(job%columns, job%case, job%input%scene, error, &
+                job%files%events, study_head(job, [event_columns, job%columns%column_t]))
             if (allocated(error)) then
-                call discard_tables(writer, recorder)
+                call writer%table%discard()
+                call recorder%file%discard()
                 return
             end if
         end if
@@ -206,14 +206,6 @@ contains
         end associate
     end subroutine begin_tables
 
-    !> Discards the tables after an error.
-    subroutine discard_tables(writer, recorder)
-        type(writer_t), intent(inout) :: writer
-        type(event_recorder_t), allocatable, intent(inout) :: recorder
-        call writer%table%discard()
-        if (allocated(recorder)) call recorder%discard_table()
-    end subroutine discard_tables
-
     !> Finishes the tables with a line on how the motion ended; after an error they are discarded.
     subroutine finish_tables(job, outcome, writer, recorder, error)
         type(job_t), intent(in) :: job
@@ -222,16 +214,22 @@ contains
         type(event_recorder_t), allocatable, intent(inout) :: recorder
         type(error_t), allocatable, intent(out) :: error
         type(string_t) :: trailer(1)
+        character(:), allocatable :: ending
 
         if (allocated(writer%error)) then
             call move_alloc(writer%error, error)
         else
-            trailer(1)%text = 'status: ' // ending_of(outcome)
+            ! How it ended, and when if it is not complete.
+            ending = status_name(outcome%status)
+            if (.not. is_ok(outcome%status)) ending = ending // ' at t = ' // to_text(outcome%end_time())
+            trailer(1)%text = 'status: ' // ending
             if (job%files%events /= '') call recorder%close_table(trailer, error)
-            if (.not. allocated(error)) call writer%finish(ending_of(outcome), error)
+            if (.not. allocated(error)) call writer%finish(ending, error)
         end if
         call stop_watching_signals()
-        if (allocated(error)) call discard_tables(writer, recorder)
+        if (.not. allocated(error)) return
+        call writer%table%discard()
+        if (allocated(recorder)) call recorder%file%discard()
     end subroutine finish_tables
 
     !> The summary: plan, motion, events, cost, and how the motion ended.
@@ -282,14 +280,6 @@ contains
         error = error_t(exit_internal, escaped(job%input%path) // ': not enough memory for ' // what // &
                         to_text(job%plan%samples) // ' rows; use fewer span.samples')
     end subroutine refuse_size
-
-    !> How a motion ended, and when if it is not complete.
-    function ending_of(outcome) result(text)
-        type(outcome_t), intent(in) :: outcome
-        character(:), allocatable :: text
-        text = status_name(outcome%status)
-        if (.not. is_ok(outcome%status)) text = text // ' at t = ' // to_text(outcome%end_time())
-    end function ending_of
 
     !> Time of a preparation, and of one sample (angles, rates, quaternion, acceleration), s.
     subroutine measure_exact_cost(case, setup, sample)

@@ -11,12 +11,11 @@ module spintop_sweep_exact
     use spintop_regular_start, only: rates_describe
     use spintop_status, only: is_ok, status_step_limit
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_engine, only: engine_t, slot_t, task_t
+    use spintop_sweep_quantities, only: engine_t, slot_t, task_t, find_free_constants, set_nutation, set_fast_top, &
+        set_azimuth, set_end, set_details, precession_period, compute_stability
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, &
         note_no_stop, kinds_of_work, of_details, of_end, of_energy, of_fast_top, of_free, of_inherent, of_nutation, &
         of_period, of_turns
-    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_fast_top, set_azimuth, set_end, &
-        set_details, precession_period, compute_stability
     implicit none
     private
     public :: sweep_exact_t

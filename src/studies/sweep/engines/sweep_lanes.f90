@@ -6,7 +6,7 @@ module spintop_sweep_lanes
     use spintop_case, only: case_t
     use spintop_effects, only: kernel_effects
     use spintop_energy_lanes, only: energy_lanes_t
-    use spintop_event_text, only: column_event_t
+    use spintop_event_recorder, only: column_event_t
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, is_equal, is_finite, is_zero, no_number, pi
@@ -19,9 +19,8 @@ module spintop_sweep_lanes
     use spintop_projection, only: project_nothing
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
     use spintop_stepper, only: controls_t
-    use spintop_sweep_engine, only: engine_t, lacks_motion, slot_t, task_t
-    use spintop_sweep_quantities, only: compute_stability, find_free_constants, precession_period, set_azimuth, set_end, &
-        set_fast_top, set_measured, watched_for
+    use spintop_sweep_quantities, only: engine_t, lacks_motion, slot_t, task_t, compute_stability, find_free_constants, &
+        precession_period, set_azimuth, set_end, set_fast_top, set_measured, watched_for
     use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_energy, of_fast_top, of_fastest, &
         of_force, of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
     use spintop_taylor_lanes, only: integrate_many, lane_monitor_t, lanes, monitor_slot_t, taylor_lanes_t
@@ -203,7 +202,6 @@ contains
             end associate
         end do
     end subroutine compute
-
 
     !> Creates the monitors for the work and for the events.
     subroutine create_monitors(wanted, controls, events, stop_after, slots)

@@ -19,9 +19,8 @@ module spintop_sweep_one_by_one
     use spintop_quantities, only: energy_scale, kinetic_energy, potential_energy
     use spintop_status, only: is_good_end, is_ok, status_meanings, status_step_limit
     use spintop_stepper, only: looks_per_step
-    use spintop_sweep_engine, only: engine_t, slot_t, task_t
-    use spintop_sweep_quantities, only: find_free_constants, set_nutation, set_measured, set_fast_top, set_azimuth, &
-        set_end, set_details, precession_period, watched_for, compute_stability
+    use spintop_sweep_quantities, only: engine_t, slot_t, task_t, find_free_constants, set_nutation, set_measured, &
+        set_fast_top, set_azimuth, set_end, set_details, precession_period, watched_for, compute_stability
     use spintop_sweep_result, only: at_orientation_error, at_inherent_error, at_evaluations, at_t_end, &
         at_t_stuck, note_t, note_no_details, note_no_stop, kinds_of_work, of_class, of_cost, of_details, of_end, &
         of_energy, of_fast_top, of_fastest, of_growth, of_inherent, of_lyapunov, of_measured, of_multiplier, &

@@ -126,8 +126,9 @@ contains
             nutation%spin_rate = real(points%omega3, dp)
             nutation%period = ieee_value(1.0_dp, ieee_positive_inf)
             ! Without nutation the period is that of infinitely small nutations, which an unstable upright has not.
-            if (points%roots%frequency > 0 .and. .not. is_separatrix(points)) &
+            if (points%roots%frequency > 0 .and. .not. is_separatrix(points)) then
                 nutation%period = real(pi_xp / points%roots%frequency, dp)
+            end if
             nutation%spin = whole_turn(nutation%spin_rate, nutation%period)
             return
         end if

@@ -76,8 +76,8 @@ PROCEDURE(find_changes, (n, share, rounding, a, noise, sign, changes, near), int
 PROCEDURE(refine_root, (n, iterations, still, a, u, doubt), int n, int iterations, double still, const double *a, double *u,
           double *doubt)
 
-// closed_form/top_lanes.h: the exact solution of the tops of a block: the quantities of a whole nutation, the motion at the end of
-// the span, and phi at another time.
+// closed_form/top_lanes.h: the exact solution of the tops of a block: the quantities of a whole nutation, the motion at the end
+// of the span, and phi at another time.
 PROCEDURE(find_tops, (wants_end, wants_period, block), int wants_end, int wants_period, struct exact_block *block)
 
 #undef PROCEDURE

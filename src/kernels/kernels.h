@@ -46,7 +46,8 @@ struct exact_block {
         theta_rate[block_size], omega3[block_size], phi[block_size], psi[block_size], t_end[block_size], t_period[block_size];
     double theta_min[block_size], theta_max[block_size], u_min[block_size], delta_u[block_size], period[block_size],
         precession[block_size], precession_rate[block_size], phi_rate_max[block_size];
-    double theta_end[block_size], phi_end[block_size], psi_end[block_size], theta_rate_end[block_size], energy_error[block_size];
+    double theta_end[block_size], phi_end[block_size], psi_end[block_size], theta_rate_end[block_size],
+        energy_error[block_size];
     double phi_at_period[block_size];
     long long doubt[block_size];
     int status[block_size], n, fallbacks;

@@ -20,7 +20,7 @@ module spintop_row_proof
         integer :: rows(0:last_reason) = 0
         !> The time of the first row that is not proved, s.
         real(dp) :: first_unproved = huge(1.0_dp)
-        type(certificate_t), private :: certificate
+        type(certificate_t), private :: certificate = certificate_t()
     contains
         procedure :: open
         procedure :: prove

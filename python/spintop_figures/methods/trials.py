@@ -218,7 +218,7 @@ def legend_of(
         for status, letter in letters.items() if verdict.name == "failed" else ():
             chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
-            text = f"{write_count(len(chosen))} by {name_of(status)}: {reason}"
+            text = f"{write_count(len(chosen))} {name_of(status)}: {reason}"
             lines.append((square(verdict, letter), text))
     nothing = Line2D([], [], linestyle="")
     if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):

@@ -13,12 +13,10 @@ module spintop_constancy
     use spintop_body, only: body_t
     use spintop_kinds, only: dp, pi, is_finite
     use spintop_effects, only: timeless_effects
-    use spintop_dop853, only: dop853_t
-    use spintop_dop853_table, only: dop853_table
+    use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
     use spintop_event, only: event_quantities_t, event_t, occasion_none
     use spintop_motion, only: motion_from_quaternion, motion_t
-    use spintop_rigid_body, only: rigid_body_t
-    use spintop_status, only: is_ok
+    use spintop_quantities, only: angular_acceleration
     implicit none
     private
     public :: find_constant, find_noise, driven_rate, greatest_fall_rate, noise_of_step, noise_of_tolerance
@@ -45,53 +43,35 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the motion at the start
         logical, intent(out) :: is_constant(:) !! one for each event
-        type(rigid_body_t), target :: formulation
-        type(dop853_t) :: method
+        type(dop853_table_t) :: table
         type(motion_t) :: motion
         real(dp), dimension(size(is_constant)) :: values, distance, noise
-        real(dp) :: fall, pace
-        integer :: i, status
+        real(dp) :: fall, h
+        integer :: i
 
         fall = greatest_fall_rate(body)
         is_constant = search%events%occasion == occasion_none .and. .not. search%events%turn_by_turn
-        call look_at(start)
-        if (changes_later(body)) is_constant = .false.
-        pace = largest_rate(body, start)
-        if (.not. (pace > 0 .and. is_finite(pace) .and. any(is_constant))) return
-        method%table = dop853_table()
-        method%formulation => formulation
-        method%controls%steps = steps
-        method%t = start%t
-        method%t_begin = start%t
-        method%t_end = start%t + steps * turn_of_step / pace
-        call formulation%prepare(body, start, method%y, status)
-        if (is_ok(status)) call method%begin(status)
+        h = largest_rate(body, start)
         motion = start
-        do i = 1, steps
-            if (is_ok(status)) call method%advance(status)
-            if (.not. is_ok(status)) is_constant = .false.
-            if (.not. any(is_constant)) exit
-            motion = formulation%motion(method%t, method%y, motion%angle)
-            motion%given_angle = start%given_angle
-            motion%norm_error = 0
-            call look_at(motion)
-        end do
-        ! The angles of the next motion are near those of the last one that was seen.
-        call search%quantities(start, values)
-
-    contains
-
-        !> Notes which quantities are off their levels at an instant.
-        subroutine look_at(motion)
-            type(motion_t), intent(in) :: motion
+        do i = 0, steps
+            if (i == 1) then
+                if (changes_later(body)) is_constant = .false.
+                if (.not. (h > 0 .and. is_finite(h) .and. any(is_constant))) return
+                h = turn_of_step / h
+                table = dop853_table()
+            end if
+            if (i > 0) call step(table, body, h, motion)
             call search%quantities(motion, values)
             distance = distance_from_level(search%events, values)
             is_constant = is_constant .and. is_finite(distance)
-            if (.not. any(is_constant)) return
-            call find_noise(search, fall, motion, noise)
-            is_constant = is_constant .and. distance <= margin * noise
-        end subroutine look_at
-
+            if (any(is_constant)) then
+                call find_noise(search, fall, motion, noise)
+                is_constant = is_constant .and. distance <= margin * noise
+            end if
+            if (i > 0 .and. .not. any(is_constant)) exit
+        end do
+        ! The angles of the next motion are near those of the last one that was seen.
+        call search%quantities(start, values)
     end subroutine find_constant
 
     !> Distance of a quantity from its level, or from the nearest of several.
@@ -119,6 +99,35 @@ contains
         rate = rate + norm2(body%effects%frame_rate) + norm2(body%effects%rotor_momentum / body%inertia)
         if (any(abs(body%effects%vibration_amplitude) > 0)) rate = rate + abs(body%effects%vibration_rate)
     end function largest_rate
+
+    !> One step of the motion, h in s.
+    subroutine step(table, body, h, motion)
+        type(dop853_table_t), intent(in) :: table
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: h
+        type(motion_t), intent(inout) :: motion
+        type(motion_t) :: stage
+        real(dp) :: k(7, main_stages), y(7), given(3)
+        integer :: i
+
+        do i = 1, main_stages
+            y = 0
+            if (i > 1) y = h * matmul(k(:, :i - 1), table%a(:i - 1, i))
+            stage = motion
+            stage%t = motion%t + table%c(i) * h
+            stage%quaternion = motion%quaternion + y(:4)
+            stage%omega = motion%omega + y(5:)
+            k(:4, i) = quaternion_product(stage%quaternion, [0.0_dp, stage%omega]) / 2
+            stage%quaternion = stage%quaternion / norm2(stage%quaternion)
+            k(5:, i) = angular_acceleration(body, stage)
+        end do
+        y = h * matmul(k, table%b(:main_stages))
+        y(:4) = motion%quaternion + y(:4)
+        given = motion%given_angle
+        motion = motion_from_quaternion(motion%t + h, y(:4) / norm2(y(:4)), motion%omega + y(5:), motion%angle)
+        motion%given_angle = given
+        motion%omega_rate = angular_acceleration(body, motion)
+    end subroutine step
 
     !> What quantities change by between a motion and its neighbours: their rounding errors.
     subroutine find_noise(search, fall, motion, noise)

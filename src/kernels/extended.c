@@ -1,19 +1,14 @@
 // The closed form of one symmetric top in extended precision, for turning_points.f90 and circular_form.f90. Components as
-// there.
+// there, where the kind of numbers is that of long double.
 
 #include <float.h>
 #include <math.h>
 
-#if LDBL_MANT_DIG >= 64
-typedef long double real;
-#define of_real(name) name##l
-#else
-__extension__ typedef __float128 real;
-#define of_real(name) name##q
-// Of libquadmath, a part of the library of gfortran, whose header not every compiler has.
-real sqrtq(real), fabsq(real), atan2q(real, real), copysignq(real, real);
+#if LDBL_MANT_DIG < 64
+#error "the closed form of tops needs a long double of 64 binary digits or more"
 #endif
 
+typedef long double real;
 #define inlined static inline
 typedef int truth;
 static const real pi = 3.14159265358979323846264338327950288L;
@@ -24,10 +19,10 @@ inlined int any_of(truth condition) { return condition; }
 inlined real choose(truth condition, real a, real b) { return condition ? a : b; }
 inlined real less_of(real a, real b) { return a < b ? a : b; }
 inlined real greater_of(real a, real b) { return a > b ? a : b; }
-inlined real magnitude(real x) { return of_real(fabs)(x); }
-inlined real square_root(real x) { return of_real(sqrt)(x); }
-inlined real with_sign(real a, real b) { return of_real(copysign)(a, b); }
-inlined real argument_of(real x, real y) { return of_real(atan2)(y, x); }
+inlined real magnitude(real x) { return fabsl(x); }
+inlined real square_root(real x) { return sqrtl(x); }
+inlined real with_sign(real a, real b) { return copysignl(a, b); }
+inlined real argument_of(real x, real y) { return atan2l(y, x); }
 // 0/0 = 0: the limits of the exact solution at rest, at a pole and without gravity.
 inlined real divided(real a, real b) { return choose(magnitude(a) > 0, a / b, 0); }
 inlined real inverse(real b) { return choose(magnitude(b) > 0, 1 / b, 0); }

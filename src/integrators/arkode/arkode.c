@@ -78,7 +78,7 @@ static int rhs(double t, N_Vector y, N_Vector slope, void *of) {
     double state[most_states], rate[most_states];
     from_vector(of, y, state);
     const int verdict = spintop_arkode_rhs(((struct spintop_arkode *)of)->run, t, state, rate);
-    to_vector(of, rate, slope);
+    if (verdict == 0) to_vector(of, rate, slope);
     return verdict;
 }
 

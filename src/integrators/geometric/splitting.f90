@@ -39,33 +39,14 @@ contains
         logical, intent(in) :: is_nystrom !! whether it is for Nystrom splits only
         real(dp), parameter :: outer = 1 / (4 - 4**(1.0_dp / 3))
 
-        select case (merge(-order, order, is_nystrom .and. (order == 4 .or. order == 6)))
-        case (2)
-            ! Kick, drift, kick (Stoermer, Verlet, Strang).
-            table = composition([real(dp) ::])
-        case (4)
-            ! Five steps of order 2 (Suzuki, Phys. Lett. A 146, 1990).
-            table = composition([outer, outer])
-        case (6)
-            ! Nine steps of order 2 (Kahan and Li, Math. Comp. 66, 1997).
-            table = composition( &
-                [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
-                 -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp])
-        case (8)
-            ! Seventeen steps of order 2 (Kahan and Li).
-            table = composition( &
-                [0.13020248308889008087881763_dp, 0.56116298177510838456196441_dp, &
-                 -0.38947496264484728640807860_dp, 0.15884190655515560089621075_dp, &
-                 -0.39590389413323757733623154_dp, 0.18453964097831570709183254_dp, &
-                 0.25837438768632204729397911_dp, 0.29501172360931029087096624_dp])
-        case (-4)
+        if (is_nystrom .and. order == 4) then
             ! Method SRKN_6^b of Blanes and Moan (J. Comput. Appl. Math. 142, 2002). Here and below their 15 decimals are extended
             ! by Newton's method for the order conditions.
             table = mirrored( &
                 [0.08298440641740501883834748_dp, 0.3963098014983680770949115_dp, &
                  -0.03905630492234843517086529_dp], &
                 [0.2452989571842711626039324_dp, 0.6048726657110799749608927_dp])
-        case (-6)
+        else if (is_nystrom .and. order == 6) then
             ! Method SRKN_14^a of the same authors; it begins with a drift.
             table = mirrored( &
                 [0.0_dp, 0.09171915262446201798118323_dp, 0.1839831700050048984914766_dp, &
@@ -75,7 +56,25 @@ contains
                  -0.02586788826655833316394696_dp, 0.3142414030714464341471425_dp, &
                  -0.1301444595174151138496151_dp, 0.1064177003695413680222801_dp, &
                  -0.008794243128510204394069428_dp])
-        end select
+        else if (order == 2) then
+            ! Kick, drift, kick (Stoermer, Verlet, Strang).
+            table = composition([real(dp) ::])
+        else if (order == 4) then
+            ! Five steps of order 2 (Suzuki, Phys. Lett. A 146, 1990).
+            table = composition([outer, outer])
+        else if (order == 6) then
+            ! Nine steps of order 2 (Kahan and Li, Math. Comp. 66, 1997).
+            table = composition( &
+                [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
+                 -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp])
+        else
+            ! Seventeen steps of order 2 (Kahan and Li).
+            table = composition( &
+                [0.13020248308889008087881763_dp, 0.56116298177510838456196441_dp, &
+                 -0.38947496264484728640807860_dp, 0.15884190655515560089621075_dp, &
+                 -0.39590389413323757733623154_dp, 0.18453964097831570709183254_dp, &
+                 0.25837438768632204729397911_dp, 0.29501172360931029087096624_dp])
+        end if
     end function splitting_table
 
     !> The composition of steps kick, drift, kick of the sizes `step` h, for any drift that is symmetric.

@@ -41,8 +41,6 @@ module spintop_runge_kutta
     type, extends(stepper_t) :: ode45_t
         type(butcher_t) :: table
         real(dp) :: k(max_states, max_stages) = 0
-        !> Exponent of the error in the step size.
-        real(dp) :: power = 0.2_dp
     contains
         procedure :: begin => begin_ode45
         procedure :: advance => advance_ode45
@@ -154,13 +152,12 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: steepest
 
-        self%power = 1.0_dp / self%table%order
         call self%set_weight()
         call self%evaluate(self%t, self%y, self%slope, status)
         if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
         steepest = maxval(abs(self%slope) / self%weight%matlab_magnitude(self%y, self%y)) &
-                   / (0.8_dp * self%controls%relative_tolerance**self%power)
+                   / (0.8_dp * self%controls%relative_tolerance**(1.0_dp / self%table%order))
         if (self%h * steepest > 1) self%h = 1 / steepest
     end subroutine begin_ode45
 
@@ -168,9 +165,10 @@ contains
     subroutine advance_ode45(self, status)
         class(ode45_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), error, growth
+        real(dp) :: h, h_smallest, h_left, t_new, y_new(max_states), error, growth, power
         logical :: first_trial, changed
 
+        power = 1.0_dp / self%table%order
         h_smallest = smallest_step(0.0_dp, self%t)
         h_left = longest_step(self%formulation, self%y)
         self%h = min(max(self%h, h_smallest), largest_share * (self%t_end - self%t_begin))
@@ -192,7 +190,7 @@ contains
             if (.not. is_ok(status)) then
                 self%h = h / 2
             else if (first_trial) then
-                self%h = h * max(0.1_dp, 0.8_dp * (self%controls%relative_tolerance / error)**self%power)
+                self%h = h * max(0.1_dp, 0.8_dp * (self%controls%relative_tolerance / error)**power)
             else
                 self%h = h / 2
             end if
@@ -203,7 +201,7 @@ contains
         self%slope = self%k(:, self%table%stages)
         if (changed) call self%evaluate(self%t, self%y, self%slope, status)
         if (first_trial) then
-            growth = 1.25_dp * (error / self%controls%relative_tolerance)**self%power
+            growth = 1.25_dp * (error / self%controls%relative_tolerance)**power
             self%h = h / max(growth, 0.2_dp)
         end if
     end subroutine advance_ode45

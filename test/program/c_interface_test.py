@@ -3,7 +3,6 @@
 import json
 import re
 import subprocess
-import tomllib
 
 import pytest
 
@@ -46,12 +45,11 @@ def numbers(text):
 def build(folder, source, compiler):
     """Compile a program without warnings, and link it with the static library."""
     program = folder / source.stem
-    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
-    libraries = " ".join("-l" + library for library in manifest["build"]["link"])
     command = (
-        f". '{ROOT}/.venv/bin/activate' && {compiler} {WARNINGS} {EXTRA} -I'{ROOT}/include'"
+        f". '{ROOT}/scripts/setup' && {compiler} {WARNINGS} {EXTRA} -I'{ROOT}/include'"
         f" -c '{source}' -o object.o && gfortran -fopenmp {EXTRA} object.o"
-        f" '{EXE.parent}/lib/libspintop.a' $FPM_LDFLAGS {libraries} -lstdc++ -lm -o '{program}'"
+        f" '{EXE.parent}/lib/libspintop.a' $(all_link_flags) $(libraries_of_manifest)"
+        f" -lstdc++ -lm -o '{program}'"
     )
     done = subprocess.run(
         ["bash", "-c", command], cwd=folder, capture_output=True, text=True, check=False

@@ -7,7 +7,6 @@ the closed form, quantities of a nutation with those of its sweeps, and the othe
 import itertools
 import math
 import re
-import tomllib
 
 import numpy as np
 import pytest
@@ -62,14 +61,13 @@ def nutations(spin):
 @pytest.fixture
 def example(spin):
     """Compiles an example, and runs it: what it prints."""
-    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
-    libraries = " ".join("-l" + library for library in manifest["build"]["link"])
 
     def run(name):
         command = (
-            f". '{ROOT}/.venv/bin/activate' && gfortran -std=f2008 -Wall -fopenmp"
+            f". '{ROOT}/scripts/setup' && gfortran -std=f2008 -Wall -fopenmp"
             f" -I'{EXE.parent}/include' -J. '{ROOT}/example/{name}.f90'"
-            f" '{EXE.parent}/lib/libspintop.a' $FPM_LDFLAGS {libraries} {EXTRA} -o {name}"
+            f" '{EXE.parent}/lib/libspintop.a' $(all_link_flags) $(libraries_of_manifest)"
+            f" {EXTRA} -o {name}"
             f" && ./{name}"
         )
         return spin.call(command=("bash", "-c", command)).out

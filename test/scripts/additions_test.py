@@ -45,7 +45,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
     for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
         patch = ROOT / f"test/additions/{name}.patch"
         subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {"SPINTOP_NETCDF": "0", "SPINTOP_FLAGS": "-O0"}
+    environment = {"SPINTOP_FLAGS": "-O0"}
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
     build = ("bash", "-c", "source scripts/setup; build release")
     execute(*build, cwd=root, environment=environment)

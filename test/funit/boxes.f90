@@ -25,8 +25,8 @@ module funit_boxes
     !> Put a value into a box. pf2f90.py writes this around what stands in an assert.
     interface boxed
         module procedure boxed_real, boxed_reals, boxed_real_matrix
-        module procedure boxed_integer, boxed_integers, boxed_integer_matrix
-        module procedure boxed_long, boxed_longs, boxed_long_matrix
+        module procedure boxed_integer, boxed_integers
+        module procedure boxed_long, boxed_longs
         module procedure boxed_truth, boxed_truths
         module procedure boxed_text, boxed_texts
     end interface boxed
@@ -63,12 +63,6 @@ contains
         box = scalar(boxed_integers([x]))
     end function boxed_integer
 
-    pure function boxed_integer_matrix(x) result(box)
-        integer(int32), intent(in) :: x(:, :)
-        type(box_t) :: box
-        box = shaped(boxed_integers(reshape(x, [size(x)])), shape(x))
-    end function boxed_integer_matrix
-
     pure function boxed_longs(x) result(box)
         integer(int64), intent(in) :: x(:)
         type(box_t) :: box
@@ -80,12 +74,6 @@ contains
         type(box_t) :: box
         box = scalar(boxed_longs([x]))
     end function boxed_long
-
-    pure function boxed_long_matrix(x) result(box)
-        integer(int64), intent(in) :: x(:, :)
-        type(box_t) :: box
-        box = shaped(boxed_longs(reshape(x, [size(x)])), shape(x))
-    end function boxed_long_matrix
 
     pure function boxed_truths(x) result(box)
         logical, intent(in) :: x(:)

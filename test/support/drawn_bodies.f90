@@ -1,9 +1,6 @@
 !> Bodies drawn at random, always the same.
 module drawn_bodies
-    use runs, only: unit_body
-    use spintop_body, only: body_t
-    use spintop_kinds, only: dp, pi
-    use spintop_motion, only: motion_from_angles, motion_t
+    use mechanics
     implicit none
     private
     public :: draw_case, draw_cases

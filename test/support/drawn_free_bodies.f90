@@ -1,10 +1,6 @@
 !> Free rigid bodies and their starts, drawn in all regimes of the motion.
 module drawn_free_bodies
-    use random_stream, only: random_stream_t
-    use runs, only: start_from
-    use spintop_body, only: body_t
-    use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t
+    use mechanics
     implicit none
     private
     public :: draw, free_body

@@ -1,9 +1,6 @@
 !> Tops drawn at random, and the same tops in other units.
 module drawn_tops
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_body, only: body_t
-    use spintop_kinds, only: dp, pi
-    use spintop_motion, only: motion_t, motion_from_angles
+    use mechanics
     use spintop_random, only: uniform
     implicit none
     private

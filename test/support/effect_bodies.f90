@@ -1,10 +1,6 @@
 !> A body under each effect, and attitudes, for tests of its equations.
 module effect_bodies
-    use spintop_body, only: body_t
-    use spintop_effects, only: effect_axial_rotor, effect_drag, effect_drive, effect_frame, effect_friction, &
-        effect_friction_table, effect_harmonic, effect_lift, effect_rotor, effect_shake, effect_table, effect_torque, &
-        effect_upright_frame, effects_t, harmonic_t
-    use spintop_kinds, only: dp
+    use mechanics
     use spintop_torque_table, only: by_lines, by_monotone, make_friction_table, make_torque_table
     implicit none
     private

@@ -18,6 +18,7 @@ module mechanics
     use spintop_formulation
     use spintop_formulations
     use spintop_integration
+    use spintop_lyapunov, only: find_largest_singular_value, find_lyapunov, growth_lanes_t
     use spintop_methods
     use spintop_motion
     use spintop_nutation
@@ -29,8 +30,10 @@ module mechanics
     use spintop_stepper
     use spintop_suitability
     use spintop_tangent_flow
+    use spintop_taylor_lanes, only: integrate_many, monitor_slot_t, taylor_lanes_t
     use event_log
     use known_tops
+    use library_tables
     use random_stream
     use recorder
     use reference_rows

@@ -1,17 +1,11 @@
 !> Jobs for suites: inputs of the folder `input`, with overrides, prepared as the program prepares them, and the rows of their
 !> cases.
 module prepared_jobs
-    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-    use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_errors, only: error_t
-    use spintop_kinds, only: dp
+    use texts_and_tables
     use spintop_job, only: job_t
     use spintop_study, only: options_t
     use spintop_preparation, only: prepare_jobs, prepared_t
-    use spintop_row_block, only: row_block_t
-    use spintop_row_table, only: row_table_t
     use spintop_sweep_worker, only: describe_table, sweep_worker_t
-    use spintop_text, only: split
     implicit none
     private
     public :: prepare, quiet_options, compute_rows, prepare_rows, cell, differ, scratch_folder

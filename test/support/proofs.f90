@@ -1,9 +1,7 @@
 !> Balls of numbers of a motion, and which numbers are wanted.
 module proofs
-    use spintop_body, only: body_t
+    use mechanics
     use spintop_certificate
-    use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t
     implicit none
     public
     private :: holds, reason

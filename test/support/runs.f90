@@ -1,7 +1,6 @@
 !> Runs of a stepper without an observer, step by step, and what the tests measure on them.
 module runs
     use spintop_kinds, only: dp
-    use spintop_attitude, only: rotation_angle
     use spintop_body, only: body_t
     use spintop_events, only: event_search_t
     use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
@@ -17,7 +16,7 @@ module runs
     private
     public :: controls_at, make_stepper, observe_motion, set_out, unit_body, run_t, propagate, propagate_from, reference_state
     public :: smooth_body, smooth_start, prepare_smooth, prepare_state, start_from, exact_start, advance_to
-    public :: attitude_error, observed_order, flow, formulations_for, total_energy
+    public :: observed_order, flow, formulations_for, total_energy
 
     !> How a run ended.
     type :: run_t
@@ -113,17 +112,12 @@ contains
     !> A body of unit mass in unit gravity.
     pure type(body_t) function unit_body(inertia, centre_of_mass) result(body)
         real(dp), intent(in) :: inertia(3), centre_of_mass(3)
-        body%gravity = 1
-        body%inertia = inertia
-        body%centre_of_mass = centre_of_mass
+        body = body_t(gravity=1.0_dp, inertia=inertia, centre_of_mass=centre_of_mass)
     end function unit_body
 
     !> A top that turns smoothly, away from the poles.
     pure type(body_t) function smooth_body() result(body)
-        body%mass = 1
-        body%inertia = [1.0_dp, 1.0_dp, 0.8_dp]
-        body%centre_of_mass = [0.0_dp, 0.0_dp, 0.5_dp]
-        body%gravity = 2
+        body = body_t(inertia=[1.0_dp, 1.0_dp, 0.8_dp], centre_of_mass=[0.0_dp, 0.0_dp, 0.5_dp], gravity=2.0_dp)
     end function smooth_body
 
     !> Its start, in the midst of a nutation.
@@ -215,15 +209,6 @@ contains
         run = propagate(stepper, formulation, y, t_end)
         y_end = run%y
     end function reference_state
-
-    !> Angle between the attitude of a state and a quaternion, rad.
-    real(dp) function attitude_error(formulation, y, quaternion) result(error)
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states), quaternion(4)
-        type(motion_t) :: motion
-        motion = formulation%motion(0.0_dp, y, [0.0_dp, 0.0_dp, 0.0_dp])
-        error = rotation_angle(motion%quaternion, quaternion)
-    end function attitude_error
 
     !> Kinetic and potential energy, J.
     pure real(dp) function total_energy(body, motion)

@@ -1,22 +1,16 @@
 !> Scenes for suites, and what the checks say of them.
 module scene_reports
     use spintop_benchmark_study, only: benchmarks
-    use spintop_body, only: body_t
+    use mechanics
     use spintop_case, only: case_t, make_case
     use spintop_comparison, only: make_scene_of_settings
-    use spintop_diagnostics, only: diagnostics_t
-    use spintop_errors, only: error_t
-    use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t
-    use spintop_parameters, only: parameter_table_t
+    use texts_and_tables
     use spintop_planning, only: make_plan, plan_t
-    use spintop_problems, only: problems_t
     use spintop_stability_study, only: hard_cases, settings_of
     use spintop_scene_keys, only: scene_t, describe_scene
-    use known_tops, only: upright_theta
     implicit none
     private
-    public :: slow_scene, scene_of, report_on, report_of, plain_case, catalogue_case
+    public :: scene_of, report_on, report_of, plain_case, catalogue_case
 
     !> Example 1 in parts, as settings of an input: its body, its start, and one nutation.
     character(*), parameter, public :: slow_body = 'top.mass=1;top.inertia=0.875,0.875,0.25;top.length=0.8660254037844386;', &
@@ -35,16 +29,6 @@ contains
         case%given_start = start
         if (present(t_end)) case%t_end = t_end
     end function plain_case
-
-    !> Example 1 over one nutation.
-    pure type(scene_t) function slow_scene() result(scene)
-        scene%mass = 1
-        scene%inertia = [0.875_dp, 0.875_dp, 0.25_dp]
-        scene%length = sqrt(0.75_dp)
-        scene%angle(2) = upright_theta
-        scene%rate(3) = 1
-        scene%nutations = 1
-    end function slow_scene
 
     !> The scene of settings as in an input: `group.key=value`, separated by semicolons.
     type(scene_t) function scene_of(settings) result(scene)

@@ -1,7 +1,8 @@
-!> The words of scenes and studies that several suites use, and the jobs that suites have for them.
+!> The words of scenes and studies that several suites use, of their mechanics, texts and tables, and the jobs that suites
+!> have for them.
 module scenes_and_studies
-    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-    use, intrinsic :: iso_fortran_env, only: int64
+    use mechanics
+    use texts_and_tables
     use spintop_axes_of_scene
     use spintop_case
     use spintop_comparison

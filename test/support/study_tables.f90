@@ -1,14 +1,11 @@
 !> Studies for suites: an input of the folder `input` is run with overrides, and its table is read back.
 module study_tables
-    use spintop_errors, only: error_t
-    use spintop_files, only: make_folder, read_file
-    use spintop_kinds, only: dp
+    use texts_and_tables
     use spintop_loaded_table, only: read_table, table_t
     use spintop_study, only: options_t
     use spintop_study_column, only: place_of, study_column_t
     use spintop_preparation, only: prepared_t
     use spintop_summary, only: summary_t
-    use spintop_text, only: string_t
     use prepared_jobs, only: prepare, quiet_options, scratch_folder
     implicit none
     private

@@ -1,13 +1,8 @@
 !> Growth of perturbations by tangent vectors of one motion, made orthonormal again and again (Benettin, Galgani, Giorgilli and
 !> Strelcyn, Meccanica 15, 1980): the judge of what is found in lanes.
 module tangent_growth
-    use spintop_body, only: body_t
-    use spintop_euler_poisson, only: euler_poisson_state
-    use spintop_kinds, only: dp
+    use mechanics
     use spintop_lyapunov, only: even_perturbation, scale_up, scales_of, span_perturbations
-    use spintop_motion, only: motion_t
-    use spintop_status, only: is_ok
-    use spintop_tangent_flow, only: propagate_tangents
     implicit none
     private
     public :: tangent_exponents, tangent_exponent, tangent_factor
@@ -15,16 +10,15 @@ module tangent_growth
 contains
 
     !> Exponents of perturbations, one per column, in the scales of the motion. With `across` they stay across the vertical.
-    subroutine tangent_exponents(body, start, t_end, pieces, directions, across, exponents, status)
+    function tangent_exponents(body, start, t_end, pieces, directions, across) result(exponents)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end, directions(:, :)
         integer, intent(in) :: pieces
         logical, intent(in) :: across
-        real(dp), intent(out) :: exponents(size(directions, 2))
-        integer, intent(out) :: status
-        real(dp) :: columns(6, 1 + size(directions, 2)), unit(6), growth(size(directions, 2))
-        integer :: piece
+        real(dp), dimension(size(directions, 2)) :: exponents, growth
+        real(dp) :: columns(6, 1 + size(directions, 2)), unit(6)
+        integer :: piece, status
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)
         columns(:, 2:) = directions * spread(unit, 2, size(directions, 2))
@@ -32,7 +26,7 @@ contains
         call separate(.false.)
         do piece = 1, pieces
             call propagate_tangents(body, t_end / pieces, columns, status)
-            if (.not. is_ok(status)) return
+            if (.not. is_ok(status)) error stop 'tangent_growth: a perturbation was not followed'
             call separate(.true.)
         end do
         exponents = growth / t_end
@@ -54,41 +48,36 @@ contains
             end do
         end subroutine separate
 
-    end subroutine tangent_exponents
+    end function tangent_exponents
 
     !> The exponent of a perturbation with equal components across the vertical.
-    subroutine tangent_exponent(body, start, t_end, pieces, exponent, status)
+    real(dp) function tangent_exponent(body, start, t_end, pieces) result(exponent)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end
         integer, intent(in) :: pieces
-        real(dp), intent(out) :: exponent
-        integer, intent(out) :: status
-        real(dp) :: x(6), unit(6), exponents(1)
+        real(dp) :: x(6), unit(6)
         x = euler_poisson_state(body, start)
         unit = scales_of(body, x, t_end)
-        call tangent_exponents(body, start, t_end, pieces, reshape(even_perturbation(x(1:3), unit) / unit, [6, 1]), .true., &
-                               exponents, status)
-        exponent = exponents(1)
-    end subroutine tangent_exponent
+        exponent = sum(tangent_exponents(body, start, t_end, pieces, &
+                                         reshape(even_perturbation(x(1:3), unit) / unit, [6, 1]), .true.))
+    end function tangent_exponent
 
     !> The largest factor by which a perturbation grows that keeps the length of the vertical.
-    subroutine tangent_factor(body, start, t_end, pieces, factor, status)
+    real(dp) function tangent_factor(body, start, t_end, pieces) result(factor)
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: t_end
         integer, intent(in) :: pieces
-        real(dp), intent(out) :: factor
-        integer, intent(out) :: status
         real(dp) :: columns(6, 6), unit(6), scale, growth
-        integer :: piece, k
+        integer :: piece, k, status
         columns(:, 1) = euler_poisson_state(body, start)
         unit = scales_of(body, columns(:, 1), t_end)
         call span_perturbations(columns(1:3, 1), unit, columns(:, 2:))
         growth = 0
         do piece = 1, pieces
             call propagate_tangents(body, t_end / pieces, columns, status)
-            if (.not. is_ok(status)) return
+            if (.not. is_ok(status)) error stop 'tangent_growth: a perturbation was not followed'
             do k = 2, 6
                 call keep_across(columns(1:3, 1), columns(:, k))
             end do
@@ -97,7 +86,7 @@ contains
             columns(:, 2:) = columns(:, 2:) / scale
         end do
         call scale_up(columns(:, 2:) / spread(unit, 2, 5), growth, factor, status)
-    end subroutine tangent_factor
+    end function tangent_factor
 
     !> Takes away what changes the length of the vertical.
     subroutine keep_across(vertical, vector)

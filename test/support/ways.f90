@@ -2,18 +2,7 @@
 !> fixed size; and runs of a body by one of them, in any units.
 module ways
     use drawn_tops, only: body_in_units, start_in_units, units_t
-    use recorder, only: recorder_t
-    use spintop_body, only: body_t
-    use spintop_formulation, only: formulation_info_t, formulation_t
-    use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_integration, only: integrate, outcome_t
-    use spintop_kinds, only: dp
-    use spintop_methods, only: create_stepper, method_infos
-    use spintop_motion, only: motion_t
-    use spintop_projection, only: project_nothing
-    use spintop_status, only: status_ok
-    use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_suitability, only: has_structure, passes_turns
+    use mechanics
     implicit none
     private
     public :: way_t, ways_for, follow, label, span_of

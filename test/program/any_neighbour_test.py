@@ -39,11 +39,10 @@ def draw_body(rng):
     elif kind == 2:
         centre = [0, 0, 0]
     damping = [rng.choice([0, 0.02]) for _ in range(3)] if rng.random() < 0.4 else [0.0] * 3
-    return (
-        named("top.inertia", inertia)
-        | named("top.centre_of_mass", centre)
-        | named("top.damping", damping)
-    )
+    found = {"inertia": inertia, "centre_of_mass": centre, "damping": damping}
+    return {
+        name: x for key, values in found.items() for name, x in named(f"top.{key}", values).items()
+    }
 
 
 def draw_start(rng):
@@ -68,7 +67,6 @@ def draw_start(rng):
 
 
 def draw_effects(rng):
-    """Up to three effects."""
     drag = [rng.choice([1e-3, 2e-2])] * 3
     if rng.random() < 0.5:
         drag = [rng.choice([0, 1e-3, 2e-3, 2e-2]) for _ in range(3)]
@@ -99,7 +97,6 @@ class Sweep:
     """Sweeps over tables of cases."""
 
     def __init__(self, spin, columns, span, effects):
-        """The same columns, span and further effects of all."""
         self.spin = spin
         self.text = (
             "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n&top mass = 1 /\n"
@@ -108,7 +105,6 @@ class Sweep:
         )
 
     def rows(self, cases, threads=1):
-        """The rows of cases, without their numbers."""
         lines = [",".join(f'"{name}"' for name in cases[0])]
         lines += [",".join(repr(float(value)) for value in case.values()) for case in cases]
         table = "\n".join(lines) + "\n"
@@ -117,9 +113,7 @@ class Sweep:
 
     def shards(self, parts):
         """The rows of the cases of the last run in as many shards."""
-        for i in range(1, parts + 1):
-            self.spin(self.text, "--restart", f"--shard={i}/{parts}", code=(0, 3))
-        names = [f"output/scene.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
+        names = self.spin.parts(self.text, parts, "--restart", code=(0, 3))
         merged = self.spin.call("merge", "merged.csv", *names, path="merged.csv", code=(0, 3))
         return rows_of(merged.path)
 

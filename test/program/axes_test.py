@@ -57,7 +57,6 @@ def test_zip(spin):
 
 
 def test_steady_precession_of_each_case(spin):
-    """It follows the swept parameters."""
     text = FREE.replace("&initial\n", "&initial steady_precession = 'slow', omega3 = 40\n")
     text += output("theta_min", "theta_max", "precession_rate")
     text += "&sweep parameter(1) = 'initial.theta', values(1,:) = 0.3, 1, 1.5, 2.5 /\n"
@@ -72,7 +71,6 @@ def test_steady_precession_of_each_case(spin):
 
 @pytest.mark.parametrize("name", ["nutation", "precession"])
 def test_spans_in_periods_of_each_case(spin, name):
-    """They follow the swept parameters."""
     text = FREE.replace("&initial\n", "&initial theta = 1, omega3 = 40\n")
     text = text.replace("    t_end = 0.5\n", "") + output("t_end", f"{name}_period")
     text += f"&sweep parameter(1) = 'span.{name}s', values(1,:) = 0.5, 1, 3 /\n"
@@ -167,7 +165,6 @@ NORMAL = (
 
 
 def test_draws_out_of_range_are_failed_cases(spin):
-    """A normal mass may be negative: its case fails, and says why."""
     rows = spin(NORMAL, code=3).rows
     failed = rows.status == "bad_input"
     assert 0 < failed.sum() < 10
@@ -192,7 +189,6 @@ def test_draws_out_of_range_are_failed_cases(spin):
     ],
 )
 def test_wrong_draws(spin, setting, part):
-    """Distributions and numbers of cases that do not exist."""
     assert part in spin.refuse(NORMAL, setting)
 
 
@@ -298,7 +294,6 @@ def test_a_table_gives_the_cases(spin, text):
 
 
 def test_the_path_is_relative_to_the_input(spin):
-    """From wherever the program is called; or absolute."""
     for name in ("data", "deep"):
         (spin.folder / name).mkdir()
         spin.write("initial.theta\n0.5\n", f"{name}/cases.csv")
@@ -360,7 +355,6 @@ def test_bad_tables(spin, text, parts):
 
 
 def test_a_missing_table(spin):
-    """Shown where the input names the table."""
     error = spin.refuse(TABLE)
     assert re.search(r"scene\.nml:\d+:16: error: cannot read .*cases\.csv", error)
 
@@ -375,5 +369,4 @@ def test_a_missing_table(spin):
     ],
 )
 def test_cases_given_twice(spin, setting, part):
-    """By a table and in another way."""
     assert part in spin.refuse(TABLE, setting, cases="initial.theta\n0.5\n")

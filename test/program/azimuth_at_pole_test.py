@@ -52,7 +52,6 @@ def sweep(spin, body, start, loss, method, t_end=4):
 
 
 def check_turns(rows):
-    """All rows are the first one, turned."""
     wanted = rows.loc[[0] * len(rows), COLUMNS].reset_index(drop=True)
     wanted.phi_end += rows["initial.phi"]
     np.testing.assert_allclose(rows[COLUMNS], wanted, rtol=0, atol=ACCURACY)
@@ -93,7 +92,6 @@ def test_plane_motions(spin, method, body, loss):
 
 
 def check_ends(rows, others, error):
-    """Both end with the same angles."""
     for name in ("phi_end", "psi_end"):
         assert rows[name][0] == pytest.approx(others[name][0], abs=error)
 
@@ -172,7 +170,6 @@ REST = "&top mass = 1 /\n&initial phi = 0.1  psi = 0.2 /\n&span t_end = 10 /\n&i
 
 
 def sweep_of(spin, cases, method):
-    """The rows of cases."""
     text = "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n" + REST.format(method)
     table = pd.DataFrame(cases).to_csv(index=False)
     run = spin(text + output("phi_end", "psi_end"), cases=table)

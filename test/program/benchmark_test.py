@@ -17,7 +17,6 @@ TIPS = {
 
 
 def study(spin, cases):
-    """A run of some of the catalogue."""
     return spin("benchmarks", f"benchmark.cases={cases}")
 
 
@@ -39,7 +38,6 @@ def test_heavy_top(spin):
 
 
 def test_quantities_without_a_figure(spin):
-    """A quantity without a published figure has its true value, and a goal of its own."""
     rows = study(spin, "steady_cone").rows
     assert rows.published.isna().all()
     assert set(rows.goal) == {1e-10}
@@ -134,7 +132,6 @@ def test_bodies_of_two_codes(spin):
 
 
 def test_refusals(spin):
-    """A benchmark that is not in the catalogue is refused, with the nearest name."""
     error = spin.refuse("benchmarks", "benchmark.cases=heavy_tops")
     assert "there is no benchmark 'heavy_tops'" in error
     assert "did you mean 'heavy_top'?" in error

@@ -38,12 +38,10 @@ int main(void) {
 
 
 def numbers(text):
-    """The numbers of a line."""
     return [float(word) for word in text.split()]
 
 
 def build(folder, source, compiler):
-    """Compile a program without warnings, and link it with the static library."""
     program = folder / source.stem
     command = (
         f". '{ROOT}/scripts/setup' && {compiler} {WARNINGS} {EXTRA} -I'{ROOT}/include'"
@@ -60,7 +58,6 @@ def build(folder, source, compiler):
 
 @pytest.fixture(scope="module")
 def driver_program(tmp_path_factory):
-    """The driver of this suite."""
     return build(tmp_path_factory.mktemp("c programs"), DRIVER, "gcc -std=c99 -x c")
 
 
@@ -75,7 +72,6 @@ def driver(spin, driver_program):
 
 
 def run_it(spin, program, *words, code=0, environment=None):
-    """What a program says, which must write nothing to standard error."""
     run = spin.call(*words, command=(program,), code=code, environment=environment)
     assert run.stderr == ""
     return run.out
@@ -108,7 +104,6 @@ def test_cpp(spin):
 
 
 def test_a_motion_that_ends(driver):
-    """Rows that were not reached are NaN, and the error has the status."""
     text = f"{TOP} {START} &span t_end = 9 / &output columns = 'theta' /"
     text += "&integration method = 'taylor' max_steps = 3 /"
     *rows, told = driver("at", text, "0", "0.001", "9", code=3).splitlines()
@@ -133,13 +128,11 @@ ADAPTIVE = EXACT + "&integration method = 'ode45' /"
     ],
 )
 def test_wrong_times(driver, text, times):
-    """Times that are not finite, decreasing, or between steps are refused."""
     told = driver("at", text, *times, code=2).splitlines()[-1]
     assert re.search(r"^2\|bad_(samples|span)\|", told)
 
 
 def test_right_times(driver):
-    """Any times of an exact motion, and those of steps."""
     driver("at", EXACT, "5", "-3", "0")
     driver("at", FIXED, "0", "0.5", "2")
 
@@ -298,7 +291,6 @@ def test_arithmetic_of_the_caller(driver, words, arithmetic):
 
 
 def test_number_of_threads(driver):
-    """More threads than a system has room for are as many as there is work for."""
     assert driver("tops", "2000000000") == driver("tops", "1")
 
 
@@ -342,6 +334,5 @@ def test_a_stopped_run(spin):
 
 @pytest.mark.parametrize("topic", ["methods", "columns", ""])
 def test_lists(spin, driver, topic):
-    """The registries are those of the program."""
     expected = spin.call("list", *[topic] * bool(topic), "--json").out
     assert json.loads(driver("list", topic)) == json.loads(expected)

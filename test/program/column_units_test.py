@@ -33,7 +33,6 @@ QUANTITIES = {
 
 
 def check(run, sizes):
-    """Each column is that in its own unit, divided by the size of the other one."""
     rows = run.rows
     for name, (own, size, unit) in sizes.items():
         assert any(f" {name} [{unit}]: " in line for line in run.comments)
@@ -123,7 +122,6 @@ def test_axes(spin):
 
 
 def test_table_of_cases(spin):
-    """The names of its columns may end in units."""
     text = "initial.psi_rate_rpm,initial.phi,top.length_cm\n60,0.1,85\n-30,0.2,90\n"
     scene = SWEEP + "&sweep table = 'cases.csv' /\n"
     rows = spin(scene, cases=text).rows
@@ -234,6 +232,5 @@ def test_mounting(spin):
     ],
 )
 def test_refusals(spin, head, message):
-    """Two columns of one quantity, and a unit of another one."""
     rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))
     assert message in " ".join(spin.refuse(TOP + RATE, data=f"{head}\n{rows}").split())

@@ -71,7 +71,6 @@ def test_parts_are_swept(spin):
     ],
 )
 def test_messages(spin, old, new, said):
-    """A wrong part is reported where it is given."""
     error = spin.refuse(TOP.replace(old, new))
     assert said in error
     assert re.search(r"scene\.nml:\d+:\d+: error: ", error)
@@ -87,7 +86,6 @@ GRAVITY = np.array([0, 0, -9.81])
 
 
 def attitude():
-    """The rotation matrix of the start, which is no principal one."""
     (cf, ct, cp), (sf, st, sp) = np.cos([PHI, THETA, PSI]), np.sin([PHI, THETA, PSI])
     about_z = np.array([[cf, -sf, 0], [sf, cf, 0], [0, 0, 1]])
     about_x = np.array([[1, 0, 0], [0, ct, -st], [0, st, ct]])
@@ -96,7 +94,6 @@ def attitude():
 
 
 def inertia(points):
-    """The inertia tensor of the points about the pivot."""
     squares = (MASSES[:, np.newaxis] * points**2).sum()
     return squares * np.eye(3) - (MASSES[:, np.newaxis] * points).T @ points
 

@@ -59,7 +59,6 @@ def test_untidy(request):
 
 
 def run_suite(folder: Path, text: str, **environment: str) -> tuple[int, list[str]]:
-    """Run a suite as scripts/test does; give the exit code and the lines."""
     for name in PLUGINS:
         shutil.copy(ROOT / name, folder)
     (folder / "some_test.py").write_text(text, encoding="utf-8")
@@ -79,7 +78,6 @@ def test_each_test_counts_once(folder: Path) -> None:
 
 @pytest.mark.parametrize("text", ["import no_such_module\n", "def test_one(:\n"])
 def test_what_cannot_be_collected_fails(folder: Path, text: str) -> None:
-    """A suite that cannot be read is one that failed, not one without tests."""
     code, lines = run_suite(folder, text)
     assert code != 0
     assert lines[-1] == "0 passed, 1 failed"
@@ -93,7 +91,6 @@ def test_a_suite_that_ends_python_fails(folder: Path) -> None:
 
 
 def test_no_test_is_an_error(folder: Path) -> None:
-    """A suite without tests passes none, and ends with an error."""
     code, lines = run_suite(folder, "def no_tset():\n    pass\n")
     assert code != 0
     assert lines[-1] == "0 passed, 0 failed"

@@ -106,6 +106,5 @@ def test_sweep_that_ends_there(spin):
     ],
 )
 def test_bad_input(spin, effects, event, words):
-    """Events that the effects cannot have are refused."""
     text = BODY + f"&initial theta = 1  omega = 0, 0, 5 /\n&effects {effects} /\n"
     assert words in spin(text + f"&span t_end = 1  stop_at = '{event}' /\n", code=2).err

@@ -30,7 +30,6 @@ TENSOR = "inertia_tensor(1,:) = {}  inertia_tensor(2,2:3) = {}  inertia_tensor(3
 
 
 def words(values):
-    """Numbers of an input."""
     return ", ".join(repr(float(value)) for value in np.ravel(values))
 
 
@@ -101,7 +100,6 @@ def test_rotor_on_the_axis_of_a_tensor(spin):
 
 
 def test_drag_that_differs(spin):
-    """A moment of the air that differs about axes that are not principal axes is refused."""
     text = f"&top mass = 1  {INCLINED}  length = 0.1 /\n"
     text += "&initial theta = 1  omega = 1, 0, 0 /\n&span t_end = 1 /\n"
     error = spin(text + "&effects drag_moment = 0.1, 0, 0 /\n", code=2).err
@@ -130,7 +128,6 @@ def test_steady_precession(spin, branch, name, rate):
 
 
 def test_no_steady_precession(spin):
-    """Other effects have none, and the message says which have."""
     text = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0.5 /\n"
     text += "&initial theta = 1  omega3 = 20  steady_precession = 'slow' /\n&span t_end = 1 /\n"
     error = spin(text + "&effects drag_force = 0.1 /\n", code=2).err

@@ -36,26 +36,22 @@ class Motion(NamedTuple):
 
     @property
     def last(self):
-        """The last row."""
         return self.rows.iloc[-1]
 
 
 def scene(top, initial, span, effects, integration=TIGHT):
-    """The text of an input."""
     groups = {"top": top, "initial": initial, "span": span, "effects": effects}
     groups["integration"] = integration
     return "".join(f"&{name} {keys} /\n" for name, keys in groups.items())
 
 
 def move(spin, text, **files):
-    """Compute a trajectory; it must come to a good end."""
     run = spin(text + output(*COLUMNS), **files)
     status, _, time = run.status.partition(" at t = ")
     return Motion(run.rows, status, float(time or "nan"))
 
 
 def refused(spin, text, *words, **files):
-    """Expect an input to be refused with a message that has these words."""
     message = " ".join(spin.refuse(text, **files).split())
     for word in words:
         assert word in message
@@ -199,7 +195,6 @@ def test_swings_in_air(spin, method):
     [(1.5, 4.140437573436630), (1.8, 1.952020936566768), (2, 1.445783132530120)],
 )
 def test_drag_about_an_axis(spin, exponent, end):
-    """Spin-down in air with any exponent."""
     effects = f"drag_moment = 0, 0, 0.02  drag_exponent = {exponent}"
     start, span = "theta = 1  omega = 0, 0, 40", "t_end = 10  samples = 11"
     motion = move(spin, scene(FREE, start, span, effects))
@@ -407,7 +402,6 @@ def test_sweep(spin):
 
 
 def test_resolved_input(spin):
-    """The group is in the resolved input only where the input has it."""
     base = f"&top {TOP} /\n&initial theta = 1  psi_rate = 10 /\n&span t_end = 1  samples = 2 /\n"
     assert "effects" not in spin(base).path.read_text()
     text = spin(base + "&effects earth_rate = 0 latitude_deg = 50 /\n").path.read_text()
@@ -439,7 +433,6 @@ START, SPAN = "theta = 1  psi_rate = 10", "t_end = 1"
     ],
 )
 def test_bad_effects(spin, effects, words):
-    """Each mistake in the group is refused with its key and what to do."""
     refused(spin, scene(TOP, START, SPAN, effects), "scene.nml:4", *words)
 
 
@@ -455,7 +448,6 @@ def test_bad_effects(spin, effects, words):
     ],
 )
 def test_bad_tables(spin, rows, words):
-    """Each mistake in a table of torques is refused."""
     text = scene(TOP, START, SPAN, "torque_table = 'torque.csv'")
     refused(spin, text, "torque.csv", words, torque="t,m1,m2,m3\n" + rows)
 
@@ -470,7 +462,6 @@ def test_bad_tables(spin, rows, words):
     ],
 )
 def test_refused_computations(spin, integration, word):
-    """What does not hold for bodies with effects is refused."""
     refused(spin, scene(TOP, START, SPAN, "drag_force = 0.1", integration), word)
 
 

@@ -64,7 +64,6 @@ def outputs(spin, environment):
 
 @pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
 def test_variables_of_the_library(spin, setting):
-    """The same bytes with each of them, and with all."""
     spin.write(GOOD, "motion.nml")
     spin.write(SWEEP, "sweep.nml")
     expected = outputs(spin, {})
@@ -125,7 +124,6 @@ def test_levels(spin, name):
 
 @pytest.mark.parametrize("level", ["v9", "V3", "native", " ", "v2 ."])
 def test_other_words(spin, level):
-    """A level that the processor does not have is refused."""
     run = spin(INPUTS["one"] + BODY, environment={"SPINTOP_LEVEL": level}, code=2)
     told = f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: "
     assert told in run.stderr

@@ -51,7 +51,6 @@ class Scene:
 
 
 def draw(seed):
-    """A scene of this number."""
     dice = random.Random(seed)
 
     def number(low, high):
@@ -95,7 +94,6 @@ def draw_start(dice, effects):
 
 
 def force(dice, effect):
-    """The keys of an effect."""
     x, y, z = (f"{dice.uniform(-1, 1):.3g}" for _ in range(3))
     return {
         "drag": "drag_force = 0.05  drag_moment = 3*0.01",
@@ -112,7 +110,6 @@ def force(dice, effect):
 
 
 def methods_for(scene):
-    """The methods that a scene can have."""
     exact = scene.is_symmetric and not scene.effects
     return [name for name in METHODS if name != "exact" or exact]
 
@@ -124,7 +121,6 @@ def columns_of(scene):
 
 
 def input_of(scene, method):
-    """The text of the input."""
     columns = columns_of(scene)
     events = ["turning_points"] + [f"{name} = {scene.levels.get(name, 0.0)!r}" for name in columns]
     keys = f"method = '{method}'"
@@ -196,7 +192,6 @@ def denser(t, v, least, *, is_smooth):
 
 
 def passages(t, v, share, *, is_smooth):
-    """The passages of zero by a quantity."""
     found = Passages()
     least = share * np.max(np.abs(v[np.isfinite(v)]), initial=1)
     jump = np.flatnonzero(~np.isfinite(v))
@@ -272,7 +267,6 @@ def test_every_passage_is_an_event(spin, method):
 
 
 def times_of(spin, text, event):
-    """The times of an event of a trajectory."""
     text += f"\n&output columns = 't'  events = '{event}' /\n"
     return list(spin(text, torque=TABLE).table("events").t)
 
@@ -360,7 +354,6 @@ SWEEP = (
 @pytest.mark.parametrize("method", ["auto", "taylor", "dop853", "gauss_8"])
 @pytest.mark.parametrize("after", [1, 4])
 def test_sweeps_end_there(spin, method, after):
-    """A sweep ends its cases at the events of their motions."""
     keys = f"method = '{method}'" + ("  steps = 3000" if method == "gauss_8" else "")
     ends, expected = [], []
     for seed in range(8):

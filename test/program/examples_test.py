@@ -89,7 +89,6 @@ def rows_of(example):
 
 
 def assert_close(found, expected, slack):
-    """Two numbers agree to `slack`, relative to 1 or to their magnitude."""
     assert abs(found - expected) <= slack * max(1, abs(expected)), (found, expected)
 
 
@@ -105,7 +104,6 @@ def test_every_example_has_a_test():
 
 
 def test_every_procedure_has_an_example():
-    """Procedures that `use spintop` gives."""
     source = (ROOT / "src/spintop.f90").read_text(encoding="utf-8").replace("&\n", "")
     lists = re.findall(r"^ *use \w+, only: *(.*)$", source, re.MULTILINE)
     names = {name.strip() for text in lists for name in text.split(",")}
@@ -301,7 +299,6 @@ def test_of_methods(spin, example):
 
 
 def test_of_sweep(rows_of, nutations):
-    """The largest inclination for each spin ratio."""
     unit = math.sqrt(4 * MGL / INERTIA[2])
     rows = rows_of("sweep", 4)
     assert [ratio for ratio, _ in rows] == [0.5, 1, 2, 4]

@@ -63,7 +63,6 @@ class Fault:
 
     @property
     def environment(self) -> dict[str, str]:
-        """As the library takes it."""
         given = {"FAULT_CALL": self.call, "FAULT_AT": str(self.number)}
         given["FAULT_KIND"] = str(self.kind)
         return given | ({"FAULT_LASTS": "1"} if self.lasts else {})

@@ -26,12 +26,10 @@ OTHERS = TOP.replace("0.875, 0.875, 0.25", "0.9, 0.9, 0.24").replace("= 14", "= 
 
 
 def measure(spin, scene=TOP, columns=ANGLES):
-    """The motion that is measured."""
     return spin(scene + SPAN + output("t", *columns)).rows
 
 
 def noisy(motion, seed, noise=NOISE):
-    """The text of measurements with errors."""
     source = np.random.default_rng(seed)
     data = motion.copy()
     data.iloc[:, 1:] += noise * source.normal(size=data.iloc[:, 1:].shape)
@@ -155,7 +153,6 @@ def test_what_is_not_identifiable(spin):
 
 
 def test_a_parameter_that_does_not_enter(spin):
-    """The angles at the start say nothing of the body."""
     fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.inertia(3)' /\n"
     run = spin(TOP + fit, code=3, data=noisy(measure(spin)[:1], 3))
     assert "not_identifiable" in run.status
@@ -184,7 +181,6 @@ UNKNOWN = ", unknown = 'top.inertia(1)', 'top.inertia(3)', 'initial.psi_rate'"
     ],
 )
 def test_refusals(spin, old, new, message):
-    """Each with its place and what is wrong."""
     text = (TOP + FIT).replace(old, new)
     assert text != TOP + FIT
     error = spin.refuse(text, data=noisy(measure(spin), 0))
@@ -211,7 +207,6 @@ def test_refusals(spin, old, new, message):
     ],
 )
 def test_bad_measurements(spin, data, message):
-    """Times that do not increase, cells without numbers, too few rows."""
     assert message in spin.refuse(TOP + FIT, data=data)
 
 

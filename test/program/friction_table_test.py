@@ -24,7 +24,6 @@ HEAD = "omega3,friction_torque\n"
 
 
 def table(rows):
-    """The text of a table of friction."""
     return HEAD + "".join(f"{omega!r},{torque!r}\n" for omega, torque in rows)
 
 
@@ -114,7 +113,6 @@ def test_axis_of_a_tensor(spin):
 
 
 def test_order_of_fixed_steps(spin):
-    """Steps of fixed size do not end at rows, which a warning says."""
     how = "method = 'rk4'  steps = 99"
     run = spin(
         scene(FREE, "theta = 1  omega = 0, 0, 50", "t_end = 1", KEY, how), friction=table(BROKEN)
@@ -160,7 +158,6 @@ def test_sweep(spin):
     ],
 )
 def test_bad_tables(spin, rows, effects, words):
-    """Each mistake is refused with its line; tables that would drive the body are."""
     text = scene(FREE, "theta = 1  omega = 0, 0, -8", "t_end = 1", f"{KEY}  {effects}")
     refused(spin, text, words, friction=HEAD + rows + "\n")
 
@@ -173,6 +170,5 @@ def test_bad_tables(spin, rows, effects, words):
     ],
 )
 def test_table_without_its_columns(spin, effects, words):
-    """The columns are named where they are missing; an interpolation needs a table."""
     text = scene(FREE, "theta = 1  omega = 0, 0, 8", "t_end = 1", effects)
     refused(spin, text, "scene.nml:4", *words, friction="omega,torque\n0,0\n9,1\n")

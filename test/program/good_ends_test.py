@@ -8,7 +8,7 @@ and where nothing is left to compute. `python_ends_test` has the kinds of Python
 import numpy as np
 import pytest
 
-from conftest import listed
+from conftest import listed, netcdf_is_missing
 
 TOP = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.8660254037844387 /\n"
 SCENE = (
@@ -29,22 +29,20 @@ NETCDF = "output.format=netcdf"
 GOOD_ENDS = {entry["name"] for entry in listed("statuses") if entry["good"]}
 
 
-def formats(spin):
+def formats():
     """The options of the formats that this build writes, without and with --resume."""
-    has_netcdf = spin(SWEEP, "--check", NETCDF, code=(0, 2)).code == 0
-    ways = [[], [NETCDF]] if has_netcdf else [[]]
+    ways = [[]] if netcdf_is_missing() else [[], [NETCDF]]
     return [[*way, *more] for way in ways for more in ([], ["--resume"])]
 
 
 def test_list():
-    """The flag says which statuses are those of motions that were computed to their end."""
     assert {"ok", "at_rest"} == GOOD_ENDS
 
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
 def test_trajectory(spin, keys, good):
     """The rows go on at rest; the code is the same where nothing is left to compute."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SCENE + keys, "span.samples=101", *options, code=0 if good else FAILED)
     assert (len(run.rows) == 101) is good
     (said,) = (line for line in run.comments if line.startswith("status: "))
@@ -53,8 +51,7 @@ def test_trajectory(spin, keys, good):
 
 @pytest.mark.parametrize(("keys", "good"), ENDS)
 def test_sweep(spin, keys, good):
-    """A sweep fails if a case does; the code is the same where nothing is left to compute."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SWEEP + WITH_ROWS + keys, *options, code=0 if good else FAILED)
     assert list(run.rows.status.isin(GOOD_ENDS)) == [True, True, good]
     assert list(np.isfinite(run.rows.t_stuck)) == [True, True, good]
@@ -64,7 +61,7 @@ def test_sweep(spin, keys, good):
 @pytest.mark.parametrize("output", [WITH_ROWS, WITHOUT_ROWS], ids=["rows", "no rows"])
 def test_statistics(spin, keys, good, output):
     """Cases at rest are in the statistics: t_stuck has a mean."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SWEEP + STATISTICS + output + keys, *options, code=0 if good else FAILED)
     row = run.table("statistics").iloc[0]
     assert list(row[["cases", "failed", "t_stuck_count"]]) == [3, not good, 3 if good else 2]

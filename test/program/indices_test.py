@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from conftest import needs_netcdf
 from spintop_figures.registry import FIGURES
 from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
@@ -96,29 +97,24 @@ def by_quadrature(function, ends):
 
 
 def theta_max(theta_deg, psi_rate, gravity):
-    """The maximum inclination of a top released at rest: a root of a quadratic."""
     start = np.cos(np.radians(theta_deg))
     half = (0.25 * psi_rate) ** 2 / (4 * 0.875 * gravity * 0.85)
     return np.arccos(half - np.sqrt(half**2 - 2 * half * start + 1))
 
 
 def precession_period(_, psi_rate, gravity):
-    """That of a fast top, which does not depend on the inclination."""
     return 2 * np.pi * 0.25 * psi_rate / (gravity * 0.85)
 
 
 def compute(spin, text, *options):
-    """Run an input; cases may fail."""
     return spin(text, *options, code=(0, 3))
 
 
 def results(spin, folder, name="scene"):
-    """The tables of the statistics in a folder."""
     return [(spin.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
 
 
 def found(run, column):
-    """The factors of a column, and its numbers by factor."""
     rows = run.table("indices")
     rows = rows[rows.iloc[:, 0] == column]
     return list(rows.iloc[:, 1]), rows.iloc[:, 2:].to_numpy(dtype=float)
@@ -188,11 +184,9 @@ def test_nothing_varies(spin):
     assert np.isnan(numbers[:, [1, 2, 4, 5]]).all()
 
 
+@needs_netcdf
 def test_netcdf(spin):
-    """Bit for bit the numbers of the CSV."""
-    text = FAILING.replace("&output columns", "&output format = 'netcdf' columns")
-    if "this build has no NetCDF" in spin(text, code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
+    compute(spin, FAILING, "output.format=netcdf")
     path = compute(spin, FAILING).path
     one, other = (
         rows_beside(read_table(path.with_name(f"scene.statistics.{kind}")), "indices")
@@ -228,7 +222,6 @@ SINGLE = SINGLE[: SINGLE.index("&output")].replace("'sweep'", "'trajectory'")
     ],
 )
 def test_refusals(spin, text, words):
-    """Designs and words without indices: what is wrong, and what would be right."""
     assert text not in (KNOWN, VECTOR)
     error = spin.refuse(text)
     assert re.search(r"(?m)^\S*scene\.nml:\d+:\d+: error: ", error)

@@ -47,7 +47,6 @@ CONSTANTS = {
 
 
 def constant(module, name):
-    """The value of a constant of a module."""
     text = (ROOT / "src" / module).read_text(encoding="utf-8")
     value = re.search(rf"^ [^!]*\b{name} = (\d+)(?:,|$)", text, re.M)
     assert value, f"{module} has no {name}"
@@ -134,7 +133,6 @@ def test_procedures(folder):
 
 
 def test_constants(folder):
-    """Both languages have the same."""
     pairs = ((name, constant(*place)) for name, place in CONSTANTS.items())
     compare(folder, *(f'_Static_assert({name} == {value}, "{name}");' for name, value in pairs))
 
@@ -147,6 +145,5 @@ def test_constants(folder):
     ],
 )
 def test_differences_are_found(folder, wrong):
-    """The comparison fails where it should."""
     with pytest.raises(AssertionError):
         compare(folder, wrong)

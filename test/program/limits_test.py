@@ -20,7 +20,6 @@ LEAST_STACK = 448 * 1024  # that is accepted
 
 
 def limited(kind, size):
-    """A function that sets a limit in a child process."""
     return lambda: resource.setrlimit(kind, (size, size))
 
 
@@ -71,13 +70,11 @@ def test_every_kind_of_study(spin, text, options):
     ],
 )
 def test_inputs(spin, names, options):
-    """The inputs that come with the program."""
     small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
 
 
 @pytest.mark.parametrize("topic", ["methods", "columns", "parameters", "cases"])
 def test_lists(spin, topic):
-    """Commands that are not studies."""
     spin.call("list", topic, preexec_fn=limited(resource.RLIMIT_STACK, LEAST_STACK))
 
 
@@ -103,7 +100,6 @@ def test_too_small_stacks_of_threads(spin, name, text, kilobytes):
 
 @pytest.mark.parametrize("text", ["512K", "1 M", "2g", "nonsense"])
 def test_stacks_that_suffice(spin, text):
-    """They are taken."""
     spin(SWEEP, environment={"OMP_STACKSIZE": text})
 
 
@@ -132,7 +128,6 @@ def short(spin, text, *options, megabytes):
 
 
 def test_too_many_rows(spin):
-    """Nothing is begun."""
     text = GOOD.replace("method = 'rk4'", "method = 'ode45'").replace("steps = 10", "")
     said = short(spin, text, "--set=span.samples=2000000000", megabytes=1000)
     assert "not enough memory for the times of 2000000000 rows" in said
@@ -141,7 +136,6 @@ def test_too_many_rows(spin):
 
 
 def test_too_many_threads(spin):
-    """Resources that the run-time library cannot get."""
     assert "there is no more memory" in short(spin, SWEEP, "--threads=500", megabytes=200)
     assert "output/scene.csv" not in spin.produced()
 
@@ -152,9 +146,6 @@ def redirected(spin, redirection, *words, code):
     return spin.call(*words, command=shell, code=code, timeout=60).stderr
 
 
-PARTS = [f"output/sweep.{number}-of-2.csv" for number in (1, 2)]
-
-
 @pytest.mark.parametrize(
     ("redirection", "reason"),
     [(">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")],
@@ -162,17 +153,9 @@ PARTS = [f"output/sweep.{number}-of-2.csv" for number in (1, 2)]
 def test_output_that_takes_nothing(spin, redirection, reason):
     """Exit code 4 and a message, for every command; the tables are complete."""
     scene, sweep = spin.write(GOOD), spin.write(SWEEP, "sweep.nml")
-    for number in (1, 2):
-        spin.call(sweep, "--shard", f"{number}/2")
-    for words in (
-        ["--help"],
-        ["--version"],
-        ["list", "columns"],
-        ["--check", scene],
-        [scene],
-        [sweep],
-        ["merge", "output/merged.csv", *PARTS],
-    ):
+    merged = ["merge", "output/merged.csv", *spin.parts(sweep, 2)]
+    others = [["--help"], ["--version"], ["list", "columns"], ["--check", scene], [scene], [sweep]]
+    for words in (*others, merged):
         said = redirected(spin, redirection, *words, code=4)
         assert said == f"cannot write to standard output: {reason}\n"
     output = spin.folder / "output"
@@ -183,7 +166,6 @@ def test_output_that_takes_nothing(spin, redirection, reason):
 
 
 def test_other_inputs_run_all_the_same(spin):
-    """That a summary is lost does not keep the next table from being written."""
     redirected(spin, ">/dev/full", spin.write(GOOD), spin.write(GOOD, "two.nml"), code=4)
     one, two = (texts(spin.folder / f"output/{name}.csv") for name in ("scene", "two"))
     assert one.equals(two)
@@ -217,7 +199,6 @@ def test_a_reader_that_has_gone():
 
 @pytest.mark.parametrize("text", [GOOD, SWEEP])
 def test_a_folder_under_the_name_of_the_table(spin, text):
-    """Exit code 4, and nothing else is left."""
     (spin.folder / "output/scene.csv").mkdir(parents=True)
     assert "output/scene.csv: it is a folder" in spin(text, code=4).stderr
     assert "output/scene.csv.part" not in spin.produced()
@@ -225,7 +206,6 @@ def test_a_folder_under_the_name_of_the_table(spin, text):
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_may_not_be_written(spin):
-    """Exit code 4."""
     (spin.folder / "output").mkdir(mode=0o500)
     spin(GOOD, code=4)
 

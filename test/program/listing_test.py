@@ -34,7 +34,6 @@ def no_constant(word):
 
 
 def listed(spin, *topic):
-    """A document."""
     run = spin.call("list", *topic, "--json")
     assert run.stderr == ""
     assert run.out.isascii()
@@ -96,12 +95,10 @@ def test_units_of_columns(spin):
     "path", sorted((ROOT / "python/spintop_figures/tables").glob("*.json")), ids=lambda p: p.stem
 )
 def test_copies(spin, path):
-    """The copies that the figures read are what the program prints."""
     assert path.read_text(encoding="utf-8") == spin.call("list", path.stem, "--json").out
 
 
 def test_methods(spin):
-    """Family, order, kind, formulations, aliases and tables."""
     methods = {entry["name"]: entry for entry in spin.listed("methods")}
     kinds = {name: (entry["order"], entry["kind"]) for name, entry in methods.items()}
     assert kinds["exact"] == (None, "exact")
@@ -122,7 +119,6 @@ def test_methods(spin):
 
 
 def test_parameters(spin):
-    """Units, ranges, choices and defaults."""
     found = {entry["name"]: entry for entry in spin.listed("parameters")}
     theta = {"group": "initial", "key": "theta", "type": "real", "unit": "rad", "range": "[0, pi]"}
     theta |= {"default": None, "lower": 0, "lower_open": False}
@@ -137,7 +133,6 @@ def test_parameters(spin):
 
 
 def test_columns(spin):
-    """Each belongs to a study, and has a unit or none."""
     columns = spin.listed("columns")
     owners = {entry["study"] for entry in columns}
     assert owners == {entry["name"] for entry in spin.listed("studies")}
@@ -161,7 +156,6 @@ def test_columns(spin):
     ],
 )
 def test_wrong_requests(spin, words, said):
-    """A topic that there is not, two, and other options are refused."""
     run = spin.call("list", *words, code=2)
     assert run.out == ""
     assert said in run.stderr

@@ -12,7 +12,6 @@ AXIS = "&sweep parameter(1) = '{}', values(1,:) = {} /\n"
 
 
 def hint(spin, text, *settings):
-    """The messages of the program, with joined lines."""
     return " ".join(spin.refuse(text, *settings).split())
 
 
@@ -120,7 +119,6 @@ HINTS = {
     ("text", "case"), [(text, case) for text, cases in HINTS.items() for case in cases]
 )
 def test_hints(spin, text, case):
-    """The hint is what is meant."""
     wrong, *words = case
     parts = wrong.split("; ") if wrong else []
     text += "".join(part for part in parts if "&" in part)
@@ -138,7 +136,6 @@ def test_hints(spin, text, case):
     ],
 )
 def test_units_of_axes(spin, setting, problem):
-    """The unit of an axis is that of its parameter."""
     axis = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
     said = hint(spin, SWEEP.replace("psi_rate", "phi_rate") + axis, setting)
     assert problem in said
@@ -175,7 +172,6 @@ def test_foreign_characters(spin, old, new, character, wanted):
 
 
 def test_characters_of_texts(spin):
-    """In texts and comments each may stand; a text without quotes goes to the end."""
     assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
     spin(f"! [#;] {MINUS}\n&study title = '[a]; #1: \u201cb\u201d' /\n{GOOD}")
 
@@ -230,7 +226,6 @@ def test_names_that_others_use(spin, name, own):
 
 
 def test_an_unknown_effect(spin):
-    """It is one error, not two, where a column needs effects."""
     error = spin.refuse(CLOSED + "&effects no_friction = 1 /\n", "output.columns=work_friction")
     assert "unknown key 'no_friction'" in error
     assert "work_friction" not in error
@@ -250,13 +245,11 @@ def test_an_unknown_effect(spin):
     ],
 )
 def test_carets_point_at_elements(spin, settings, element):
-    """At the element of a list that is meant, not at its first."""
     column = settings[-1].rindex(element) + 1 + element.startswith(",")
     assert f"--set:1:{column}: error: " in spin.refuse(GOOD, *settings)
 
 
 def test_a_caret_in_a_file(spin):
-    """The same of a list in a file."""
     text = SWEEP + "&sweep parameter(1) = 'top.mass'\nvalues(1,:) = 1, 2, -3, 4 /\n"
     line = text[: text.index("values(1")].count("\n") + 1
     assert f"scene.nml:{line}:21: error: top.mass must be > 0" in spin.refuse(text)

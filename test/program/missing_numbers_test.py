@@ -26,7 +26,6 @@ COLUMNS = [entry["name"] for entry in listed("columns") if entry["study"] == "sw
 
 
 def test_the_list():
-    """There are many columns to look at."""
     assert len(COLUMNS) > 40
 
 

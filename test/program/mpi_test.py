@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, netcdf_is_missing, under, wait_until
+from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, needs_netcdf, under, wait_until
 from indices_test import FAILING
 from netcdf_test import GRID, LONG
 from slow_sweep import FAST, SLOW, STEPPING, STEPS, Sweep, undisturbed
@@ -59,16 +59,13 @@ def writes(process):
 
 
 def axis(count, text=SLOW):
-    """A sweep with another number of cases."""
     return text.replace("count(1) = 1000", f"count(1) = {count}")
 
 
 def as_netcdf(text):
-    """An input whose table is NetCDF."""
     return text.replace("&output", "&output format = 'netcdf', ")
 
 
-needs_netcdf = pytest.mark.skipif(netcdf_is_missing() != "", reason="no NetCDF")
 TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
 
 
@@ -195,14 +192,12 @@ def test_wrong_input_and_usage(spin, slow, words, said):
 
 
 def test_a_file_where_the_folder_should_be(spin, slow):
-    """The message comes once, too."""
     spin.write("", "output")
     assert slow(code=4).count("cannot make folder output") == 1
 
 
 @pytest.mark.parametrize("words", [["--help"], ["list", "methods"], ["--check", "scene.nml"]])
 def test_what_one_process_does(spin, words):
-    """Help, lists and checks come once."""
     spin.write(GOOD)
     assert ranked(spin, *words).out == spin.call(*words).out
 

@@ -1,19 +1,18 @@
 """NetCDF tables: the numbers of the CSV, bit for bit, by the conventions of CF."""
 
-import random
 import re
 import signal
 import struct
 
 import pytest
 
-from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
+from conftest import GOOD, files_of, merge, needs_netcdf, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from spintop_figures.sweeps.scatter import object_to_scatter
 from spintop_figures.tables.netcdf import read_netcdf
 from spintop_figures.tables.table import TableError, read_table
 
-pytestmark = pytest.mark.skipif(netcdf_is_missing() != "", reason=netcdf_is_missing() or "-")
+pytestmark = needs_netcdf
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -49,12 +48,10 @@ needs_packed = pytest.mark.skipif(netcdf_is_missing(PACKED) != "", reason="no Ne
 
 
 def bits(values):
-    """The bytes of numbers; every NaN has the same."""
     return [b"nan" if value != value else struct.pack(">d", value) for value in map(float, values)]
 
 
 def sweep(spin, given, *words, **options):
-    """Run an input to a NetCDF table."""
     return spin(given, NETCDF, *words, **options).path.with_suffix(".nc")
 
 
@@ -97,9 +94,7 @@ def test_long_table(spin, packed):
     """Rows gathered and written in several goes; the same bytes for any number of threads."""
     tables = {sweep(spin, LONG, *packed, f"--threads={n}").read_bytes() for n in (1, 2, 5)}
     assert len(tables) == 1
-    for part in ("1/2", "2/2"):
-        sweep(spin, LONG, *packed, f"--shard={part}")
-    merge(spin, "output/merged.nc", *(f"output/scene.{i}-of-2.nc" for i in (1, 2)))
+    merge(spin, "output/merged.nc", *spin.parts(LONG, 2, NETCDF, *packed, ending="nc"))
     assert {(spin.folder / "output/merged.nc").read_bytes()} == tables
     assert not [name for name in spin.produced() if re.search(r"\.(part|journal)$", name)]
 
@@ -171,23 +166,16 @@ def test_places_that_cannot_be_written(spin):
     assert "grid.nc.part" in spin(GRID, NETCDF, name="grid", code=4).stderr
 
 
-def parts_of(spin, text, count, code=(0, 3), name="grid"):
-    """Compute all parts; their tables."""
-    for number in range(1, count + 1):
-        sweep(spin, text, f"--shard={number}/{count}", code=code, name=name)
-    return [f"output/{name}.{i}-of-{count}.nc" for i in range(1, count + 1)]
-
-
 GATHERED = LONG + "&statistics columns = 'delta_u', over = 'initial.psi_rate', bins = 5 /\n"
 SMALL = GRID.replace("count(3) = 7", "count(3) = 1")
+OF_GRID = {"ending": "nc", "code": (0, 3), "name": "grid"}
 
 
 @pytest.mark.parametrize(("text", "count"), [(GRID, 3), (SMALL, 13), (GATHERED, 2)])
 def test_merged_parts_are_the_whole(spin, text, count):
     """Byte for byte, in any order of the parts, also if there are more of them than cases."""
-    parts = parts_of(spin, text, count)
-    random.shuffle(parts)
-    merge(spin, "output/merged.nc", *parts)
+    parts = spin.parts(text, count, NETCDF, **OF_GRID)
+    merge(spin, "output/merged.nc", *parts[1::2], *parts[::2])
     whole = sweep(spin, text, name="grid", code=(0, 3))
     for ending in (".nc", ".statistics.nc")[: 2 if text == GATHERED else 1]:
         merged = whole.with_name(f"merged{ending}").read_bytes()
@@ -210,8 +198,9 @@ def test_a_part_is_a_table_of_its_cases(spin):
 
 def test_foreign_parts_are_refused(spin):
     """A part of another sweep, of another format, one that is missing, or twice there."""
-    parts = parts_of(spin, GRID, 2)
-    others = parts_of(spin, GRID.replace("psi_rate = 3", "psi_rate = 4"), 2, name="other")
+    parts = spin.parts(GRID, 2, NETCDF, **OF_GRID)
+    another = GRID.replace("psi_rate = 3", "psi_rate = 4")
+    others = spin.parts(another, 2, NETCDF, **OF_GRID | {"name": "other"})
     spin(GRID, "--shard=2/2", code=3, name="grid")
     sweep(spin, GRID, code=3, name="grid")
     for tables, reason in (
@@ -276,7 +265,6 @@ def test_strangers_and_damage_are_refused(spin, slow):
 
 @pytest.mark.slow
 def test_a_signal_keeps_what_is_there(slow):
-    """And says so."""
     code, said = slow.interrupt(by=signal.SIGTERM)
     assert code == -signal.SIGTERM
     assert f"interrupted: {slow.rows} of 1000 rows of output/slow.nc are kept" in said

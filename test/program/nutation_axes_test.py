@@ -47,7 +47,6 @@ ABOUT_OTHER_AXES += [
 
 
 def one(spin, text, *columns):
-    """The row of a sweep of one case."""
     (row,) = spin(text + output(*columns)).rows.itertuples()
     return row
 
@@ -97,7 +96,6 @@ def test_free_body_about_another_axis(spin, axis):
 
 
 def test_constants_of_a_free_body(spin):
-    """They do not depend on what else is asked for."""
     sweep = BODY.format("gravity = 0", "") + SWEEP
     constants = ["momentum_period", "momentum_turn", "momentum_turn_geometric", "omega_max"]
     alone = spin(sweep + output(*constants)).rows[constants]
@@ -163,7 +161,6 @@ def test_class_of_a_swing(spin, rate, kind):
 
 
 def test_force_on_a_balanced_body(spin):
-    """It is the weight, all the time."""
     text = "&top mass = 2  inertia = 0.7, 0.9, 0.6  length = 0 /\n"
     text += f"&initial theta = 1  omega = 1, 2, 3 /\n{SPAN}"
     found = one(spin, text + SWEEP, "force_max", "force_z_min", "force_z_max")

@@ -66,7 +66,6 @@ def test_orders(spin):
 
 
 def test_a_sweep_and_a_changed_table(spin):
-    """The resolved input computes the same again, and refuses another table."""
     spin.write(EIGHTHS, "own.txt")
     text = TOP + "&study kind = 'sweep' /\n&output columns = 'theta_end' /\n"
     text += "&integration method = 'table:own.txt', steps = 500 /\n"
@@ -95,7 +94,6 @@ def test_a_sweep_and_a_changed_table(spin):
     ],
 )
 def test_wrong_tables(spin, old, new, message):
-    """The message names the file, the line and what is wrong."""
     spin.write(EIGHTHS.replace(old, new), "own.txt")
     assert message in spin.refuse(FIXED)
 

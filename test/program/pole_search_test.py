@@ -17,7 +17,6 @@ RUBBING = "&effects friction_torque = 0.1 /\n"
 
 
 def extreme(spin, scene, span, column, control=""):
-    """The extreme of a motion by a sweep of one case."""
     control = f"&integration max_steps = {WORK} {control} /\n"
     rows = spin(scene + SWEEP.format(span) + control + output(column)).rows
     assert list(rows.status) == ["ok"]

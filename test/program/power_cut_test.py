@@ -62,7 +62,6 @@ class Disk:
     """The files below a folder: what is safe from a power cut, and what is not."""
 
     def __init__(self, root: Path) -> None:
-        """The present contents are safe."""
         self.root = root
         self.names: dict[str, Node | None] = {}  # what a reader finds; None is a folder
         for path in sorted(root.rglob("*")):
@@ -76,7 +75,6 @@ class Disk:
         return os.path.relpath(self.root / path, self.root)
 
     def change(self, *change: str | Node | None) -> None:
-        """A change of names: ("put", name, node) or ("drop", name)."""
         self.recent.setdefault(os.path.dirname(change[1]) or ".", []).append(change)
         apply(self.names, change)
 
@@ -134,7 +132,6 @@ class Disk:
 
 
 def apply(names: dict[str, Node | None], change: tuple) -> None:
-    """Carry out a change of names."""
     if change[0] == "drop":
         names.pop(change[1], None)
         return
@@ -177,13 +174,11 @@ def record(spin, preload):
 
 @pytest.fixture
 def sweep(spin):
-    """The sweep."""
     return spin.folder / spin.write(SWEEP, "sweep.nml")
 
 
 @pytest.fixture
 def reference(spin, sweep):
-    """The bytes of its table."""
     return spin(sweep, "--output=reference").path.read_bytes()
 
 
@@ -280,7 +275,6 @@ def test_no_fsync_can_be_left_out(spin, record, sweep):
 
 
 def lay_out(folder: Path, files: dict[str, bytes | None]) -> None:
-    """Make a folder with what was left."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     for name, content in files.items():
@@ -291,7 +285,6 @@ def lay_out(folder: Path, files: dict[str, bytes | None]) -> None:
 
 
 def rows_of(journal: bytes | None) -> int:
-    """The rows that a journal has, if there is one."""
     words = (journal or b"rows: end:").decode().split()
     return sum(map(int, words[words.index("rows:") + 1 : words.index("end:")]))
 
@@ -339,7 +332,6 @@ def test_cut_at_every_call(spin, record, sweep, reference):
 
 
 def test_interrupted_calls_and_short_writes(spin, preload, sweep, reference):
-    """They are no errors."""
     environment = preload(FAULTS) | {"FAULT_INTERRUPTS": "1", "FAULT_TICK": "10000000"}
     spin.call(sweep, "--threads", "1", environment=environment)
     assert (spin.folder / "output/sweep.csv").read_bytes() == reference

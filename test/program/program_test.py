@@ -36,7 +36,6 @@ FREE = re.sub(r"&integration[^/]*/", "", GOOD)  # the method is not given
 
 
 def same_on_threads(spin, text, *threads, code=0):
-    """A run of an input whose table has the same bytes on each of these numbers of threads."""
     runs = [spin(text, f"--threads={n}", f"--output={n}", code=code) for n in threads]
     assert len({run.path.read_bytes() for run in runs}) == 1
     return runs[0]
@@ -52,14 +51,12 @@ def test_every_input_runs(spin):
 
 @pytest.mark.parametrize("scene", INPUTS, ids=lambda path: path.stem)
 def test_no_input_is_refused(spin, scene):
-    """A check of each makes nothing."""
     spin(scene, "--check")
     assert spin.produced() == set()
 
 
 @pytest.mark.parametrize(("name", "code"), [("slow_top_scenario1", 3), ("slow_top", 0)])
 def test_each_input_has_its_exit_code(spin, name, code):
-    """Whatever others do."""
     spin(name, code=code)
 
 
@@ -72,7 +69,6 @@ def test_each_input_has_its_exit_code(spin, name, code):
     ],
 )
 def test_the_resolved_input_gives_the_same_table(spin, name, settings):
-    """The output of --check and the input in a table's header run, with the same result."""
     first = spin(name, *settings)
     for text in (spin(name, "--check", *settings).out, first.head):
         again = spin(text)
@@ -81,7 +77,6 @@ def test_the_resolved_input_gives_the_same_table(spin, name, settings):
 
 
 def digits(number):
-    """The significant digits of a number."""
     return re.sub(r"e.*|\D", "", number).strip("0")
 
 
@@ -120,14 +115,12 @@ def test_folders_and_names(spin):
 
 
 def test_several_inputs_with_the_same_table_are_refused(spin):
-    """Two inputs that would write the same table."""
     scene = spin.write(GOOD)
     assert "is also that of" in spin.call(scene, scene, code=2).stderr
     assert spin.produced() == set()
 
 
 def test_one_bad_input_stops_all(spin):
-    """All inputs are validated before the first runs."""
     names = spin.write(GOOD), spin.write(GOOD.replace("mass", "mas"), "bad.nml")
     assert "bad.nml:2:5: error" in spin.call(*names, code=2).stderr
     assert spin.produced() == set()
@@ -149,7 +142,6 @@ def test_a_grid_of_cases(spin):
 
 
 def test_a_sweep_marks_its_failed_cases(spin):
-    """A case at a pole fails; the other rows are complete."""
     text = GOOD[: GOOD.index("&output")] + SWEPT
     text += "&sweep parameter(1) = 'initial.theta', values(1,:) = 0.5, 0, 1 /\n"
     rows = spin(text, code=3).rows
@@ -160,7 +152,6 @@ def test_a_sweep_marks_its_failed_cases(spin):
 
 
 def test_help_and_version(spin):
-    """They name the program and its options, and make nothing."""
     assert re.search(r"^spintop \d+\.\d+\.\d+ ", spin.call("--version").out)
     run = spin.call("--help")
     assert run.stderr == ""
@@ -180,7 +171,6 @@ def test_decimal_commas_and_quiet(spin):
 
 
 def test_example_1_in_numbers(spin):
-    """The summary of --check, and the exact table."""
     summary = spin("slow_top", "--check").out
     for number in (
         "0.2451963201 J s",
@@ -222,7 +212,6 @@ TIGHT = ["integration.relative_tolerance=1e-12", "integration.absolute_tolerance
     ],
 )
 def test_accurate_methods_agree_with_the_reference(spin, method, form):
-    """ode45 and ARKODE at relative tolerance 1e-12: 1e-9 rad over three nutations."""
     known = REFERENCE[REFERENCE.t <= 7.2]
     assert len(known) == 9
     text = SLOW_TOP.replace("nutations = 3", "t_end = 7.2").replace(
@@ -242,7 +231,6 @@ def test_accurate_methods_agree_with_the_reference(spin, method, form):
 
 @pytest.mark.parametrize("method", ["ode45", "arkode_erk"])
 def test_the_default_equations_keep_1e_9_for_long(spin, method):
-    """ode45 and ARKODE at relative tolerance 1e-12 at all rows of the reference, to 50 s."""
     times = [time for time in REFERENCE.t if 10 * time == round(10 * time)]
     assert times[-3:] == [10.0, 20.0, 50.0]
     text = SLOW_TOP.replace("nutations = 3", "t_end = 50").replace(
@@ -261,7 +249,6 @@ EULER = "integration.formulation=euler"
     ("settings", "size", "lost"), [([], "0.082", 2.0), ([EULER], "0.025", 0.9)]
 )
 def test_rk4_keeps_r4_with_992_steps(spin, settings, size, lost):
-    """In both formulations, at 0.1 and below."""
     rows = spin("slow_top_lagrange_rk4", R4, *settings).rows
     assert len(rows) == 993
     assert largest(rows.R4) <= 0.1
@@ -271,7 +258,6 @@ def test_rk4_keeps_r4_with_992_steps(spin, settings, size, lost):
 
 
 def test_rk4_is_lost_with_248_steps(spin):
-    """In both formulations."""
     few = "integration.steps=248"
     assert largest(spin("slow_top_lagrange_rk4", few, R4).rows.R4) > 1e6
     run = spin("slow_top_lagrange_rk4", few, EULER, R4, code=3)
@@ -285,7 +271,6 @@ def test_rk4_is_lost_with_248_steps(spin):
     ("form", "least", "code"), [("lagrange", "0.085", 0), ("euler", "0.11", 3)]
 )
 def test_rk2_needs_3968_steps(spin, form, least, code):
-    """R4 of RK2: not with 992 steps, but with 3968."""
     settings = ["integration.method=rk2", f"integration.formulation={form}", "output.columns=t,R4"]
     assert largest(spin("slow_top_lagrange_rk4", *settings, code=code).rows.R4) > 0.11
     rows = spin("slow_top_lagrange_rk4", *settings, "integration.steps=3968").rows
@@ -321,7 +306,6 @@ TABLES_1 = [
 
 
 def check_table_1(rows, inertia, relative, absolute):
-    """The rows are those of Table 1 as rebuilt."""
     reference = read(ROOT / f"test/reference/table1_{inertia}.csv")
     assert list(rows["initial.spin_ratio"]) == list(reference["lambda"])
     for ours, theirs in WHEEL_TABLE_1.items():
@@ -331,7 +315,6 @@ def check_table_1(rows, inertia, relative, absolute):
 
 @pytest.mark.parametrize(("name", "inertia"), TABLES_1)
 def test_table_1(spin, name, inertia):
-    """Every row of both tables as rebuilt, to 1e-6 relative or 1e-9 rad."""
     rows = spin(name).rows
     assert len(rows) == 20
     check_table_1(rows, inertia, 1e-6, 1e-9)
@@ -343,7 +326,6 @@ def test_table_1(spin, name, inertia):
 
 @pytest.mark.parametrize(("name", "inertia"), TABLES_1)
 def test_table_1_without_a_step(spin, name, inertia):
-    """The closed form alone gives every column of Table 1."""
     text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")
     run = spin(re.sub(r"&integration.*?\n/\n", "", text, flags=re.DOTALL))
     assert "exact" in next(line for line in run.comments if "method: " in line)
@@ -352,7 +334,6 @@ def test_table_1_without_a_step(spin, name, inertia):
 
 
 def test_classes_of_motion(spin):
-    """Released with the precession against, without and with the steady one."""
     text = CLOSED.replace("psi_rate = 1.0", "omega3 = 40").replace("0.19634954084936207", "1.0")
     text += output("motion_class", "force_max") + SWEPT
     text += "&sweep parameter(1) = 'initial.phi_rate', values(1,:) = -0.5, 0, 0.5 /\n"
@@ -396,7 +377,6 @@ def test_stability_of_starts(spin):
 
 
 def test_a_top_hung_up_the_other_way_moves_the_same(spin):
-    """The centre of mass below the pivot on body z, or about body x: turned inside and back."""
     text = CLOSED.replace("psi_rate = 1.0", "psi_rate = 2.0")
     below = text.replace("length = 0.866", "length = -0.866")
     below = below.replace("= 0.19634954084936207", f"= {math.pi - 0.19634954084936207}")
@@ -453,7 +433,6 @@ def test_a_table_of_events(spin):
 
 
 def test_no_events_make_an_empty_table(spin):
-    """A table of events without rows, and no table without events in the input."""
     assert len(spin(GOOD, "output.events='theta = 3'").table("events")) == 0
     assert spin.produced() == {"output", "output/scene.csv", "output/scene.events.csv"}
     spin(GOOD, name="other")
@@ -465,7 +444,6 @@ METHODS = [["method=exact"], ["method=dop853"], ["method=rk4", "steps=8000"]]
 
 @pytest.mark.parametrize("method", METHODS)
 def test_an_event_ends_the_motion(spin, method):
-    """The last row is the event, and the summary says so; or that it did not come."""
     settings = [f"integration.{setting}" for setting in method]
     settings += ["span.stop_at=upper_turning_points", "span.stop_after=2"]
     settings += ["output.columns=t,theta,theta_rate"]
@@ -487,7 +465,6 @@ STOPPED = ["span.samples=16", "span.stop_at=upper_turning_points"]
 
 @pytest.mark.parametrize("method", ["exact", "taylor", "dop853", "ode45"])
 def test_rows_of_a_motion_that_an_event_ends(spin, method):
-    """Spread equally up to the event."""
     run = spin(FREE, f"integration.method={method}", "span.t_end=1000", *STOPPED)
     times = list(run.rows.t)
     assert len(times) == 16
@@ -497,7 +474,6 @@ def test_rows_of_a_motion_that_an_event_ends(spin, method):
 
 
 def test_steps_of_a_motion_that_an_event_ends(spin):
-    """With a fixed step size every step is a row, whatever `samples`."""
     steps = ("integration.method=rk4", "integration.steps=300", "span.t_end=3")
     times = list(spin(FREE, *STOPPED, *steps).rows.t)
     assert times[:-1] == pytest.approx([0.01 * i for i in range(len(times) - 1)], abs=1e-14)
@@ -525,7 +501,6 @@ def test_work_is_bounded(spin, method):
 
 @pytest.mark.parametrize("column", ["lyapunov_exponent", "largest_singular_value"])
 def test_work_of_cases_is_bounded(spin, column):
-    """In sweeps, too."""
     text = CLOSED.replace("psi_rate = 1.0", "") + SWEPT
     text += "&sweep parameter(1) = 'initial.omega3', values(1,:) = 1, 2 /\n"
     settings = f"output.columns={column}", "span.t_end=1000", "integration.max_steps=20"
@@ -632,7 +607,6 @@ def test_what_a_body_does_not_have_is_noted(spin, more, method):
 
 
 def test_no_period_of_a_top_without_spin(spin):
-    """It is noted, too."""
     rows = spin(DIFFERENT, "initial.omega3=0", "output.columns=nutations_in_period").rows
     assert "no precession period T_p" in rows.notes[0]
 
@@ -665,7 +639,6 @@ def test_a_turned_body_has_the_events_of_the_body_as_given(spin):
     ],
 )
 def test_bad_events(spin, setting, advice):
-    """Place, problem and advice for each mistake."""
     error = spin.refuse(GOOD, setting)
     assert advice in error
     assert re.search(r"^--set:1:\d+: error: ", error)
@@ -683,7 +656,6 @@ START = GOOD.split("&output")[0]
     ],
 )
 def test_events_that_a_sweep_does_not_have(spin, setting, words):
-    """A table of them, and events of columns of errors."""
     assert words in spin.refuse(START + SWEPT + MASS, setting)
 
 
@@ -735,7 +707,6 @@ def test_diagnostics(spin, old, new, parts):
 
 
 def test_a_caret_marks_the_place(spin):
-    """The line, and below it a caret under the word."""
     lines = spin.refuse(GOOD.replace("mass =", "mas =")).splitlines()
     place = lines.index("2 |     mas = 1.0")
     assert lines[place + 1].startswith("  |     ^^^ ")
@@ -751,7 +722,6 @@ def test_all_errors_at_once(spin):
 
 
 def test_mistakes_of_meaning_are_told_together(spin):
-    """Body, start and span are checked although one of them is wrong."""
     text = GOOD.replace("0.875, 0.875, 0.25", "0.875, 0.875, 2.25")
     text = text.replace("psi_rate = 1.0", "psi_rate = 1.0, omega3 = 1.0")
     error = spin.refuse(text.replace("t_end = 0.5", "t_end = 0.5, nutations = 1"))
@@ -779,12 +749,10 @@ def test_mistakes_of_meaning_are_told_together(spin):
     ],
 )
 def test_sweeps(spin, axes, part):
-    """Axes without parameter, values or sense."""
     assert part in spin.refuse(f"{START}{SWEPT}&sweep {axes} /\n")
 
 
 def test_files_that_are_no_input(spin):
-    """Missing, empty, a folder, binary."""
     (spin.folder / "folder.nml").mkdir()
     spin.write(bytes(range(256)) * 20, "binary.nml")
     spin.write("", "empty.nml")
@@ -814,7 +782,6 @@ def test_files_that_are_no_input(spin):
     ],
 )
 def test_wrong_options(spin, words, part):
-    """Options that do not exist, values that make no sense."""
     scenes = [] if part == "no input" else [spin.write(GOOD)]
     run = spin.call(*scenes, *words, code=2)
     assert part in run.stderr
@@ -823,7 +790,6 @@ def test_wrong_options(spin, words, part):
 
 
 def test_a_table_outlives_a_refused_input(spin):
-    """An invalid input overwrites nothing."""
     path = spin(GOOD).path
     before = path.read_bytes()
     assert "mas" in spin.refuse(GOOD.replace("mass =", "mas ="))
@@ -842,7 +808,6 @@ def test_a_start_at_a_pole(spin, form, theta):
 
 
 def test_the_exact_motion_knows_no_pole(spin):
-    """An upright start has no phi and psi, but a table without nan."""
     text = CLOSED.replace("theta = 0.19634954084936207", "theta = 0")
     rows = spin(text, "output.columns=t,theta,q0,q3,energy", "span.samples=5").rows
     assert list(rows.theta) == [0.0] * 5
@@ -851,7 +816,6 @@ def test_the_exact_motion_knows_no_pole(spin):
 
 @pytest.mark.parametrize("method", ["ode45", "arkode_erk", "arkode_dirk"])
 def test_used_up_steps(spin, method):
-    """The rows so far are kept."""
     text = GOOD.replace("'rk4'", f"'{method}'").replace("    steps = 10\n", "")
     run = spin(text.replace("t_end = 0.5", "t_end = 5"), "integration.max_steps=30", code=3)
     assert re.search(r"^step_limit at t = \d\.\d+$", run.status)
@@ -864,7 +828,6 @@ def test_used_up_steps(spin, method):
 
 @pytest.mark.parametrize("place", ["file", "file/below"])
 def test_a_file_where_the_folder_should_be(spin, place):
-    """Results that cannot be written: exit code 4, and the file stays."""
     spin.write("keep", "file")
     assert "file" in spin(GOOD, f"--output={place}", code=4).stderr
     assert (spin.folder / "file").read_text(encoding="utf-8") == "keep"
@@ -872,7 +835,6 @@ def test_a_file_where_the_folder_should_be(spin, place):
 
 
 def test_a_full_disk(spin):
-    """A table that does not fit is an error, and leaves neither table nor part."""
     run = spin.call(spin.write(GOOD), code=4, preexec_fn=files_of(1000))
     assert "scene.csv.part: File too large" in run.stderr
     assert spin.produced() == {"output"}

@@ -97,12 +97,10 @@ def test_missing(spin):
 
 
 def verify(spin, *words, code=0):
-    """The result of `spintop verify` on the table."""
     return spin.call("verify", "output/scene.csv", *words, code=code).out
 
 
 def change(spin, name, row, text):
-    """Put another text in a cell of the table."""
     path = spin.folder / "output/scene.csv"
     lines = path.read_text().splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
@@ -130,7 +128,6 @@ def test_phases_and_latitudes_are_data(spin, effects, setting):
 
 @needs_flint
 def test_phases_about_an_axis(spin):
-    """The same of a spin that has a closed form."""
     bounds_hold(spin(AXIAL, CERTIFIED), "omega3", [OMEGA3])
 
 
@@ -154,7 +151,6 @@ def test_friction_by_a_table_is_not_enclosed(spin):
 
 @needs_flint
 def test_bounds_of_the_exact_solution(spin):
-    """They are of rounding errors."""
     run = spin(TOP, f"output.columns={BOUNDS}")
     assert set(run.rows.proof) == {"proved"}
     for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
@@ -220,7 +216,6 @@ UNCERTAIN = (*ANY, "output.columns=t,q0,orientation_bound,omega1_bound,proof")
     ],
 )
 def test_uncertainty_of_any_body(spin, radius):
-    """Radii of a damped body widen its bounds."""
     exact = spin(TOP, *UNCERTAIN).rows.orientation_bound.max()
     rows = spin(TOP, *UNCERTAIN, f"uncertainty.{radius}").rows
     assert set(rows.proof) == {"proved"}
@@ -229,7 +224,6 @@ def test_uncertainty_of_any_body(spin, radius):
 
 @needs_flint
 def test_lost_bounds(spin):
-    """Where they are lost, the summary says when."""
     said = spin(TOP, *UNCERTAIN, "uncertainty.top.length=1e-4", "span.t_end=60").out
     assert re.search(r"unproved \(.*\), the first at t = [1-9]", said)
 
@@ -251,13 +245,11 @@ Q0 = "output.columns=t,q0_bound"
     ],
 )
 def test_wrong_uncertainty(spin, settings, words):
-    """Radii of what has no bounds, or is not given."""
     assert words in spin.refuse(TOP, "--check", *settings)
 
 
 @needs_flint
 def test_unproved_rows_say_why(spin):
-    """In the summary; their bounds are infinite."""
     run = spin(TOP, "effects.drag_force=0.1", "output.columns=t,theta,theta_bound,proof")
     assert set(run.rows.proof) == {"unproved"}
     assert set(run.rows.theta_bound) == {math.inf}
@@ -309,7 +301,6 @@ def test_bounds_of_periods_are_refused(spin, name):
 
 @needs_flint
 def test_bounds_of_an_energy_are_refused(spin):
-    """It is a number of a time, but none that proofs bound."""
     error = spin.refuse(TOP, "--check", "output.columns=t,energy_bound")
     assert "at a time, not energy\n" in error
 
@@ -339,7 +330,6 @@ def test_verify_without_claims(spin):
 
 @needs_flint
 def test_what_is_no_table(spin):
-    """An input, nothing, and an option that there is not."""
     spin.call("verify", spin.write(TOP), code=2)
     assert "verify takes a table" in spin.call("verify", code=2).stderr
     said = spin.call("verify", "--fast", "a.csv", code=2).stderr

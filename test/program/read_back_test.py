@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import read, wait_until
+from conftest import netcdf_is_missing, read, wait_until
 from spintop_figures.tables.table import read_table
 
 SEED = 20121
@@ -69,7 +69,6 @@ AXES = ("initial.theta", "top.mass", "initial.omega3", "integration.max_steps")
 
 
 def spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:
-    """The values of an axis."""
     parts = [k / max(1, count - 1) for k in range(count)]
     if logarithmic:
         values = [first * (last / first) ** part for part in parts]
@@ -82,18 +81,16 @@ def spaced(first: float, last: float, count: int, logarithmic: bool) -> list[flo
 def formats(spin):
     """The formats that the build has; a table of cases and its scene are there."""
     rows_of(spin, ["initial.theta"], [[1.0]])
-    check = spin.call("--check", spin.write(SCENE), "--set=output.format=netcdf", code=(0, 2))
-    return ["csv"] if "this build has no NetCDF" in check.stderr else ["csv", "netcdf"]
+    spin.write(SCENE)
+    return ["csv"] if netcdf_is_missing() else ["csv", "netcdf"]
 
 
 @pytest.fixture
 def draws():
-    """Draws that are those of each run."""
     return random.Random(SEED)
 
 
 def rows_of(spin, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None:
-    """Write the table of cases."""
     quoted = [f'"{name}"' if "," in name else name for name in names]
     lines = [",".join(quoted), *(",".join(map(repr, row)) for row in rows)]
     spin.write("\n".join(lines) + "\n", "cases.csv")
@@ -108,17 +105,12 @@ def draw(draws, spin, names: Sequence[str], cases: int) -> list[list[float]]:
 
 
 def sweep(spin, scene: str, *words: str, kind: str = "csv") -> Path:
-    """Run a sweep; every case must end well."""
     path = spin(scene, f"output.format={kind}", *words).path
     return path.with_suffix(f".{kind.replace('netcdf', 'nc')}")
 
 
 def merged(spin, scene: str, parts: int, *words: str) -> bytes:
-    """The table of parts that are merged."""
-    for i in range(1, parts + 1):
-        sweep(spin, scene, f"--shard={i}/{parts}", *words)
-    stem = Path(scene).stem
-    tables = [f"output/{stem}.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
+    tables = spin.parts(scene, parts, "output.format=csv", *words)
     path = spin.call("merge", "merged.csv", *tables, path="merged.csv").path
     table = path.read_bytes()
     path.unlink()
@@ -189,7 +181,6 @@ def test_parts_threads_and_what_was_resumed(spin, formats, draws):
 
 
 def test_resumed(spin, formats, draws):
-    """A long sweep that was killed on its way."""
     names = list(ANY_BODY)
     spans = names.index("span.t_end")
     rows = draw(draws, spin, names, 2000)
@@ -223,7 +214,6 @@ def values_of(draws, name: str, kind: str, count: int) -> tuple[list[float], str
 
 
 def scene_of(spin, combine: str, axes: Sequence[tuple[str, str]]) -> str:
-    """A scene with axes."""
     text = SCENE.replace("table = 'cases.csv' /", combine)
     for name, _ in axes:
         key = name.split(".")[1]

@@ -40,7 +40,6 @@ def slack_of(body):
 
 
 def stacked(columns, names):
-    """Columns side by side."""
     return np.stack([columns[name] for name in names], 1)
 
 
@@ -49,7 +48,6 @@ SPACE, MATRIX = ["omega_x", "omega_y", "omega_z"], [f"r{i}{j}" for i in "123" fo
 
 
 def test_files_agree():
-    """Each input has its motion."""
     for folder, ending in (("inputs", ".nml"), ("motions", ".json"), ("motions", ".csv")):
         found = sorted(path.stem for path in (REFERENCE / folder).glob(f"*{ending}"))
         assert found == NAMES
@@ -199,7 +197,6 @@ def test_errors_are_measured():
 
 
 def test_named_conventions():
-    """A convention that is named is taken, right or wrong."""
     found = judge(T, ATTITUDE, direction="space to body")
     assert found["direction"] == "space to body"
     assert found["attitude_error"] > 0.1
@@ -216,18 +213,15 @@ def test_named_conventions():
     ],
 )
 def test_what_is_refused(given, words):
-    """Shapes, and times that the reference does not have."""
     with pytest.raises(ValueError, match=words):
         judge(*given)
 
 
 def test_order():
-    """The slope of a power."""
     assert order([0.1, 0.05, 0.025], [3e-3, 3e-3 / 16, 3e-3 / 256]) == pytest.approx(4, abs=5e-8)
 
 
 def numbers_of(folder, *command):
-    """What a command prints: a name and a value per line."""
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     lines = run.stdout.replace("order of convergence", "order").splitlines()

@@ -72,7 +72,6 @@ TOLERANCE = 3e-9
 
 
 def last_row(spin, text):
-    """The last row of the table of an input."""
     return spin(text, "--threads=1", table=TABLE, spline=SPLINE).rows.iloc[-1]
 
 

@@ -53,13 +53,11 @@ def run_study(spin, kind, *options, code=0):
 
 
 def files_of_study(spin, kind):
-    """The files that it makes."""
     run_study(spin, kind)
     return sorted((spin.folder / "output").iterdir())
 
 
 def plant(how, victim, path):
-    """Make a file of another kind of a name."""
     path.unlink(missing_ok=True)
     match how:
         case "symbolic link":
@@ -99,13 +97,11 @@ def test_every_file_that_is_written(spin, kind):
 
 def test_targets(spin):
     """A table does not take the place of a FIFO or of a device, nor does a merged one."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep", f"--shard={part}")
+    parts = spin.parts(STUDIES["sweep"], 2)
     os.mkfifo(spin.folder / "fifo")
     if os.geteuid() == 0:
         subprocess.run(["mknod", spin.folder / "zero", "c", "1", "5"], check=True)
     for name in ("fifo", "zero")[: 2 if os.geteuid() == 0 else 1]:
-        parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
         assert "not a file" in merge(spin, name, *parts, code=4)
         assert not (spin.folder / name).is_file()
     os.mkfifo(spin.folder / "output/sweep.csv")
@@ -160,7 +156,6 @@ def test_a_killed_run(slow):
 
 
 def test_a_signal(slow):
-    """A run that a signal ends removes its lock."""
     slow.interrupt(by=signal.SIGTERM)
     assert "output/slow.csv.part.lock" not in slow.spin.produced()
 

@@ -53,7 +53,6 @@ def derivatives(spin, text, columns, keys):
 
 
 def agree(first, second, error):
-    """Both agree within the error, which is small."""
     assert math.isfinite(first)
     assert error < 1e-6 * max(1, abs(second))
     assert first == pytest.approx(second, abs=error)
@@ -105,7 +104,6 @@ def test_each_row_of_a_trajectory(spin):
 
 @pytest.mark.parametrize("key", ["top.length", "initial.theta_rate"])
 def test_trajectories_and_sweeps_agree(spin, key):
-    """The last row of a trajectory has the derivatives of the end."""
     (swept,) = derivatives(spin, SWEEP + TOP, ["theta_end"], [key])[1].values()
     (moved,) = derivatives(spin, TOP, ["theta"], [key])[1].values()
     agree(swept[0], moved[0], swept[1] + moved[1])
@@ -121,7 +119,6 @@ def test_one_side(spin):
 
 
 def test_swept_keys(spin):
-    """A key may be an axis; the rows do not depend on the number of threads."""
     text = TOP.replace(", psi_rate = 14", "") + "&study kind = 'sweep' /\n"
     text += "&sweep parameter = 'initial.psi_rate', values(1,:) = 8, 14, 20 /\n"
     text += output(SPIN, "theta_end__top.mass")
@@ -158,7 +155,6 @@ def test_a_kink_has_a_note(spin):
     ],
 )
 def test_refusals(spin, name, message):
-    """Names that are wrong are refused with their place."""
     error = spin.refuse(f"{SWEEP}{TOP}&output columns = {name} /\n")
     assert "scene.nml:" in error
     assert message in error

@@ -48,7 +48,6 @@ def test_damped(spin, length, start):
     ],
 )
 def test_spin_of_the_summary(spin, top, effects, start, name, with_effects):
-    """The summary has the spin of the input, about the axis that has the centre of mass."""
     inertia = "0.25, 0.875, 0.875" if name == "omega1" else "0.875, 0.875, 0.25"
     text = f"&top mass = 1  inertia = {inertia}  {top} /\n{SPAN}&effects {effects} /\n"
     run = spin(f"{text}&initial theta = 1e-6  {start} /\n")

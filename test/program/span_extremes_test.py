@@ -33,7 +33,6 @@ SPANS = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:
 
 
 def extremes(rows):
-    """The quantities of a sweep from rows of the trajectory."""
     theta = rows.theta.min(), rows.theta.max()
     force = np.linalg.norm(rows[["force_x", "force_y", "force_z"]], axis=1)
     return {

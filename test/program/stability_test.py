@@ -15,7 +15,6 @@ OWN = (
 
 
 def study(spin, cases, methods):
-    """The rows of a study by case, method and formulation."""
     rows = spin("stability", f"stability.cases={cases}", f"stability.methods={methods}").rows
     assert set(rows.verdict) <= VERDICTS
     return {(row.case, row.method, row.formulation): row for row in rows.itertuples()}
@@ -52,7 +51,6 @@ def test_growth_of_sleeping_tops(spin):
 
 
 def test_own_case(spin):
-    """The input's own case takes its place among those of the catalogue."""
     rows = spin(OWN.format(1.2, 3, "'input'", "'dop853', 'splitting_8'")).rows
     assert list(rows.case) == ["input", "input"]
     assert set(rows.verdict) == {"accurate"}
@@ -93,12 +91,10 @@ def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
     ],
 )
 def test_refusals(spin, setting, said):
-    """Names that are not there are refused, with the nearest; so is a method of the input."""
     assert said in spin.refuse("stability", setting)
 
 
 def test_catalogue_is_listed(spin):
-    """Every case that runs by default is listed, and some more."""
     names = [case["name"] for case in spin.listed("cases")]
     assert len(names) > 20
     assert "million_nutations" in names
@@ -132,7 +128,6 @@ def test_boundary(spin):
 
 
 def test_notes(spin):
-    """Other bodies have no such multiplier, and the note says why."""
     rows = spin("kapitza_map", *ONE, "effects.drag_force=0.1").rows
     assert np.isnan(rows.upright_multiplier[0])
     assert "the only effect must be a vertical vibration" in rows.notes[0]

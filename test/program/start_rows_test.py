@@ -21,7 +21,6 @@ EFFECTS = ("", "earth_rate = 0.3  latitude_deg = 90", "rotor_momentum = 0, 0, 0.
 
 
 def first_row(spin, text, code=0):
-    """The numbers of the first row of all columns; None where the method is refused."""
     run = spin(text + output("all"), code=code)
     if run.code == 2:
         assert "exact" in run.err
@@ -62,7 +61,6 @@ SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass'  values(1,:) 
 
 
 def levels_at(spin, scene, quantity):
-    """The value of a quantity at the start, as it is printed and rounded."""
     value = float(first_row(spin, scene)[quantity])
     return {f"{value!r}", f"{value:.15f}"}
 

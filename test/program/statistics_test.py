@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import wait_until
+from conftest import needs_netcdf, wait_until
 from indices_test import VECTOR
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
@@ -44,22 +44,20 @@ BINS = f"{OVER}  bins(2) = 3  from(2) = 0.1  to(2) = 1.5"
 RESULT = ("statistics.csv", "histogram.csv")
 
 
+NETCDF = "output.format=netcdf"
 ANY = (0, 3)
 """Exit codes of sweeps whose cases may fail."""
 
 
 def swept(spin, text, *words, name="map", code=ANY):
-    """Run a sweep with statistics."""
     return spin(text, *words, name=name, code=code)
 
 
 def results(spin, folder: str, name: str = "map") -> list[bytes]:
-    """The tables of the statistics in a folder."""
     return [(spin.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
 
 
 def numbers(tables: list[bytes]) -> list[list[bytes]]:
-    """The lines of tables without their comments."""
     return [[line for line in t.splitlines() if not line.startswith(b"#")] for t in tables]
 
 
@@ -148,20 +146,17 @@ def test_bins_of_an_axis(spin):
 
 
 def test_all_cases_without_bins(spin):
-    """One row where there is nothing to bin over."""
     text = MAP.replace(BINS, "").replace("quantiles_of = 'bins'", "")
     assert list(swept(spin, text).table("statistics").cases) == [868]
 
 
+@needs_netcdf
 def test_the_same_numbers_as_netcdf(spin):
     """Bit for bit those of the CSV, with rows and without, as a whole and in parts."""
-    netcdf = "output.format=netcdf"
-    if "this build has no NetCDF" in swept(spin, MAP, netcdf, code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
     csv = swept(spin, MAP)
-    for part in ((), ("--shard=1/2",), ("--shard=2/2",)):
-        swept(spin, BARE, netcdf, *part, name="bare")
-    states = [f"output/bare.{part}-of-2.statistics.state" for part in (1, 2)]
+    for text, name in ((MAP, "map"), (BARE, "bare")):
+        swept(spin, text, NETCDF, name=name)
+    states = spin.parts(BARE, 2, NETCDF, ending="statistics.state", name="bare", code=ANY)
     merged = spin.call("merge", "output/merged.nc", *states, path="output/merged.nc", code=ANY)
     whole = (spin.folder / "output/bare.statistics.nc").read_bytes()
     assert merged.path.read_bytes() == whole
@@ -181,28 +176,24 @@ def test_the_same_numbers_as_netcdf(spin):
             np.testing.assert_array_equal(found.high, rows["to"])
 
 
+@needs_netcdf
 def test_a_changed_netcdf_result_is_not_resumed(spin):
-    """Each of its tables is checked."""
-    netcdf = "output.format=netcdf"
-    if "this build has no NetCDF" in swept(spin, BARE, netcdf, name="bare", code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
-    swept(spin, BARE, netcdf, "--resume", name="bare")
+    for options in ([], ["--resume"]):
+        swept(spin, BARE, NETCDF, *options, name="bare")
     path = spin.folder / "output/bare.histogram.nc"
     data = bytearray(path.read_bytes())
     data[-9] ^= 1
     path.write_bytes(data)
-    refused = swept(spin, BARE, netcdf, "--resume", name="bare", code=2)
+    refused = swept(spin, BARE, NETCDF, "--resume", name="bare", code=2)
     assert "bare.histogram.nc was changed after it was written" in refused.stderr
 
 
 def test_rows_and_parts(spin):
     """The same numbers with rows and without; a part without its statistics is refused."""
     swept(spin, MAP, "--output=one")
-    for part in ("1/3", "2/3", "3/3"):
-        swept(spin, MAP, f"--shard={part}", "--output=parts")
+    one, two, three = spin.parts(MAP, 3, "--output=parts", name="map", code=ANY)
     (spin.folder / "parts/map.2-of-3.statistics.state").unlink()
-    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
-    refused = spin.call("merge", "parts/map.csv", *tables, code=2)
+    refused = spin.call("merge", "parts/map.csv", two, three, one, code=2)
     assert "map.2-of-3.statistics.state" in refused.stderr
     swept(spin, BARE, "--output=one", name="bare")
     assert numbers(results(spin, "one")) == numbers(results(spin, "one", "bare"))
@@ -212,9 +203,7 @@ def test_rows_and_parts(spin):
 @pytest.mark.parametrize("text", [BARE, VECTOR])
 def test_damaged_parts(spin, text):
     """A part that is cut short, changed, twice there or missing is refused, with indices too."""
-    for part in (1, 2, 3):
-        swept(spin, text, f"--shard={part}/3")
-    states = [f"output/map.{part}-of-3.statistics.state" for part in (1, 2, 3)]
+    states = spin.parts(text, 3, ending="statistics.state", name="map", code=ANY)
     damaged = spin.folder / states[1]
     whole = damaged.read_bytes()
     begin, end = whole.index(b"spintop statistics 3"), len(whole)
@@ -240,7 +229,6 @@ RESUMED = ("map.nml", "--resume", "--threads", "1")
 
 
 def test_damaged_snapshot(spin):
-    """A run is not resumed from statistics that were changed, and says how to begin anew."""
     spin.write(SLOW, "map.nml")
     with spin.start(*RESUMED) as run:
         wait_until(lambda: run.poll() is None and spin.journalled("output/map.statistics.csv") > 0)
@@ -259,7 +247,6 @@ def test_damaged_snapshot(spin):
 
 @pytest.mark.parametrize("text", [MAP, SLOW.replace("count(1) = 1000", "count(1) = 20")])
 def test_nothing_left_to_compute(spin, text):
-    """A complete run is not computed again."""
     swept(spin, text)
     assert "the table is already complete" in swept(spin, text, "--resume").out
 
@@ -306,7 +293,6 @@ OTHERS_REFUSED = [
 
 
 def check_refused(spin, text, old, new, *words):
-    """The input with this change is refused with these words, and the place."""
     assert old in text
     spin.write(text.replace(old, new), "map.nml")
     said = spin.refuse("map.nml")
@@ -320,7 +306,6 @@ def check_refused(spin, text, old, new, *words):
     [(old, new, words) for old, new, *words in COLUMNS_REFUSED + BINS_REFUSED + OTHERS_REFUSED],
 )
 def test_what_is_refused(spin, old, new, words):
-    """Columns, bins and their ranges, quantiles: what is wrong, where, what would be right."""
     check_refused(spin, MAP, old, new, *words)
 
 
@@ -334,7 +319,6 @@ def test_what_is_refused(spin, old, new, words):
     ],
 )
 def test_rows_that_are_refused(spin, text, old, new, words):
-    """They are left out only where something else is written; only sweeps have statistics."""
     check_refused(spin, text, old, new, *words)
 
 

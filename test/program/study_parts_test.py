@@ -34,7 +34,6 @@ BEST = {"method", "formulation", "setting", "value", "error", "evaluations"}
 
 
 def compute(spin, text, folder, *options, ranks=0):
-    """Run a study into a folder, and give what it says."""
     scene = spin.write(text, "study.nml")
     words = [scene, "-o", folder, *options]
     if not ranks:
@@ -91,7 +90,6 @@ def test_parts(spin, text, parts, varying):
 
 
 def test_check(spin):
-    """--check tells of the part."""
     said = compute(spin, PRECISION, "none", "--check", "--shard", "2/2")
     assert "part 2 of 2: cases 3 to 3 of 3" in said
 
@@ -132,7 +130,6 @@ def test_ranks(spin, text):
 
 @needs_mpi
 def test_parts_by_ranks(spin):
-    """A part is shared out like a whole."""
     compute(spin, STABILITY, "alone", "--shard", "1/2")
     compute(spin, STABILITY, "ranks", "--shard", "1/2", ranks=2)
     check_same(spin, "ranks/study.1-of-2.csv", "alone/study.1-of-2.csv")

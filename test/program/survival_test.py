@@ -24,12 +24,10 @@ __attribute__((constructor)) static void begin(void) { signal(SIGHUP, nothing); 
 
 @pytest.fixture
 def slow(spin):
-    """The slow sweep."""
     return Sweep(spin)
 
 
 def size_of(path):
-    """The size of a file, which may come and go."""
     try:
         return path.stat().st_size
     except FileNotFoundError:
@@ -141,7 +139,6 @@ def test_killed_and_resumed(spin, text, table, settings):
 
 
 def test_nothing_to_resume(slow):
-    """No part, or a part without a journal: the sweep starts anew, with a message."""
     for _ in range(2):
         said = slow("--resume")
         assert "nothing to resume: the run starts from the beginning" in said
@@ -150,7 +147,6 @@ def test_nothing_to_resume(slow):
 
 
 def test_failed_cases_of_an_earlier_run_count(spin):
-    """The exit code of a resumed run is that of the whole."""
     axis = "count(1) = 200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
     slow = Sweep(spin, SLOW.replace("theta_deg = 20", "").replace("count(1) = 1000", axis))
     slow.interrupt()
@@ -178,7 +174,6 @@ def test_nothing_is_discarded_unasked(slow):
 
 
 def test_a_merge_does_not_discard_an_interrupted_run(slow):
-    """It is refused, and works when the run has been completed."""
     for shard in ("1/2", "2/2"):
         slow("--shard", shard)
     names = slow.table, *(f"output/slow.{i}-of-2.csv" for i in (1, 2))
@@ -192,7 +187,6 @@ def test_a_merge_does_not_discard_an_interrupted_run(slow):
 
 
 def test_restart_takes_the_place_of_any_kind_of_run(slow):
-    """A trajectory under the name of an interrupted sweep leaves no journal behind."""
     slow.interrupt()
     slow.spin(GOOD, "output.file=slow.csv", "--restart")
     assert slow.rows == -1
@@ -259,7 +253,6 @@ def test_a_signal_in_the_midst_of_long_cases(spin, threads):
 
 
 def test_a_handler_of_a_library_does_not_keep_a_signal(slow, preload):
-    """A hangup ends the run."""
     options = {"environment": preload(HANGUP), "preexec_fn": heed(signal.SIGHUP)}
     code, said = slow.interrupt(by=signal.SIGHUP, **options)
     assert code == -signal.SIGHUP, said
@@ -267,7 +260,6 @@ def test_a_handler_of_a_library_does_not_keep_a_signal(slow, preload):
 
 
 def test_a_signal_that_is_ignored_stays_so(slow):
-    """nohup has SIGHUP ignored."""
     ignore = {"preexec_fn": lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)}
     code, said = slow.interrupt(by=signal.SIGHUP, **ignore)
     assert code == 0, said
@@ -326,7 +318,6 @@ def test_a_file_that_may_not_grow(slow):
 
 
 def test_a_folder_removed_meanwhile(slow):
-    """Exit code 4, and a name."""
     with slow.start() as run:
         slow.wait(run, 0)
         slow.clear()
@@ -337,7 +328,6 @@ def test_a_folder_removed_meanwhile(slow):
 
 
 def test_folders_that_cannot_be_written(slow):
-    """Exit code 4 before anything is computed, on any way there."""
     slow("-o", "/proc/spintop", code=4)
     (slow.spin.folder / "output/slow.csv.journal.new").mkdir(parents=True)
     said = slow(code=4)

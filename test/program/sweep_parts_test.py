@@ -13,7 +13,6 @@ from statistics_test import BARE, MAP
 
 
 def parts_of(name, count):
-    """The tables of the parts of a sweep."""
     return [f"output/{name}.{i}-of-{count}.csv" for i in range(1, count + 1)]
 
 
@@ -43,14 +42,10 @@ def test_threads_and_parts(spin, text, parts):
     failing = (0, 3)
     for n in (1, 2, 5):
         spin(text, f"--threads={n}", f"--output={n}", code=failing)
-    for part in range(1, parts + 1):
-        spin(text, f"--shard={part}/{parts}", "--output=parts", code=failing)
     kind = "statistics." * ("rows = 'none'" in text)
-    names = [
-        f"parts/scene.{i}-of-{parts}.{kind}{'state' if kind else 'csv'}"
-        for i in range(parts, 0, -1)
-    ]
-    spin.call("merge", f"parts/scene.{kind}csv", *names, code=failing)
+    ending = "statistics.state" if kind else "csv"
+    names = spin.parts(text, parts, "--output=parts", ending=ending, code=failing)
+    spin.call("merge", f"parts/scene.{kind}csv", *reversed(names), code=failing)
     tables = {path.name: path.read_bytes() for path in (spin.folder / "1").glob("*.csv")}
     for folder in ("2", "5", "parts"):
         for name, content in tables.items():
@@ -108,7 +103,6 @@ def test_parts_that_do_not_fit(spin):
 
 
 def test_resume_and_shard_are_not_for_all_studies(spin):
-    """A trajectory has no parts, a stability study no journal."""
     assert "--shard is not for trajectories" in spin.refuse(GOOD, "--shard=1/2")
     said = spin.refuse(GOOD, "--resume", "study.kind=stability")
     assert "--resume is for sweeps and trajectories" in said

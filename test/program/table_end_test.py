@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import MISSING, Spin, merge
+from conftest import MISSING, Spin, merge, needs_netcdf
 from safe_files_test import STUDIES, files_of_study, run_study
 from spintop_figures.tables.table import TableError, read_table
 
@@ -25,7 +25,6 @@ STATES = {
 
 
 def parts_of(table: bytes) -> tuple[list[bytes], list[bytes]]:
-    """The lines to that of the names, and those after it."""
     lines = table.splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if not line.startswith(b"#"))
     return lines[: first + 1], lines[first + 1 :]
@@ -131,10 +130,7 @@ def test_leftovers(spin, kind):
 
 @pytest.mark.parametrize("kind", ["sweep", "stability"])
 def test_merge(spin, kind):
-    """A part that was cut or changed is refused by its name."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, kind, f"--shard={part}")
-    names = "all.csv", *(f"output/{kind}.{i}-of-2.csv" for i in (1, 2))
+    names = "all.csv", *spin.parts(STUDIES[kind], 2, name=kind)
     path = spin.folder / names[-1]
     table = path.read_bytes()
     for how, text, row in damages(table):
@@ -164,11 +160,9 @@ def test_netcdf(spin, kind):
     assert "was changed after it was written" in run_study(spin, kind, "--resume", code=2).stderr
 
 
+@needs_netcdf
 def test_netcdf_parts(spin):
-    """A merged table has it, too; a part that was changed is refused."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep_netcdf", f"--shard={part}")
-    names = "all.nc", *(f"output/sweep_netcdf.{i}-of-2.nc" for i in (1, 2))
+    names = "all.nc", *spin.parts(STUDIES["sweep_netcdf"], 2, ending="nc")
     merge(spin, *names)
     assert read_table(spin.folder / "all.nc").note == ""
     path = spin.folder / names[-1]
@@ -199,9 +193,7 @@ def test_lines_from_elsewhere(spin):
     """Tables with CR LF and a byte order mark are read as those with LF by all readers."""
     motion = f"{TOP.format(14)}&span t_end = 2, samples = 21 /\n"
     spin(motion, "output.columns=t,theta,psi", name="motion")
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep", f"--shard={part}")
-    parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
+    parts = spin.parts(STUDIES["sweep"], 2)
     fit = spin.write(f"&study kind = 'fit' /\n{TOP.format(13.9)}&fit {KEYS} /\n", "sought.nml")
     mark, found = b"\xef\xbb\xbf", []
     for begin, end in ((b"", b"\n"), (b"", b"\r\n"), (mark, b"\r\n"), (mark, b"\n")):

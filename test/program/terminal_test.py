@@ -49,7 +49,6 @@ def show(spin, *words, columns=COLUMNS, **environment):
 
 
 def widest(lines):
-    """The length of the longest line."""
     return max(map(len, lines))
 
 
@@ -95,12 +94,10 @@ def test_colours(spin):
 
 
 def test_topics(spin):
-    """The topics are as wide as the terminal."""
     assert widest(show(spin, "list").splitlines()) <= COLUMNS
 
 
 def test_summary(spin):
-    """The summary of a run is as wide as the terminal."""
     shown = show(spin, "--quiet", SLOW_TOP, "--set", "span.samples=11")
     assert widest(line for line in shown.splitlines() if line.startswith("  ")) <= COLUMNS
     assert "status    ok at t" in shown
@@ -174,7 +171,6 @@ def test_every_kind_of_study(spin, text, options):
 
 
 def test_messages(spin):
-    """Errors in a file, and two files of one table."""
     check(spin.call(spin.write(GOOD.replace("mass", "maas"), NAME), code=2).stderr)
     scene = spin.write(GOOD, NAME)
     check(spin.call(scene, scene, code=2).stderr)
@@ -210,13 +206,11 @@ def test_what_is_read_is_not_replaced(spin, text, table):
 
 @pytest.mark.parametrize("name", ["scene.csv", "scene.log"])
 def test_inputs_are_not_replaced(spin, name):
-    """An input, whatever its name, by its table or its log."""
     scene = spin.folder / spin.write(SWEEP, name)
     assert "would replace" in spin.refuse(scene, "--output=.")
 
 
 def test_other_inputs_are_not_replaced(spin):
-    """One input by the table of another."""
     names = spin.write(GOOD, "other.nml"), spin.write(GOOD, "other.csv")
     spin.call(*names, "--set=output.file=x", "--output=.", code=2)
     assert (spin.folder / "other.csv").read_text() == GOOD
@@ -226,6 +220,5 @@ def test_other_inputs_are_not_replaced(spin):
     ("name", "file"), [("spin_1.5", "spin_1.5.csv"), ("a.csv", "a.csv"), ("b.v2.csv", "b.v2.csv")]
 )
 def test_points_in_the_name_of_a_table(spin, name, file):
-    """Only the ending of its format is one."""
     spin(MOTION, f"output.file={name}")
     assert (spin.folder / "output" / file).exists()

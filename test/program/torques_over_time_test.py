@@ -22,12 +22,10 @@ HEAD = "t,m1,m2,m3\n"
 
 
 def integral(t):
-    """The integral of A + B cos(W t + F)."""
     return A * t + B / W * (np.sin(W * t + F) - math.sin(F))
 
 
 def check(values, expected, tolerance):
-    """All numbers are as expected."""
     assert list(values) == pytest.approx(list(expected), abs=tolerance)
 
 
@@ -119,7 +117,6 @@ def test_sweep_from_zero(spin):
     ],
 )
 def test_bad_harmonics(spin, effects, word):
-    """What is missing beside an amplitude, a rate or a phase is named."""
     text = scene(FREE, "theta = 1  psi_rate = 10", "t_end = 1", effects)
     refused(spin, text, "scene.nml:4", word)
 
@@ -192,7 +189,6 @@ def test_jumps_over_friction(spin):
     ],
 )
 def test_bad_jumps(spin, rows, interpolation, words):
-    """Three rows of one time, and pieces with too few rows, are refused."""
     effects = f"torque_table = 'torque.csv'  torque_interpolation = '{interpolation}'"
     text = scene(FREE, "theta = 1  psi_rate = 1", "t_end = 1", effects)
     refused(spin, text, words, torque=HEAD + rows)

@@ -67,7 +67,6 @@ class Table:
 
 
 def rows_of(lines):
-    """The lines that are no comments."""
     return [line for line in lines if not line.startswith("#")]
 
 
@@ -107,7 +106,6 @@ def test_axis_x(spin):
 
 
 def test_inputs(spin):
-    """Those that come with the program and need FLINT."""
     assert largest(spin("certified_top").rows.theta_bound) < 4e-16
     assert "707 numbers proved, 0 unproved, 0 wrong" in verify(spin, "certified_top")
     assert 1e-4 < largest(spin("uncertain_top").rows.orientation_bound) < 1e-3
@@ -122,7 +120,6 @@ def test_inputs(spin):
     ],
 )
 def test_uncertainty_of_what_is_not_given(spin, radius, words):
-    """It is refused with what is given instead."""
     assert words in spin.refuse(FREE, "--check", radius, "output.columns=t,theta,theta_bound")
 
 
@@ -198,7 +195,6 @@ def test_edited_trajectories(spin):
 
 
 def test_damaged_tables(spin):
-    """What is no table of the program any more is refused."""
     text = spin(FREE).path.read_text()
     rows = rows_of(text.splitlines(keepends=True))
     for damaged, words in (

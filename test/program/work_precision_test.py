@@ -26,12 +26,10 @@ class Study(NamedTuple):
     said: str
 
     def of(self, method):
-        """The rows of a method by setting."""
         return self.rows[self.rows.method == method].set_index("setting")
 
 
 def study(spin, scene, methods, *settings, code=0):
-    """Compute a study of methods, with settings of its group."""
     settings = [f"work_precision.{setting}" for setting in (f"methods={methods}", *settings)]
     run = spin(scene, *settings, code=code)
     return Study(run.rows, run.out)
@@ -109,7 +107,6 @@ def test_front(spin):
 
 
 def chosen(found):
-    """The rows that `auto` would take."""
     return found.rows[found.rows["auto"] == "yes"]
 
 
@@ -145,7 +142,6 @@ def test_errors_of_columns_are_those_of_trajectories(spin):
 
 
 def test_any_body(spin):
-    """Without an exact motion the reference says how far two methods agree on it."""
     found = study(spin, SKEW, "exact,taylor,rkmk_4", "tolerances=1e-12", "steps=400")
     assert set(found.rows.method) == {"taylor", "rkmk_4"}
     for words in ("exact/", "omitted", "dop853 agrees"):
@@ -156,7 +152,6 @@ def test_any_body(spin):
 
 
 def test_stored_reference(spin):
-    """A trajectory that was stored gives the errors that the exact motion gives."""
     stored = motion(spin, "q0,q1,q2,q3,t,omega1,omega2,omega3,theta", 41).path
     stored = stored.rename(spin.folder / "stored.csv")
     settings = ("taylor,rk4", "steps=400,800", "tolerances=1e-8")
@@ -170,7 +165,6 @@ def test_stored_reference(spin):
 
 
 def test_swept_problems(spin):
-    """Each case of a sweep is a problem, with its parameters beside it."""
     axis = ("parameter=initial.theta", "from=0.2", "to=0.6", "count=3")
     settings = [
         f"work_precision.{x}" for x in ("methods=taylor,rk4", "steps=100", "tolerances=1e-6")
@@ -308,7 +302,6 @@ RK4 = "work_precision.methods=rk4"
     ],
 )
 def test_refusals(spin, settings, part):
-    """Each names what is wrong, before anything is computed."""
     scene = SKEW if "=exact" in settings[0] else NAME
     assert part in spin.refuse(scene, *settings)
 
@@ -331,7 +324,6 @@ ROW = "0,0.995184726672197,0.098017140329561,0,0,0,0,1\n"
     ],
 )
 def test_tables_that_are_no_reference(spin, text, part):
-    """A table must have the columns, the times and the start of the motion."""
     table = spin.folder / "reference.csv"
     setting = f"work_precision.reference={table}"
     assert part in spin.refuse(NAME, setting, reference=text)

@@ -6,7 +6,6 @@ import functools
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 import time
 import unittest
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, execute
 from reporting.packages import PackageError, esbuild_package, need
 from reporting.page import make_alone, make_page, write_page
 from reporting.study import read_study
@@ -27,16 +26,9 @@ HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
 """A title that would do harm if it were taken as HTML; quotes as in a namelist."""
 
 FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--overscroll-history-navigation=0",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
+    *("--headless=new", "--no-sandbox", "--disable-gpu", "--overscroll-history-navigation=0"),
+    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--hide-scrollbars"),
 )
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NO_WEBGL = ("--disable-3d-apis",)
@@ -76,17 +68,17 @@ def make_study() -> Path:
     folder = new_scratch("report test ") / "study"
     folder.mkdir()
     inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
-    command = [EXE, "--quiet", "-o", folder]
-    subprocess.run([*command, *inputs], check=True, capture_output=True)
+    quiet = (EXE, "--quiet", "-o", folder)
+    execute(*quiet, *inputs)
     columns = "t,phi,theta,psi,phi_rate,theta_rate,psi_rate,kinetic,potential,energy"
-    compared = ("--set", f"output.columns={columns}", ROOT / "input/slow_top_scenario2_rk4.nml")
-    subprocess.run([*command, *compared], check=True, capture_output=True)
+    compared = ROOT / "input/slow_top_scenario2_rk4.nml"
+    execute(*quiet, f"--set=output.columns={columns}", compared)
     hostile = folder / "hostile.nml"
     text = inputs[0].read_text(encoding="utf-8")
     title = next(line for line in text.splitlines() if line.strip().startswith("title"))
     hostile.write_text(text.replace(title, f"    title = '{HOSTILE}'"), encoding="utf-8")
     few = ("--set", "span.samples=41", "--set", "output.columns=t,phi,theta,psi")
-    subprocess.run([*command, *few, hostile], check=True, capture_output=True)
+    execute(*quiet, *few, hostile)
     sections, problems = read_study(folder)
     page, lack = make_page(folder.name, sections, problems)
     if problems or lack:
@@ -184,11 +176,9 @@ class BrowserCase(unittest.TestCase):
         self.tell("Emulation.setEmulatedMedia", features=features)
 
     def tell(self, command: str, **arguments: object) -> object:
-        """Give the browser a command of its own protocol."""
         return self.browser.execute_cdp_cmd(command, arguments)
 
     def run_script(self, script: str, *arguments: object) -> object:
-        """Run a script in the page, and give what it returns."""
         return self.browser.execute_script(script, *arguments)
 
     def fetched(self) -> set[str]:
@@ -233,7 +223,6 @@ class BrowserCase(unittest.TestCase):
         )
 
     def parts(self, section: object, selector: str) -> list:
-        """The elements of a section."""
         return section.find_elements("css selector", selector)
 
     def part(self, section: object, name: str) -> object:
@@ -276,7 +265,6 @@ class LiveCase(BrowserCase):
 
     @property
     def section(self) -> object:
-        """The live top."""
         return self.browser.find_element("css selector", "section.live")
 
     def text(self, name: str) -> str:
@@ -284,7 +272,6 @@ class LiveCase(BrowserCase):
         return self.part(self.section, name).get_property("textContent")
 
     def choose(self, preset: str) -> None:
-        """Choose a preset."""
         self.run_script(
             "const { preset } = liveTop.parts; preset.value = arguments[0];"
             "preset.dispatchEvent(new Event('change')); liveTop.clock.pause();",

@@ -71,7 +71,6 @@ def statements(text: str) -> list[Statement]:
 
 
 def match_procedure(code: str) -> re.Match[str] | None:
-    """The header of a subroutine or function."""
     words = code.lower()
     if words.startswith("end") or not ("subroutine" in words or "function" in words):
         return None

@@ -27,7 +27,6 @@ LETTERS = 6.5
 
 
 def texts(figure: Figure) -> list[str]:
-    """All texts of a figure."""
     return sorted(text.get_text() for text in figure.findobj(Text))
 
 

@@ -36,6 +36,9 @@ WORDS = (
 )  # fmt: skip
 
 
+BYTES = (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
+
+
 @dataclass(frozen=True)
 class Vocabulary:
     """Registries of the program: parameters with sizes, methods, formulations, tables, columns."""
@@ -52,7 +55,6 @@ class Vocabulary:
 
 @cache
 def vocabulary(program: str) -> Vocabulary:
-    """The lists of the program."""
     told = subprocess.run([program, "list", "--json"], capture_output=True, check=True)
     known = json.loads(told.stdout)
     parameters, choices = {}, {}
@@ -91,7 +93,6 @@ class Writer:
         return self.random.random() < probability
 
     def pick(self, choices: list[str] | tuple[str, ...]) -> str:
-        """One of these."""
         return self.random.choice(list(choices))
 
     def number(self, low: float, high: float) -> float:
@@ -111,7 +112,6 @@ class Writer:
             )
 
     def text(self) -> str:
-        """The text of the input file."""
         lines = []
         for group, values in self.groups.items():
             lines += [f"&{group}", *(f"    {key} = {value}" for key, value in values.items()), "/"]
@@ -137,7 +137,6 @@ class Writer:
         return self.text()
 
     def body(self) -> None:
-        """The body."""
         if self.symmetric and self.chance(0.25):
             shape = self.pick(tuple(SHAPES))
             self.put("top", shape=shape)
@@ -162,7 +161,6 @@ class Writer:
             self.put("top", gravity=self.random.choice([0.0, 1.62, 9.81e-6, 24.8]))
 
     def start(self) -> None:
-        """The start."""
         put, number = self.put, self.number
         if self.chance(0.15):
             turn = [number(-1, 1) for _ in range(4)]
@@ -236,7 +234,6 @@ class Writer:
         return method, formulation
 
     def integration(self) -> None:
-        """The group of the method."""
         method, formulation = self.method()
         self.put("integration", method=method, formulation=formulation)
         if formulation == "auto" and method != "auto":
@@ -264,7 +261,6 @@ class Writer:
             self.put("integration", project=self.pick(("none", "unit", "invariants")))
 
     def trajectory(self) -> None:
-        """A trajectory."""
         self.span()
         self.integration()
         if not self.fixed:
@@ -284,7 +280,6 @@ class Writer:
             self.put("output", events=self.random.sample(EVENTS, self.random.randint(1, 3)))
 
     def sweep(self) -> None:
-        """A sweep."""
         self.span()
         self.integration()
         given = [
@@ -340,7 +335,6 @@ class Writer:
         return (low, high) if name not in ("theta",) else (max(low, 0.0), min(high, 3.14159))
 
     def work_precision(self) -> None:
-        """A study of work and precision."""
         self.put("span", t_end=self.number(0.05, 1))
         self.put("integration", max_steps=3000)
         methods = self.random.sample([*self.words.fixed, *self.words.adaptive], 3)
@@ -350,7 +344,6 @@ class Writer:
         self.put("work_precision", tolerances=[1e-5, 1e-9], steps=[20, 80], repeats=1)
 
     def stability(self) -> None:
-        """A study of stability."""
         self.put("span", t_end=self.number(0.05, 1))
         self.put("integration", max_steps=3000, steps=200)
         self.put("stability", cases=self.random.sample([*CASES, "input"], 1))
@@ -411,12 +404,7 @@ def damaged(data: bytes, draw: random.Random) -> bytes:
         elif change == 3:
             piece = draw.choice(WORDS).encode() + piece
         else:
-            piece = (
-                draw.choice(
-                    (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
-                )
-                + piece
-            )
+            piece = draw.choice(BYTES) + piece
         data = data[:place] + piece + data[place + length :]
         if not data:
             return b"&"

@@ -41,15 +41,10 @@ class Draw:
         self.i3 = self.i1 * self.random.choice([self.log(1e-3, 0.1), self.uniform(0.1, 2), 1.0])
         self.mass, self.gravity, self.length = self.log(0.1, 10), 9.81, self.log(0.05, 3)
         self.phi, self.psi = self.uniform(-4, 4), self.uniform(-4, 4)
-        self.theta, self.phi_rate, self.theta_rate, self.omega3 = (
-            self.uniform(0.05, 3.09),
-            0.0,
-            0.0,
-            0.0,
-        )
+        self.theta = self.uniform(0.05, 3.09)
+        self.phi_rate, self.theta_rate, self.omega3 = 0.0, 0.0, 0.0
 
     def uniform(self, low: float, high: float) -> float:
-        """A number between two others."""
         return self.random.uniform(low, high)
 
     def log(self, low: float, high: float) -> float:
@@ -155,7 +150,6 @@ def draw_plane(top: Draw) -> None:
 
 
 def draw_spherical(top: Draw) -> None:
-    """I1 = I3."""
     top.i3 = top.i1
     draw_slow(top)
 
@@ -211,18 +205,7 @@ def draw_top(number: int, seed: int) -> tuple[str, Start, float]:
     spin = top.omega3
     if not spin_is_omega3:
         spin -= top.phi_rate * math.cos(top.theta)
-    start = Start(
-        top.i1 * mass * length**2,
-        top.i3 * mass * length**2,
-        top.mass * mass,
-        top.gravity * length / time**2,
-        top.length * length,
-        top.phi,
-        top.theta,
-        top.psi,
-        top.phi_rate / time,
-        top.theta_rate / time,
-        spin / time,
-        spin_is_omega3,
-    )
-    return kind, start, span * time
+    body = (top.i1 * mass * length**2, top.i3 * mass * length**2, top.mass * mass)
+    places = (top.gravity * length / time**2, top.length * length, top.phi, top.theta, top.psi)
+    rates = (top.phi_rate / time, top.theta_rate / time, spin / time)
+    return kind, Start(*body, *places, *rates, spin_is_omega3), span * time

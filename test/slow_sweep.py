@@ -81,7 +81,6 @@ class Sweep:
         return run.returncode, said
 
     def read(self, name: str) -> bytes:
-        """A file of the folder."""
         return (self.spin.folder / name).read_bytes()
 
     def check(self, folder: str = "output") -> None:
@@ -92,5 +91,4 @@ class Sweep:
             assert (path / name).read_bytes() == content, name
 
     def clear(self, folder: str = "output") -> None:
-        """Remove what it made."""
         shutil.rmtree(self.spin.folder / folder, ignore_errors=True)

@@ -154,14 +154,10 @@ def test_a_first_case_that_cannot_be_computed_is_a_failed_case(spin, name, value
     assert reason.split(": ")[1] in spin.refuse(text.format(values[0], values[0]))
 
 
-NORMAL = (
-    FREE
-    + NUTATION
-    + (
-        "&sweep combine = 'sobol', seed = 0, cases = 64, parameter = 'top.mass', 'initial.theta',"
-        " distribution = 'normal', 'sphere', mean = 1, deviation = 0.7 /\n"
-    )
-)
+NORMAL = f"""{FREE}{NUTATION}
+&sweep combine = 'sobol', seed = 0, cases = 64, parameter = 'top.mass', 'initial.theta',
+    distribution = 'normal', 'sphere', mean = 1, deviation = 0.7 /
+"""
 
 
 def test_draws_out_of_range_are_failed_cases(spin):
@@ -177,7 +173,7 @@ def test_draws_out_of_range_are_failed_cases(spin):
     [
         (
             "sweep.mean=-10",
-            "none of the first 64 cases can be computed, the first because top.mass must be > 0",
+            "none of the first 64 cases can be computed, the first because top.mass",
         ),
         ("sweep.distribution(2)=uniform", "axis 2 has no values"),
         ("sweep.distribution(2)=spherical", "expected one of: uniform, normal, lognormal, sphere"),
@@ -249,26 +245,14 @@ def test_check_forecasts(spin):
     spin(said, "--check")
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        (
-            "random_tops",
-            (
-                "4000 cases: a Latin hypercube sample with seed 2012",
-                "initial.theta_deg: any value from 5 to 175; first case ",
-            ),
-        ),
-        (
-            "spinning_wheel_sweep",
-            ("20 cases: all combinations", "20 listed values; first case 0.1, last case 10\n"),
-        ),
-    ],
-)
-def test_check_tells_of_the_axes(spin, name, words):
+def test_check_tells_of_the_axes(spin):
     """The number of cases, their combination, the first and the last values."""
-    said = spin(name, "--check").out
-    assert all(word in said for word in words)
+    said = spin("random_tops", "--check").out
+    assert "4000 cases: a Latin hypercube sample with seed 2012" in said
+    assert "initial.theta_deg: any value from 5 to 175; first case " in said
+    said = spin("spinning_wheel_sweep", "--check").out
+    assert "20 cases: all combinations" in said
+    assert "20 listed values; first case 0.1, last case 10\n" in said
 
 
 TABLE = FREE + NUTATION + "&sweep table = 'cases.csv' /\n"
@@ -320,6 +304,7 @@ TWO = "initial.theta,top.mass\n0.5,1\n"
 @pytest.mark.parametrize(
     ("text", "parts"),
     [
+        (None, ["scene.nml:", ":16: error: cannot read ", "cases.csv"]),
         ("", ["the table is empty"]),
         ("# nothing\n", ["the table is empty"]),
         ("initial.theta\n", ["cases.csv:1:1: error: the table has no rows"]),
@@ -330,10 +315,7 @@ TWO = "initial.theta,top.mass\n0.5,1\n"
         ("initial.theta,sweep.seed\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
         ("initial.theta,sensor.offset(1)\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
         ("initial.theta,initial.theta\n1,1\n", ["cases.csv:1:15: ", "two columns"]),
-        (
-            "initial.psi,top.inertia_tensor(1,2)\n1,1\n",
-            ["cases.csv:1:13: ", "a comma parts the name"],
-        ),
+        ("phi,top.inertia_tensor(1,2)\n1,1\n", ["cases.csv:1:5: ", "a comma parts the name"]),
         (TWO + "0.6\n", ["cases.csv:3:1: ", "the row ends before top.mass"]),
         (TWO + "0.6,1,2\n", ["cases.csv:3:7: ", "more cells than the table has columns"]),
         (TWO + "0.6,\n", ["cases.csv:3:5: ", "no value for top.mass"]),
@@ -349,14 +331,9 @@ TWO = "initial.theta,top.mass\n0.5,1\n"
 )
 def test_bad_tables(spin, text, parts):
     """Messages with place, error and hint, in the order of the places."""
-    error = spin.refuse(TABLE, cases=text)
+    error = spin.refuse(TABLE, **({"cases": text} if text is not None else {}))
     places = [error.index(part) for part in parts]
     assert places == sorted(places)
-
-
-def test_a_missing_table(spin):
-    error = spin.refuse(TABLE)
-    assert re.search(r"scene\.nml:\d+:16: error: cannot read .*cases\.csv", error)
 
 
 @pytest.mark.parametrize(

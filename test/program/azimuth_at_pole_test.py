@@ -57,16 +57,9 @@ def check_turns(rows):
     np.testing.assert_allclose(rows[COLUMNS], wanted, rtol=0, atol=ACCURACY)
 
 
-SCENES = [
-    *((method, body, "") for method in METHODS for body in ("asymmetric", "tensor")),
-    *(
-        (method, body, loss)
-        for method in ("dop853", "taylor", "rk4")
-        for body in BODIES
-        for loss in LOSSES
-        if body != "free"
-    ),
-]
+SCENES = [(method, body, "") for method in METHODS for body in ("asymmetric", "tensor")]
+HEAVY = [body for body in BODIES if body != "free"]
+SCENES += itertools.product(("dop853", "taylor", "rk4"), HEAVY, LOSSES)
 
 
 @pytest.mark.parametrize(("method", "body", "loss"), dict.fromkeys(SCENES))
@@ -77,13 +70,11 @@ def test_plane_motions(spin, method, body, loss):
         start = f"theta_deg = {theta}  theta_rate = {rate}"
         rows = sweep(spin, body, start, loss, METHODS[method], t_end)
         check_turns(rows)
-        for angle, allowed in (
-            (rows.phi_end - rows["initial.phi"], (0, 1, 2)),
-            (rows.psi_end, range(-1000, 1001)),
-        ):
+        precession = rows.phi_end - rows["initial.phi"]
+        for angle, most in ((precession, 2), (abs(rows.psi_end), 1000)):
             turns = angle / math.pi
             np.testing.assert_allclose(turns, turns.round(), rtol=0, atol=ACCURACY)
-            assert turns.round().isin(allowed).all()
+            assert turns.round().between(0, most).all()
         rates = rows[COLUMNS[3:]].to_numpy()
         assert (np.isnan(rates) | (abs(rates) < ACCURACY)).all()
         if not coarse:
@@ -154,16 +145,11 @@ def beside(rng, least, most, ratio):
         if square > 0:
             break
         spin /= 2
-    return {
-        "top.inertia(1)": inertia,
-        "top.inertia(2)": inertia * ratio,
-        "top.inertia(3)": third,
-        "top.length": length,
-        "initial.theta": theta,
-        "initial.phi_rate": phi_rate,
-        "initial.theta_rate": -math.sqrt(square),
-        "initial.omega3": spin,
-    }
+    start = {"theta": theta, "phi_rate": phi_rate, "theta_rate": -math.sqrt(square), "omega3": spin}
+    top = {"inertia(1)": inertia, "inertia(2)": inertia * ratio, "inertia(3)": third}
+    top |= {"length": length}
+    named = {f"top.{key}": value for key, value in top.items()}
+    return named | {f"initial.{key}": value for key, value in start.items()}
 
 
 REST = "&top mass = 1 /\n&initial phi = 0.1  psi = 0.2 /\n&span t_end = 10 /\n&integration {} /\n"

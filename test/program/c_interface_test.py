@@ -2,11 +2,10 @@
 
 import json
 import re
-import subprocess
 
 import pytest
 
-from conftest import EXE, KIND, ROOT
+from conftest import EXE, KIND, ROOT, execute
 
 EXTRA = {"sanitized": "-fsanitize=address,undefined", "coverage": "--coverage"}.get(KIND, "")
 WARNINGS = "-Wall -Wextra -pedantic -Werror"
@@ -49,10 +48,7 @@ def build(folder, source, compiler):
         f" '{EXE.parent}/lib/libspintop.a' $(all_link_flags) $(libraries_of_manifest)"
         f" -lstdc++ -lm -o '{program}'"
     )
-    done = subprocess.run(
-        ["bash", "-c", command], cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    execute("bash", "-c", command, cwd=folder)
     return program
 
 
@@ -143,10 +139,7 @@ OTHER = "&study kind = 'stability' / &output file = 'x' /"
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (
-            ("at", f"{TOP}\n&initial thta = 1 /", "0"),
-            r"(?s)^2\|\|top\|2\|10\|top:2:10: error: unknown key 'thta'.*theta",
-        ),
+        (("at", f"{TOP}\n&initial thta = 1 /", "0"), r"(?s)^2\|\|top\|2\|10\|top:2:10: .*theta"),
         (("at", "no namelist", "0"), r"^2\|\|top\|1\|1\|top:1:1: error: text outside a group"),
         (("at", OTHER, "0"), "the input of a top is that of a trajectory"),
         (("run", f"{TOP} {START}"), "the time span is not given"),
@@ -222,17 +215,11 @@ def test_events_that_are_none(driver):
     driver("events", text.replace("t_end = 1", "t_end = 900"), code=3)
 
 
-@pytest.mark.parametrize(
-    ("key", "message"),
-    [
-        ("span.t_end", "the times of a top are given"),
-        ("top.inertia(1)", "with another top.inertia(1) there is no motion"),
-    ],
-)
-def test_derivatives_that_are_none(driver, key, message):
+def test_derivatives_that_are_none(driver):
     """Nothing depends on the span; with another I1 there is no closed form."""
     text = f"{TOP} {START} &integration method = 'exact' /&span t_end = 2 /"
-    assert message in driver("at", f"{text} &output columns = 'theta__{key}' /", "1", code=2)
+    for key, message in (("span.t_end", "are given"), ("top.inertia(1)", "there is no motion")):
+        assert message in driver("at", f"{text} &output columns = 'theta__{key}' /", "1", code=2)
 
 
 def test_tables_in_memory(spin, driver):

@@ -167,18 +167,15 @@ def measured(spin, names, noise=None):
     return rows
 
 
+DEGREE, DEVIATIONS = math.degrees(1), "'1 mrad', '0.002 rad/s'"
+
+
 def test_same_fit(spin):
     """Estimates and their errors do not depend on the units; residuals are in those."""
     found, offsets, residuals = [], [], []
     for names, size, turns, low, sigma in (
         (["t", "theta", "omega1"], 1, 1, "13", "0.001, 0.002"),
-        (
-            ["t_ms", "theta_deg", "omega1_rpm"],
-            math.degrees(1),
-            30 / math.pi,
-            "'130 rpm'",
-            "'1 mrad', '0.002 rad/s'",
-        ),
+        (["t_ms", "theta_deg", "omega1_rpm"], DEGREE, 30 / math.pi, "'130 rpm'", DEVIATIONS),
     ):
         data = measured(spin, names, {names[1]: 1e-3 * size, names[2]: 2e-3 * turns})
         fit = FIT.format(names[1], low, sigma)

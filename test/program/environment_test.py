@@ -1,12 +1,11 @@
 """The environment of the run-time library of gfortran changes nothing that the program writes."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from conftest import GOOD
+from conftest import GOOD, execute
 
 SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
@@ -37,8 +36,7 @@ CALLS = {
 def variables():
     """The documented variables, and what else looks like one in the library of this compiler."""
     names = {f"GFORTRAN_{name}" for name in DOCUMENTED.split()}
-    asked = ["gfortran", "-print-file-name=libgfortran.so"]
-    library = Path(subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip())
+    library = Path(execute("gfortran", "-print-file-name=libgfortran.so").stdout.strip())
     if library.is_file():  # there may be a static one alone
         found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)(?=\0)", library.read_bytes())
         names |= {name.decode() for name in found if not name.endswith(b"_UNIT")}
@@ -86,12 +84,11 @@ BODY = """\
 &initial theta_deg = 20  omega = 0.1, 0.2, 8 /
 &span t_end = 3 /
 """
+ONE = "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
 INPUTS = {
-    "one": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n",
-    "affected": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
-    + EFFECTS,
-    "stages": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
-    "&integration method = 'dop853'  relative_tolerance = 1e-12 /\n" + EFFECTS,
+    "one": ONE,
+    "affected": ONE + EFFECTS,
+    "stages": ONE + EFFECTS + "&integration method = 'dop853'  relative_tolerance = 1e-12 /\n",
     "many": "&study kind = 'sweep' /\n&sweep parameter = 'initial.theta_deg' from = 5 to = 60"
     " count = 20 /\n&output columns = 'theta_end', 'psi_end', 'theta_rate_end' /\n",
 }

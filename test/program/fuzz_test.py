@@ -7,5 +7,4 @@ from input_fuzzer import check_seeds
 
 @pytest.mark.parametrize("first", [0, 100, 200])
 def test_inputs(folder, first):
-    """Keys and values of any kind, and bytes."""
     check_seeds(folder, range(first, first + 100))

@@ -2,11 +2,10 @@
 
 import re
 import shutil
-import subprocess
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, execute
 
 KERNELS = ROOT / "src/kernels"
 
@@ -19,30 +18,23 @@ DECLARED = re.compile(
 COMPONENT = r"(\w+)(?:\[\d+\])?;$"
 TYPE = re.compile(r"^typedef struct (\w+)_t \{\n(.*?)^\} \w+;\n", re.M | re.S)
 
-# Constants of C, and the modules that have them under another name or in another place.
+# Constants of C, and the modules that have them, most under another name.
+SERIES, TYPES = "formulations/series/lane_series.f90", "kernels/kernel_types.f90"
+SAME = ["numbers", "highest_order", "lanes", "rows", "more_rows", "block_size", "most_drags"]
 CONSTANTS = {
     "instants": ("top/motions.f90", "instants"),
-    "components": ("formulations/series/lane_series.f90", "components"),
-    "quotient + 1": ("formulations/series/lane_series.f90", "quotient"),
-    "numerator + 1": ("formulations/series/lane_series.f90", "numerator"),
-    "3 * of_frame + 1": ("formulations/series/lane_series.f90", "row_frame"),
-    "3 * of_torque + 1": ("formulations/series/lane_series.f90", "row_torque"),
-    "3 * of_push + 1": ("formulations/series/lane_series.f90", "row_push"),
-    "lanes_drags + 1": ("formulations/series/lane_series.f90", "row_drags"),
-    "lanes_of_drag": ("formulations/series/lane_series.f90", "rows_of_drag"),
-    "lanes_v": ("formulations/series/lane_series.f90", "row_moment"),
-    "numbers": ("kernels/kernel_types.f90", "numbers"),
-    "highest_order": ("kernels/kernel_types.f90", "highest_order"),
-    "lanes": ("kernels/kernel_types.f90", "lanes"),
-    "rows": ("kernels/kernel_types.f90", "rows"),
-    "more_rows": ("kernels/kernel_types.f90", "more_rows"),
-    "sizeof(struct one_constants) / sizeof(double)": ("kernels/kernel_types.f90", "one_constants"),
-    "sizeof(struct lanes_constants) / sizeof(double[lanes])": (
-        "kernels/kernel_types.f90",
-        "lane_constants",
-    ),
-    "block_size": ("kernels/kernel_types.f90", "block_size"),
-    "most_drags": ("kernels/kernel_types.f90", "most_drags"),
+    "components": (SERIES, "components"),
+    "quotient + 1": (SERIES, "quotient"),
+    "numerator + 1": (SERIES, "numerator"),
+    "3 * of_frame + 1": (SERIES, "row_frame"),
+    "3 * of_torque + 1": (SERIES, "row_torque"),
+    "3 * of_push + 1": (SERIES, "row_push"),
+    "lanes_drags + 1": (SERIES, "row_drags"),
+    "lanes_of_drag": (SERIES, "rows_of_drag"),
+    "lanes_v": (SERIES, "row_moment"),
+    "sizeof(struct one_constants) / sizeof(double)": (TYPES, "one_constants"),
+    "sizeof(struct lanes_constants) / sizeof(double[lanes])": (TYPES, "lane_constants"),
+    **{name: (TYPES, name) for name in SAME},
 }
 
 
@@ -73,12 +65,7 @@ DECLARATIONS = {
 def check(folder, command, name, text):
     """What a compiler says of a source that has no error."""
     (folder / name).write_text(text, encoding="utf-8")
-    words = [*command.split(), "-fsyntax-only", name]
-    done = subprocess.run(
-        words, cwd=folder, capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return execute(*command.split(), "-fsyntax-only", name, cwd=folder, timeout=60).stdout
 
 
 def prototypes(folder):

@@ -5,11 +5,10 @@ import platform
 import re
 import resource
 import shutil
-import subprocess
 
 import pytest
 
-from conftest import CLOSED, EXE, GOOD, KIND, ROOT, texts
+from conftest import CLOSED, EXE, GOOD, KIND, ROOT, execute, texts
 
 STUDY = (
     "&study kind = 'sweep' /\n"
@@ -25,13 +24,9 @@ def limited(kind, size):
 
 def small(spin, *words, code=0, size=LEAST_STACK):
     """Run with small stacks, of the first thread and of the others; returns what was said."""
-    run = spin.call(
-        *words,
-        "--threads=2",
-        code=code,
-        preexec_fn=limited(resource.RLIMIT_STACK, size),
-        environment={"OMP_STACKSIZE": f"{size // 1024}k"},
-    )
+    options = {"environment": {"OMP_STACKSIZE": f"{size // 1024}k"}, "code": code}
+    options["preexec_fn"] = limited(resource.RLIMIT_STACK, size)
+    run = spin.call(*words, "--threads=2", **options)
     return run.out + run.stderr
 
 
@@ -61,16 +56,13 @@ def test_every_kind_of_study(spin, text, options):
     small(spin, spin.write(text), *options)
 
 
-@pytest.mark.parametrize(
-    ("names", "options"),
-    [
-        (NAMES, []),
-        ("random_tops", ["--set=sweep.cases=600"]),
-        ("damped_bodies", ["--set=sweep.count=600"]),
-    ],
-)
-def test_inputs(spin, names, options):
-    small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
+def test_inputs(spin):
+    for names, *options in (
+        (NAMES,),
+        ("random_tops", "--set=sweep.cases=600"),
+        ("damped_bodies", "--set=sweep.count=600"),
+    ):
+        small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
 
 
 @pytest.mark.parametrize("topic", ["methods", "columns", "parameters", "cases"])
@@ -108,8 +100,7 @@ def test_stacks_that_suffice(spin, text):
 @pytest.mark.skipif(not shutil.which("objdump"), reason="there is no objdump")
 def test_no_procedure_takes_much():
     """A third of the smallest stack at most, so that those that call each other fit into it."""
-    command = ["objdump", "--disassemble", "--no-show-raw-insn", EXE]
-    code = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    code = execute("objdump", "--disassemble", "--no-show-raw-insn", EXE).stdout
     frames, name = {}, ""
     pattern = r"^[0-9a-f]+ <(?P<name>.*)>:$|\bsub +\$0x(?P<size>[0-9a-f]{1,8}),%rsp"
     for found in re.finditer(pattern, code, re.MULTILINE):
@@ -192,8 +183,7 @@ def test_errors_that_nobody_reads(spin):
 
 def test_a_reader_that_has_gone():
     """SIGPIPE, as of any program: 128 and its number in a shell."""
-    command = ["bash", "-c", '("$0" list columns; echo $? >&2) | true', EXE]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = execute("bash", "-c", '("$0" list columns; echo $? >&2) | true', EXE)
     assert done.stderr in ("141\n", "0\n")
 
 

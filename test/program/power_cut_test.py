@@ -99,9 +99,8 @@ class Disk:
             case ("sync", file):
                 self.sync(self.open[file])
             case ("rename", old, new):
-                self.change(
-                    "move", self.name_of(new), self.names[self.name_of(old)], self.name_of(old)
-                )
+                old = self.name_of(old)
+                self.change("move", self.name_of(new), self.names[old], old)
             case ("unlink", path):
                 self.change("drop", self.name_of(path))
             case ("mkdir", path):

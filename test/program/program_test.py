@@ -35,12 +35,6 @@ BODY = "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387
 FREE = re.sub(r"&integration[^/]*/", "", GOOD)  # the method is not given
 
 
-def same_on_threads(spin, text, *threads, code=0):
-    runs = [spin(text, f"--threads={n}", f"--output={n}", code=code) for n in threads]
-    assert len({run.path.read_bytes() for run in runs}) == 1
-    return runs[0]
-
-
 @pytest.mark.skipif(KIND == "release", reason="all_inputs_test runs all inputs, by scripts/run")
 def test_every_input_runs(spin):
     """All inputs at once; the largest exit code counts, and each table is whole."""
@@ -55,9 +49,9 @@ def test_no_input_is_refused(spin, scene):
     assert spin.produced() == set()
 
 
-@pytest.mark.parametrize(("name", "code"), [("slow_top_scenario1", 3), ("slow_top", 0)])
-def test_each_input_has_its_exit_code(spin, name, code):
-    spin(name, code=code)
+def test_each_input_has_its_exit_code(spin):
+    spin("slow_top_scenario1", code=3)
+    spin("slow_top")
 
 
 @pytest.mark.parametrize(
@@ -114,15 +108,10 @@ def test_folders_and_names(spin):
     assert spin.produced() == {"a", "a/b c", "a/b c/scene.csv", "d", "d/x.y.csv"}
 
 
-def test_several_inputs_with_the_same_table_are_refused(spin):
-    scene = spin.write(GOOD)
-    assert "is also that of" in spin.call(scene, scene, code=2).stderr
-    assert spin.produced() == set()
-
-
-def test_one_bad_input_stops_all(spin):
-    names = spin.write(GOOD), spin.write(GOOD.replace("mass", "mas"), "bad.nml")
-    assert "bad.nml:2:5: error" in spin.call(*names, code=2).stderr
+def test_all_inputs_are_checked_before_the_first_runs(spin):
+    good, bad = spin.write(GOOD), spin.write(GOOD.replace("mass", "mas"), "bad.nml")
+    assert "bad.nml:2:5: error" in spin.call(good, bad, code=2).stderr
+    assert "is also that of" in spin.call(good, good, code=2).stderr
     assert spin.produced() == set()
 
 
@@ -172,15 +161,8 @@ def test_decimal_commas_and_quiet(spin):
 
 def test_example_1_in_numbers(spin):
     summary = spin("slow_top", "--check").out
-    for number in (
-        "0.2451963201 J s",
-        "8.4574665409 J",
-        "174.7699132287 deg",
-        "67.9656736890 rad/s",
-        "2.3859004995 s",
-        "188.8551930813 deg",
-    ):
-        assert number in summary
+    numbers = ("0.2451963201 J s", "8.4574665409 J", "174.7699132287 deg", "67.9656736890 rad/s")
+    assert all(number in summary for number in (*numbers, "2.3859004995 s", "188.8551930813 deg"))
     rows = spin("slow_top", "output.columns=t,theta,phi,phi_rate,energy,lz").rows
     assert len(rows) == 1985
     end = rows.iloc[-1]
@@ -198,7 +180,8 @@ def test_example_1_in_numbers(spin):
 
 
 REFERENCE = read(ROOT / "test/reference/a1_slow_top.csv")
-SLOW_TOP = (ROOT / "input/slow_top.nml").read_text()
+SLOW_TOP = (ROOT / "input/slow_top.nml").read_text().replace("nutations = 3", "t_end = {}")
+SLOW_TOP = SLOW_TOP.replace("samples = 1985", "samples = {}")
 Q = ["q0", "q1", "q2", "q3"]
 TIGHT = ["integration.relative_tolerance=1e-12", "integration.absolute_tolerance=1e-12"]
 
@@ -214,12 +197,10 @@ TIGHT = ["integration.relative_tolerance=1e-12", "integration.absolute_tolerance
 def test_accurate_methods_agree_with_the_reference(spin, method, form):
     known = REFERENCE[REFERENCE.t <= 7.2]
     assert len(known) == 9
-    text = SLOW_TOP.replace("nutations = 3", "t_end = 7.2").replace(
-        "samples = 1985", "samples = 721"
-    )
     settings = [f"integration.method={method}", f"integration.formulation={form}"]
     settings += TIGHT * (method != "exact")
-    rows = spin(text, "output.columns=t,q0,q1,q2,q3,phi,theta,psi", *settings).rows
+    columns = "output.columns=t,q0,q1,q2,q3,phi,theta,psi"
+    rows = spin(SLOW_TOP.format(7.2, 721), columns, *settings).rows
     rows = rows.iloc[round(100 * known.t)]
     assert list(rows.t) == pytest.approx(list(known.t), abs=5e-15)
     p, q = rows[Q].to_numpy(), known[Q].to_numpy()
@@ -233,11 +214,8 @@ def test_accurate_methods_agree_with_the_reference(spin, method, form):
 def test_the_default_equations_keep_1e_9_for_long(spin, method):
     times = [time for time in REFERENCE.t if 10 * time == round(10 * time)]
     assert times[-3:] == [10.0, 20.0, 50.0]
-    text = SLOW_TOP.replace("nutations = 3", "t_end = 50").replace(
-        "samples = 1985", "samples = 501"
-    )
     columns = "output.columns=t,orientation_error"
-    rows = spin(text, f"integration.method={method}", TIGHT[0], columns).rows
+    rows = spin(SLOW_TOP.format(50, 501), f"integration.method={method}", TIGHT[0], columns).rows
     assert largest(rows.orientation_error[[round(10 * time) for time in times]]) < 1e-9
 
 
@@ -404,18 +382,10 @@ def test_a_table_of_events(spin):
     exact = runs["exact"]
     assert list(exact) == ["event", "number", "t", "theta", "psi"]
     assert re.findall(r"(?m)^#   +(\w+)[ :]", text[text.index("# columns:") :]) == list(exact)
-    assert [
-        f"{event} {number}" for event, number in zip(exact.event, exact.number, strict=True)
-    ] == [
-        "psi_deg=90 every turn rising 1",
-        "lower_turning_point 1",
-        "theta=1.5 falling 1",
-        "upper_turning_point 1",
-        "lower_turning_point 2",
-        "psi_deg=90 every turn rising 2",
-        "theta=1.5 falling 2",
-        "upper_turning_point 2",
-    ]
+    psi, theta = "psi_deg=90 every turn rising", "theta=1.5 falling"
+    lower, upper = "lower_turning_point", "upper_turning_point"
+    assert list(exact.event) == [psi, lower, theta, upper, lower, psi, theta, upper]
+    assert list(exact.number) == [1, 1, 1, 1, 2, 2, 2, 2]
     times = exact.set_index(["event", "number"]).t
     for number in (1, 2):
         upper, lower = (times[f"{kind}_turning_point", number] for kind in ("upper", "lower"))
@@ -541,11 +511,13 @@ def test_bodies_without_closed_form_are_computed_together(spin):
         "       spacing(1) = 'log' /\n"
     )
     ends = ["t_end", "theta_end", "phi_end", "psi_end", "theta_rate_end"]
-    run = same_on_threads(spin, text + output(*ends), 1, 3, code=3)
+    text += output(*ends)
+    run, other = (spin(text, f"--threads={n}", f"--output={n}", code=3) for n in (1, 3))
+    assert run.path.read_bytes() == other.path.read_bytes()
     assert "taylor" in "".join(run.comments)
     together = run.rows
     exactly = ("integration.relative_tolerance=1e-15", "integration.max_steps=100000")
-    alone = spin(text + output(*ends), "integration.method=dop853", *exactly).rows
+    alone = spin(text, "integration.method=dop853", *exactly).rows
     assert set(alone.status) == {"ok"}
     assert set(together.status) == {"ok", "step_limit"}
     ok = together.status == "ok"
@@ -573,15 +545,12 @@ def test_a_body_without_closed_form_is_measured(spin):
     assert "no full nutation in the span" in short.notes[1]
 
 
-DIFFERENT = (
-    SWEPT
-    + BODY
-    + (
-        "&initial theta_deg = 40, omega3 = 25, phi_rate = -2 /\n&span t_end = 1 /\n"
-        "&sweep combine = 'zip', parameter = 'top.inertia(2)', 'top.damping(3)',\n"
-        "    values(1,:) = 0.875, 0.8, 0.875, values(2,:) = 0, 0, 0.01 /\n"
-    )
-)
+DIFFERENT = f"""{SWEPT}{BODY}
+&initial theta_deg = 40, omega3 = 25, phi_rate = -2 /
+&span t_end = 1 /
+&sweep combine = 'zip', parameter = 'top.inertia(2)', 'top.damping(3)',
+    values(1,:) = 0.875, 0.8, 0.875, values(2,:) = 0, 0, 0.01 /
+"""
 
 
 @pytest.mark.parametrize("more", [[], ["theta_max"]])
@@ -628,35 +597,26 @@ def test_a_turned_body_has_the_events_of_the_body_as_given(spin):
     assert largest(turned[numbers] - given[numbers]) <= 1e-6
 
 
-@pytest.mark.parametrize(
-    ("setting", "advice"),
-    [
-        ("output.events=turning_point", "did you mean 'turning_points'?"),
-        ("output.events=thta = 1", "did you mean 'theta'?"),
-        ("output.events='theta = 1', 'theta = 1 rising'", "named twice"),
-        ("span.stop_at=theta = x", "not a number: x"),
-        ("span.stop_after=2", "there is no event to stop at"),
-    ],
-)
-def test_bad_events(spin, setting, advice):
-    error = spin.refuse(GOOD, setting)
-    assert advice in error
-    assert re.search(r"^--set:1:\d+: error: ", error)
-
-
 MASS = "&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
 START = GOOD.split("&output")[0]
 
 
 @pytest.mark.parametrize(
-    ("setting", "words"),
+    ("text", "setting", "advice"),
     [
-        ("output.events=turning_points", "only a trajectory has a table of events"),
-        ("span.stop_at=orientation_error = 1", "needs the exact solution"),
+        (GOOD, "output.events=turning_point", "did you mean 'turning_points'?"),
+        (GOOD, "output.events=thta = 1", "did you mean 'theta'?"),
+        (GOOD, "output.events='theta = 1', 'theta = 1 rising'", "named twice"),
+        (GOOD, "span.stop_at=theta = x", "not a number: x"),
+        (GOOD, "span.stop_after=2", "there is no event to stop at"),
+        (START + SWEPT + MASS, "output.events=turning_points", "only a trajectory has a table of"),
+        (START + SWEPT + MASS, "span.stop_at=orientation_error = 1", "needs the exact solution"),
     ],
 )
-def test_events_that_a_sweep_does_not_have(spin, setting, words):
-    assert words in spin.refuse(START + SWEPT + MASS, setting)
+def test_bad_events(spin, text, setting, advice):
+    error = spin.refuse(text, setting)
+    assert advice in error
+    assert re.search(r"^--set:1:\d+: error: ", error)
 
 
 @pytest.mark.parametrize(
@@ -672,11 +632,7 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("'lagrange'", "'lagrnge'", ["scene.nml:14:19", "'lagrange'"]),
         ("'theta', 'R4'", "'thetta', 'R4'", ["thetta", "'theta'"]),
         ("'theta', 'R4'", "'t', 'R4'", ["named twice"]),
-        (
-            "0.875, 0.875, 0.25",
-            "0.875, 0.875, 2.25",
-            ["scene.nml:3:29", "the largest exceeds the sum of the others"],
-        ),
+        ("0.875, 0.25", "0.875, 2.25", ["scene.nml:3:29", "exceeds the sum of the others"]),
         ("mass = 1.0", "mass = 1e308", ["&top", "outside the range of numbers"]),
         ("mass = 1.0", "mass = 1.0, gravity = -1", ["scene.nml:2:", ">= 0"]),
         ("0.875, 0.875, 0.25", "0.875, 0.875, 0", ["scene.nml:3:"]),
@@ -684,11 +640,7 @@ def test_events_that_a_sweep_does_not_have(spin, setting, words):
         ("t_end = 0.5", "", ["the time span is not given"]),
         ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
         ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
-        (
-            "t_end = 0.5",
-            "t_end = 0.5, samples = 4",
-            ["scene.nml:11:", "number of steps: 9", "number of samples: 3"],
-        ),
+        ("= 0.5", "= 0.5, samples = 4", ["nml:11:", "number of steps: 9", "number of samples: 3"]),
         ("'rk4'", "'arkode_erk', table = 'arkode_cash_karp_6_4_4'", ["'arkode_cash_karp_6_4_5'"]),
         ("'rk4'", "'rk4', table = 'x'", ["does not use a Butcher table"]),
         ("columns =", "file = 'a/b'\n    columns =", ["slash"]),
@@ -738,10 +690,7 @@ def test_mistakes_of_meaning_are_told_together(spin):
         ("parameter(1) = 'top.length'", "has no values"),
         ("parameter(1) = 'top.mass', values(1,:) = 1, -1", "top.mass"),
         ("parameter(1) = 'top.mass', values(1,:) = 1, from(1) = 2", "given twice"),
-        (
-            "parameter(1) = 'top.mass', from(1) = 0, to(1) = 1, count(1) = 3, spacing(1) = 'log'",
-            "positive ends",
-        ),
+        ("parameter = 'top.mass', from = 0, to = 1, count = 3, spacing = 'log'", "positive ends"),
         ("parameter(2) = 'top.mass', values(2,:) = 1", "parameter(1)"),
         ("parameter = 'top.mass', 'top.mass', values(1,:) = 1, values(2,:) = 2", "on two axes"),
         ("parameter(1) = 'top.inertia(4)', values(1,:) = 1", "inertia"),
@@ -756,13 +705,9 @@ def test_files_that_are_no_input(spin):
     (spin.folder / "folder.nml").mkdir()
     spin.write(bytes(range(256)) * 20, "binary.nml")
     spin.write("", "empty.nml")
-    for name, part in (
-        ("missing", "missing.nml"),
-        ("empty", "empty.nml"),
-        ("folder", ""),
-        ("binary", ""),
-    ):
-        assert part in spin.refuse(f"{name}.nml")
+    for name in ("missing", "empty", "folder", "binary"):
+        said = spin.refuse(f"{name}.nml")
+        assert name in ("folder", "binary") or f"{name}.nml" in said
 
 
 @pytest.mark.parametrize(

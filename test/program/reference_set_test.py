@@ -4,13 +4,12 @@ import datetime
 import itertools
 import json
 import shutil
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from conftest import KIND, ROOT, largest
+from conftest import KIND, ROOT, execute, largest
 from mechanics import product
 from proof_test import CERTIFIED, change, needs_flint, verify
 
@@ -148,6 +147,7 @@ def test_inherent_errors(spin):
 
 
 FREE = read("free_asymmetric")[1]
+DIRECTIONS = ("body to space", "space to body")
 T, ATTITUDE, BODY_RATE = FREE["t"], stacked(FREE, Q), stacked(FREE, OMEGA)
 
 
@@ -158,14 +158,7 @@ def judge(t, q, *omega, **conventions):
 
 @pytest.mark.parametrize(
     ("scalar", "direction", "frame", "sign"),
-    list(
-        itertools.product(
-            ("first", "last"),
-            ("body to space", "space to body"),
-            ("body", "space"),
-            ("plus", "minus"),
-        )
-    ),
+    itertools.product(("first", "last"), DIRECTIONS, ("body", "space"), ("plus", "minus")),
 )
 def test_conventions_are_found(scalar, direction, frame, sign):
     """All of them, with signs of quaternions that jump."""
@@ -204,17 +197,14 @@ def test_named_conventions():
         judge(T, ATTITUDE, scalar="middle")
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
+def test_what_is_refused():
+    for given, words in (
         ((T, ATTITUDE[:, :3]), "four numbers"),
         ((T, ATTITUDE, BODY_RATE[1:]), "three numbers"),
         ((T + 0.01, ATTITUDE), "fewer than two of the times"),
-    ],
-)
-def test_what_is_refused(given, words):
-    with pytest.raises(ValueError, match=words):
-        judge(*given)
+    ):
+        with pytest.raises(ValueError, match=words):
+            judge(*given)
 
 
 def test_order():
@@ -222,10 +212,8 @@ def test_order():
 
 
 def numbers_of(folder, *command):
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    lines = run.stdout.replace("order of convergence", "order").splitlines()
-    return {line.split()[0]: " ".join(line.split()[1:]) for line in lines if line}
+    said = execute(*command, cwd=folder).stdout.replace("order of convergence", "order")
+    return {line.split()[0]: " ".join(line.split()[1:]) for line in said.splitlines() if line}
 
 
 @pytest.mark.skipif(KIND != "release", reason="does not use the program under test")
@@ -238,8 +226,7 @@ def test_other_languages(folder, compiler):
     if compiler == "g++":
         warnings = ["-std=c++11", "-Wall", "-Wextra", "-pedantic", "-Werror"]
         source = REFERENCE / "example.cpp"
-        compile_ = ["g++", *warnings, "-O1", "-o", folder / "example", source]
-        subprocess.run(compile_, check=True)
+        execute("g++", *warnings, "-O1", "-o", folder / "example", source)
         command = [folder / "example", REFERENCE / "motions"]
     found = numbers_of(folder, *command)
     for name, value in numbers_of(folder, sys.executable, REFERENCE / "example.py").items():

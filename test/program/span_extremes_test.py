@@ -110,9 +110,8 @@ def test_rates_beside_poles(spin, body):
     sweep = body + SPANS.format(6) + output("phi_rate_max", "theta_max", "motion_class")
     rates = []
     for method in (LANES, ALONE, "method = 'dop853'"):
-        (row,) = spin(
-            f"{sweep}&integration {method}  relative_tolerance = 1e-12 /\n"
-        ).rows.itertuples()
+        text = f"{sweep}&integration {method}  relative_tolerance = 1e-12 /\n"
+        (row,) = spin(text).rows.itertuples()
         assert abs(row.theta_max - math.pi) < 3e-6
         assert row.motion_class != "cusp"
         rates.append(row.phi_rate_max)

@@ -15,13 +15,8 @@ from spintop_figures.tables.table import TableError, read_table
 END = re.compile(rb"# end: (\d+) rows, CRC-32 ([0-9A-F]{8})\n")
 RESUMED = ("sweep", "statistics", "both", "trajectory")
 """Studies with --resume whose tables are text."""
-STATES = {
-    "sweep": [],
-    "statistics": [(".part", ".state1", ".state2"), (".state1",)],
-    "both": [(".part", ".state1", ".state2"), (".state2",)],
-    "trajectory": [],
-}
-"""Files of the state that an interrupted run of each may leave."""
+STATES = [(".part", ".state1", ".state2"), (".state1",), (".state2",)]
+"""Files of the state that an interrupted run of statistics may leave."""
 
 
 def parts_of(table: bytes) -> tuple[list[bytes], list[bytes]]:
@@ -120,7 +115,12 @@ def test_leftovers(spin, kind):
     for path in tables or [path for path in files if path.name.endswith("statistics.csv")]:
         left = [(".part",), (".new",)]
         if "events" not in path.name:
-            left += [(".journal",), (".journal.new",), (".part", ".new"), *STATES[kind]]
+            left += [
+                (".journal",),
+                (".journal.new",),
+                (".part", ".new"),
+                *STATES * (kind in ("statistics", "both")),
+            ]
         for endings in left:
             for ending in endings:
                 Path(f"{path}{ending}").write_text("# nothing\n")

@@ -25,14 +25,8 @@ def show(spin, *words, columns=COLUMNS, **environment):
         pytest.skip(f"no terminal can be opened: {error}")
     fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     known = {key: value for key, value in os.environ.items() if key != "NO_COLOR"}
-    process = subprocess.Popen(
-        [EXE, *words],
-        cwd=spin.folder,
-        env=known | {"TERM": "xterm"} | environment,
-        stdout=its,
-        stderr=its,
-        close_fds=True,
-    )
+    given = {"cwd": spin.folder, "env": known | {"TERM": "xterm"} | environment}
+    process = subprocess.Popen([EXE, *words], stdout=its, stderr=its, **given)
     os.close(its)
     shown = b""
     while True:
@@ -93,10 +87,6 @@ def test_colours(spin):
     assert ESCAPE not in spin.call(wrong, code=2).stderr
 
 
-def test_topics(spin):
-    assert widest(show(spin, "list").splitlines()) <= COLUMNS
-
-
 def test_summary(spin):
     shown = show(spin, "--quiet", SLOW_TOP, "--set", "span.samples=11")
     assert widest(line for line in shown.splitlines() if line.startswith("  ")) <= COLUMNS
@@ -132,11 +122,11 @@ def test_width_of_messages(spin, columns):
     assert "".join(shown.split()) == "".join(wide.split())
 
 
-@pytest.mark.parametrize("topic", ["columns", "methods", "parameters", "events"])
+@pytest.mark.parametrize("topic", ["", "columns", "methods", "parameters", "events"])
 def test_width_of_lists(spin, topic):
     """Lists are wrapped on a terminal, and have the same words for other programs."""
-    shown = show(spin, "list", topic, columns=70, NO_COLOR="1")
-    assert "".join(shown.split()) == "".join(spin.call("list", topic).out.split())
+    shown = show(spin, "list", *topic.split(), columns=70, NO_COLOR="1")
+    assert "".join(shown.split()) == "".join(spin.call("list", *topic.split()).out.split())
     assert widest(shown.splitlines()) <= 70
 
 
@@ -204,13 +194,11 @@ def test_what_is_read_is_not_replaced(spin, text, table):
     assert (spin.folder / "scene.csv").read_text() == table
 
 
-@pytest.mark.parametrize("name", ["scene.csv", "scene.log"])
-def test_inputs_are_not_replaced(spin, name):
-    scene = spin.folder / spin.write(SWEEP, name)
-    assert "would replace" in spin.refuse(scene, "--output=.")
-
-
-def test_other_inputs_are_not_replaced(spin):
+def test_inputs_are_not_replaced(spin):
+    """An input by its table or its log, one by the table of another."""
+    for name in ("scene.csv", "scene.log"):
+        scene = spin.folder / spin.write(SWEEP, name)
+        assert "would replace" in spin.refuse(scene, "--output=.")
     names = spin.write(GOOD, "other.nml"), spin.write(GOOD, "other.csv")
     spin.call(*names, "--set=output.file=x", "--output=.", code=2)
     assert (spin.folder / "other.csv").read_text() == GOOD

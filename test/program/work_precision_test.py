@@ -271,6 +271,7 @@ def test_cheapest(spin):
 
 
 RK4 = "work_precision.methods=rk4"
+AXIS = ("sweep.from=1", "sweep.to=2", "sweep.count=2")
 
 
 @pytest.mark.parametrize(
@@ -288,17 +289,8 @@ RK4 = "work_precision.methods=rk4"
         (["work_precision.tolerances=2"], "work_precision.tolerances"),
         (["span.stop_at=maximum"], "to the end of its span"),
         (["output.events=turning_points"], "only a trajectory has a table of events"),
-        (
-            ["sweep.parameter=integration.steps", "sweep.from=10", "sweep.to=20", "sweep.count=2"],
-            "varies the steps",
-        ),
-        (
-            [
-                "sweep.parameter=work_precision.repeats",
-                *("sweep.from=1", "sweep.to=2", "sweep.count=2"),
-            ],
-            "work_precision.repeats cannot vary",
-        ),
+        (["sweep.parameter=integration.steps", *AXIS], "varies the steps"),
+        (["sweep.parameter=work_precision.repeats", *AXIS], "work_precision.repeats cannot vary"),
     ],
 )
 def test_refusals(spin, settings, part):

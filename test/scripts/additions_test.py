@@ -7,7 +7,6 @@ effect, too, which only the loads know: everything else has to see that it does 
 import faulthandler
 import math
 import shutil
-import subprocess
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -43,12 +42,10 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
     shutil.copy(ROOT / "fpm.toml", root)
     (root / ".venv").symlink_to(ROOT / ".venv")
     for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
-        patch = ROOT / f"test/additions/{name}.patch"
-        subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {"SPINTOP_FLAGS": "-O0"}
+        execute("git", "apply", "-C1", ROOT / f"test/additions/{name}.patch", cwd=root)
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
     build = ("bash", "-c", "source scripts/setup; build release")
-    execute(*build, cwd=root, environment=environment)
+    execute(*build, cwd=root, environment={"SPINTOP_FLAGS": "-O0"})
     yield Spin(root)
     shutil.rmtree(root)
 
@@ -95,7 +92,6 @@ def path(inertia: np.ndarray, moment: Moment, parts: int = 1) -> np.ndarray:
 
 
 def listed(values: np.ndarray) -> str:
-    """Return numbers as they stand in an input."""
     return ", ".join(repr(float(x)) for x in values)
 
 
@@ -116,17 +112,14 @@ FADES = f"fading_torque = {listed(TORQUE)}"
 
 
 def call(copy: Spin, *words: str, code: int | tuple[int, ...] = 0) -> Run:
-    """Call the program of the copy."""
     return copy.call(*words, command=(copy.folder / "build/release/spintop",), code=code)
 
 
 def rows(copy: Spin, text: str, *options: str) -> pd.DataFrame:
-    """Return the rows of the table of an input."""
     return call(copy, "--quiet", *options, copy.write(text)).rows
 
 
 def refusal(copy: Spin, text: str) -> str:
-    """Return why an input is refused; nothing if it is not."""
     return call(copy, "--check", copy.write(text), code=(0, 2)).stderr
 
 
@@ -143,7 +136,6 @@ def check_end(copy: Spin, text: str, expected: np.ndarray, method: str) -> None:
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> float:
-    """Return the distance of two states; a quaternion has two signs."""
     sign = math.copysign(1, a[:4] @ b[:4])
     return float(np.linalg.norm(a - np.concatenate([sign * b[:4], b[4:]])))
 
@@ -176,7 +168,6 @@ def test_new_columns_have_values(copy: Spin) -> None:
 
 
 def test_lists_have_them(copy: Spin) -> None:
-    """Keys, methods and columns are listed."""
     parameters = call(copy, "list", "parameters").out
     assert "effects.decaying_torque" in parameters
     assert "effects.decay_rate" in parameters

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, execute
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.table import read_table
 from spintop_figures.tables.words import words_of
@@ -36,12 +36,9 @@ class Group(NamedTuple):
     code: int = 0
 
     def run(self, folder: Path) -> subprocess.CompletedProcess:
-        """Run the script."""
-        settings = [word for setting in self.settings for word in ("--set", setting)]
-        command = [ROOT / "scripts/run", "--quiet", "-o", FOLDER, *settings, *self.inputs]
-        return subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=1200, check=False
-        )
+        settings = [f"--set={setting}" for setting in self.settings]
+        words = (ROOT / "scripts/run", "--quiet", "-o", FOLDER, *settings, *self.inputs)
+        return execute(*words, code=None, cwd=folder, timeout=1200)
 
 
 def group_all() -> list[Group]:

@@ -137,7 +137,6 @@ def test_all_inputs(folder: Path) -> None:
 
 
 def test_swept_effects(folder: Path) -> None:
-    """A parameter that is swept acts."""
     axes = "&sweep parameter = 'effects.drag_force' from = 0 to = 0.1 count = 3 /\n"
     text = TOP.replace("'trajectory'", "'sweep'").replace("samples = 301", "")
     table = compute(folder, text + axes, "output.columns=theta_end")

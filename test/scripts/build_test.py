@@ -62,7 +62,6 @@ def test_of_what_fpm_says_errors_are_shown(checkout: Path) -> None:
 
 
 def test_a_failed_build_names_the_log(checkout: Path) -> None:
-    """Where all that fpm said can be read."""
     done = call(checkout, "forget_build release", SPINTOP_FPM="false")
     assert (done.returncode, done.stdout) == (1, "")
     assert "build/release.log" in done.stderr

@@ -45,11 +45,9 @@ class CompareCase(unittest.TestCase):
         return path
 
     def pose(self, path: Path, *overrides: str) -> Problem:
-        """The problem of an input."""
         return pose(read_scene(path.stem, path, list(overrides)), self.folder)
 
     def compare(self, *arguments: object, **environment: str) -> subprocess.CompletedProcess:
-        """Run the script."""
         command = (sys.executable, ROOT / "scripts/compare", "-o", self.folder, *arguments)
         return execute(*command, code=None, environment=environment)
 
@@ -103,7 +101,6 @@ class CompareTest(CompareCase):
         self.check(general, 1, 16)
 
     def test_sweep(self) -> None:
-        """A sweep is no problem."""
         with self.assertRaisesRegex(RunError, "sweep"):
             self.pose(ROOT / "input/map_spin_tilt.nml")
 
@@ -269,7 +266,6 @@ class TableTest(unittest.TestCase):
             self.assertEqual(problem.judge(lost), {"orientation_error": math.inf})
 
     def test_inertia(self) -> None:
-        """About the centre of mass and about the fixed point of a top."""
         self.assertEqual(MOTIONS[5].inertia, (15.234375, 0.46875, 15.234375))
         self.assertEqual(MOTIONS[5].central_moments, [0.234375, 0.46875, 0.234375])
 

@@ -151,7 +151,6 @@ class FigureLookTest(TableCase):
         assert "beside" in fault(shift)
 
     def motion(self, **other: object) -> Table:
-        """A made-up motion."""
         return self.read(a_trajectory(**other))
 
     def test_widths(self) -> None:
@@ -172,7 +171,6 @@ class FigureLookTest(TableCase):
             draw(page, "table1", width="column")
 
     def test_wrong_options(self) -> None:
-        """Each has a reason."""
         table = self.motion()
         for options, reason in (
             ({"width": "wide"}, "a width is column, page, slide or centimetres, not 'wide'"),
@@ -191,7 +189,6 @@ class FigureLookTest(TableCase):
             draw(table, "angles", size=3)
 
     def test_titles(self) -> None:
-        """Another title, and none at all."""
         table = self.motion()
         assert draw(table, "angles", title="Mine").get_suptitle() == "Mine"
         bare = draw(table, "angles", title="")
@@ -274,7 +271,6 @@ class FigureLookTest(TableCase):
             save_as(figure, self.folder / "a", ("doc",))
 
     def test_script(self) -> None:
-        """The same on the command line, with errors in one line."""
         one, other = (self.put(f"{name}.csv", a_trajectory()) for name in "ab")
         looks = ("--width", "12", "--format", "pdf,png", "--no-title", "--font-size", "9")
         assert self.call("--figure", "angles", *looks, one) == (0, "")
@@ -580,7 +576,6 @@ class OtherUnitsTest(TableCase):
         assert wanted <= drawn
 
     def compare(self, kind: FigureKind, own: Table, other: Table) -> None:
-        """Draw two tables that say the same."""
         files = Files(formats=("own",))
         with unittest.mock.patch("spintop_figures.files.save_as") as save:
             for table in (other, own):

@@ -37,7 +37,6 @@ from spintop_figures.tables.table import TableError
 
 
 def texts_of(axes: mpl.axes.Axes) -> list[str]:
-    """The text in a panel."""
     titles = (axes.get_title(loc=side) for side in ("left", "center", "right"))
     return [*(text.get_text() for text in axes.texts), *filter(None, titles)]
 
@@ -367,7 +366,6 @@ class FiguresTest(TableCase):
                 np.testing.assert_array_equal(np.isfinite(shown), sign * deviation > 0)
 
     def test_names(self) -> None:
-        """Events have names that can be read."""
         names = {
             "theta_deg=90 rising": "θ = 90°, rising",
             "psi=0 every turn rising": "ψ = 0, every turn, rising",

@@ -13,7 +13,7 @@ import pytest
 from matplotlib.text import Text
 from PIL import Image
 
-from conftest import EXE, ROOT, called
+from conftest import EXE, ROOT, called, execute
 from filming import __main__ as command
 from filming import encode
 from filming.picture import Camera, describe_speed
@@ -31,21 +31,17 @@ RAW = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-")
 
 @dataclass(frozen=True)
 class Done:
-    """What a call of scripts/film ended with."""
-
     returncode: int
     stderr: str
 
 
 def film(*arguments: object, **changes: str) -> Done:
-    """Call scripts/film, without the set-up."""
     with unittest.mock.patch.dict(os.environ, changes):
         code, _, complaints = called(command.main, "film", *arguments)
     return Done(code, complaints)
 
 
 def pixels_of(camera: Camera, picture: int) -> np.ndarray:
-    """A picture as rows of pixels."""
     camera.show(picture)
     camera.figure.canvas.draw()
     return np.asarray(camera.figure.canvas.buffer_rgba())[:, :, :3].astype(int)
@@ -87,10 +83,7 @@ class FilmTest(unittest.TestCase):
 
     def test_table(self) -> None:
         """A table is filmed by the input in its header; what is no trajectory is refused."""
-        command = [EXE, "--quiet", "-o", self.folder]
-        subprocess.run(
-            [*command, "--set", "span.samples=5", INPUT], check=True, capture_output=True
-        )
+        execute(EXE, "--quiet", "-o", self.folder, "--set", "span.samples=5", INPUT)
         path = self.folder / "film.gif"
         done = film(self.folder / "tip_loop.csv", "-o", path, *QUICK)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -167,7 +160,6 @@ class FilmTest(unittest.TestCase):
         self.assertEqual(path.read_text(encoding="utf-8"), "older")
 
     def test_kinds(self) -> None:
-        """A name without a known ending is refused before anything is computed."""
         with self.assertRaisesRegex(FilmError, "ends in"):
             encode.check_means(Path("film"))
 

@@ -24,7 +24,6 @@ ANGLES = ("phi", "theta", "psi")
 def measure(
     columns: tuple[str, ...], t: np.ndarray, start: dict, noise: float, top: dict = TOP, **more
 ) -> dict[str, np.ndarray]:
-    """Columns of a motion at some times, with noise."""
     motion = spintop.Top(spintop.Body(**top), **start, **more).integrate(
         t, columns, relative_tolerance=1e-14
     )
@@ -35,7 +34,6 @@ def measure(
 def fit(
     data: dict, unknown: list[str], start: dict, top: dict = TOP, factor: float = 1.001, **keys
 ):
-    """A fit whose search begins beside the true values."""
     given = {"top": dict(top), "initial": dict(start)}
     given["integration"] = keys.pop("integration", {})
     given["fit"] = {key: keys.pop(key) for key in ("loss",) if key in keys}

@@ -15,12 +15,10 @@ BESIDE = {"top": TOP, "initial": {"theta": 1.01, "omega3": 81.0}}
 
 
 def motion(t: np.ndarray, *columns: str) -> spintop.Motion:
-    """Columns of the true motion."""
     return spintop.Top(spintop.Body(**TOP), **START).exact(t, columns)
 
 
 def noise(t: np.ndarray, deviation: float, seed: int = 0) -> np.ndarray:
-    """Noise at some times."""
     return np.random.default_rng([5, seed]).normal(0, deviation, t.size)
 
 
@@ -362,7 +360,6 @@ NOISE = 1e-3
 
 
 def measure(*columns: str) -> dict[str, np.ndarray]:
-    """Columns of the true motion with noise, rad."""
     body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
     t = np.linspace(0.0, 5.0, 101)
     exact = spintop.Top(body, theta=0.5, psi_rate=14.0).exact(t, list(columns))

@@ -132,7 +132,6 @@ class GalleryTest(TableCase):
             assert (folder / f"{stem}.svg").stat().st_size > 10_000
 
     def test_list(self) -> None:
-        """All are listed, nothing is drawn."""
         code, output, _ = self.gallery("--list", "-o", self.folder / "none")
         assert (code, len(output.split("\n")) - 1) == (0, len(GALLERY))
         assert "(long)" in output

@@ -83,7 +83,6 @@ class DictionaryTest(unittest.TestCase):
                         self.assertNotRegex(literal, PROSE, f"{path.name}: {line}")
 
     def test_prose_is_found(self) -> None:
-        """A sentence is taken for one."""
         for text in ("The link is copied.", "spin too slow", "Steady precession"):
             self.assertRegex(text, PROSE)
 
@@ -121,7 +120,6 @@ class LanguageTest(LiveCase):
         self.assertEqual(self.violations(), [])
 
     def test_strange_words_are_found(self) -> None:
-        """English on a German page is noticed."""
         self.open(self.page, "#lang=de")
         texts = self.texts("liveTop.parts.class.textContent = 'Steady precession';")
         self.assertEqual(self.strange_words("de", texts), {"Steady", "precession"})

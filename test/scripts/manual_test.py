@@ -1,6 +1,5 @@
 """The manual agrees with the program: its commands, inputs, programs, tables and links."""
 
-import csv
 import os
 import re
 import shutil
@@ -14,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute
+from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute, read
 from manual.pages import Block, anchors_of, blocks_of, links_of, manual_pages, prose_of
 from manual.tables import registries, renewed
 
@@ -178,7 +177,6 @@ class ManualCase(unittest.TestCase):
             self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
 
     def check(self, text: str) -> subprocess.CompletedProcess:
-        """Have the program check an input."""
         scene = self.folder / "scene.nml"
         scene.write_text(text, encoding="utf-8")
         return self.shell("spintop --check scene.nml")
@@ -277,12 +275,10 @@ class ManualTest(unittest.TestCase):
         self.assertFalse(agree("slow_top_1.csv", "slow_top_2.csv"))
 
     def test_groups(self) -> None:
-        """Groups of a part take the place of those of its base."""
         base = "&top mass = 1, title = 'a/b' / &span t_end = 1 / ! &top /\n"
         found = with_groups(base, "&top mass = 2 /").split("/")
-        self.assertEqual(
-            [group.strip() for group in found], ["&span t_end = 1", "&top mass = 2", ""]
-        )
+        kept = [group.strip() for group in found]
+        self.assertEqual(kept, ["&span t_end = 1", "&top mass = 2", ""])
 
     def test_references(self) -> None:
         """Each is cited, and each citation has one with an author, a title and a year."""
@@ -337,11 +333,8 @@ class CommandsTest(ManualCase):
                     self.assertTrue(agree(expected, line), f"{command}\n- {expected}\n+ {line}")
 
     def run_python(self, block: Block) -> None:
-        """Run a program, which prints something."""
-        command = [sys.executable, "-W", "error", "-c", block.text]
-        result = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertNotEqual(result.stdout, "")
+        done = execute(sys.executable, "-W", "error", "-c", block.text, cwd=self.folder)
+        self.assertNotEqual(done.stdout, "")
 
     @unittest.skipUnless(KIND == "release", "the commands take long with run-time checks")
     @pytest.mark.slow
@@ -416,12 +409,10 @@ class CommandsTest(ManualCase):
         for stem in stems:
             run = self.shell(f"spintop --set output.columns={columns} input/{stem}.nml")
             self.assertEqual(run.returncode, 0, run.stderr)
-            with (self.folder / "output" / f"{stem}.csv").open(encoding="utf-8") as table:
-                found = csv.DictReader(line for line in table if not line.startswith("#"))
-                for row, cells in zip(rows, found, strict=True):
-                    azimuth, *ranges, nutations = (float(cells[key]) for key in columns.split(","))
-                    row += [f"{azimuth:.3f}", *(f"{value:.4g}" for value in ranges)]
-                    row += [f"{nutations:.2f}"]
+            found = read(self.folder / f"output/{stem}.csv")[columns.split(",")].to_numpy()
+            for row, (azimuth, *ranges, nutations) in zip(rows, found, strict=True):
+                row += [f"{azimuth:.3f}", *(f"{value:.4g}" for value in ranges)]
+                row += [f"{nutations:.2f}"]
         page = (ROOT / "doc/paper_results.md").read_text(encoding="utf-8")
         for row in rows:
             self.assertIn(f" | {' | '.join(row)} |\n", page)
@@ -451,8 +442,7 @@ class CommandsTest(ManualCase):
         modules = ROOT / "build/release/test/modules"
         link = ("-L", modules, "-ltested", f"-Wl,-rpath,{modules}", "-o", program)
         script = '. "$0"/scripts/setup; cd "$0"; compile_test release "$@"'
-        command = ["bash", "-c", script, ROOT, f"-J{self.folder}", source, *link]
-        subprocess.run(command, check=True)
+        execute("bash", "-c", script, ROOT, f"-J{self.folder}", source, *link)
         self.check_output(self.shell("./my_top"), parts["text", "output"])
 
 

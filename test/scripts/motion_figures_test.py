@@ -254,7 +254,6 @@ class MotionFiguresTest(TableCase):
         assert (code, "no such file" in complaint) == (2, True)
 
     def test_names(self) -> None:
-        """No comparison has the name of a figure."""
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         assert len(names) == len(set(names))
 

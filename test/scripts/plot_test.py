@@ -393,7 +393,6 @@ class PlotTest(TableCase):
         assert os.fsencode(done.stdout).splitlines() == list(map(os.fsencode, names))
 
     def test_backend(self) -> None:
-        """The backend of a notebook, or one that does not exist."""
         self.draw(MPLBACKEND="module://matplotlib_inline.backend_inline")
         self.draw(MPLBACKEND="nothing")
 
@@ -415,7 +414,6 @@ class PlotTest(TableCase):
         assert "Traceback" not in done.stderr
 
     def test_broken_settings(self) -> None:
-        """Settings that cannot be read."""
         (self.folder / "matplotlibrc").write_bytes(b"font.size: \xff\xfe\n")
         path = self.put("a.csv", a_trajectory())
         done = self.plot(path, MATPLOTLIBRC=str(self.folder))
@@ -429,7 +427,6 @@ class PlotTest(TableCase):
             self.draw("Kreisel für Łódź.csv", PYTHONIOENCODING=encoding)
 
     def complaint(self, text: str | bytes) -> str:
-        """What is said of a table."""
         path = self.folder / "a.csv"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         code, said = self.call("-o", self.folder, path)
@@ -454,7 +451,6 @@ class PlotTest(TableCase):
                     assert lines_of(again) == lines_of(first)
 
     def test_encodings(self) -> None:
-        """Other encodings are named."""
         for kind, text in KINDS.items():
             for encoding in ("utf-16", "utf-16-be", "utf-32"):
                 with self.subTest(kind, encoding=encoding):

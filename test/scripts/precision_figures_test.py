@@ -18,7 +18,6 @@ AXES = ("initial.spin_ratio", "initial.theta")
 
 
 def listed_methods() -> dict[str, dict]:
-    """The methods that the program lists, by their names."""
     return {entry["name"]: entry for entry in listed("methods")}
 
 
@@ -84,7 +83,6 @@ class PrecisionFiguresTest(TableCase):
         assert self.figures_of(a_map_of_problems()) == "tolerance_map"
 
     def test_refusals(self) -> None:
-        """The reason is given."""
         table = self.read(a_map_of_problems())
         assert precision.object_to_precision(table) == "has 12 problems, more than fit (6)"
         failed = a_precision().replace(",ok,", ",pole,")

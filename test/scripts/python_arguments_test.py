@@ -29,7 +29,6 @@ TIMES = np.arange(20) / 20
 
 
 def theta_of(top: spintop.Top) -> float:
-    """The inclination at 1 s."""
     return float(top.exact(1.0).theta)
 
 
@@ -168,7 +167,6 @@ class PythonArgumentsTest(unittest.TestCase):
                 call()
 
     def test_one_name(self) -> None:
-        """One name needs no list."""
         assert list(TOP.exact(1.0, "theta")) == ["theta"]
         assert list(TOP.quantities("theta_max")) == ["theta_max"]
         assert list(spintop.tops("theta_max", **SYMMETRIC)) == ["theta_max"]
@@ -251,7 +249,6 @@ class PythonArgumentsTest(unittest.TestCase):
                 assert times[1] < 0.2 + 10 * times[0], times
 
     def test_threads(self) -> None:
-        """Numbers of threads that no system has."""
         for threads in (-1, 4097, 2**40, 2**32 + 1, 1.5, "2", None):
             with self.assertRaisesRegex(spintop.InputError, "threads"):
                 spintop.tops("theta_max", threads=threads, **SYMMETRIC)
@@ -266,7 +263,6 @@ class FitTest(unittest.TestCase):
     """Groups and deviations of fits."""
 
     def setUp(self) -> None:
-        """Measure two angles."""
         truth = {
             "top": {**GIVEN["top"], "inertia": (0.875, 0.875, 0.25)},
             "initial": GIVEN["initial"],

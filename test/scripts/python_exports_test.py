@@ -28,7 +28,6 @@ class ExportsTest(unittest.TestCase):
         self.q = np.stack([self.motion[f"q{i}"] for i in range(4)], 1)
 
     def export(self, name: str) -> Path:
-        """Write the motion."""
         path = spintop.export(self.motion, self.folder / name, TIMES)
         assert path == self.folder / name
         return path

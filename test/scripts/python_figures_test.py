@@ -161,7 +161,6 @@ def test_sweep_over_arrays(calls: list[str]) -> None:
 
 
 def test_what_has_no_figure() -> None:
-    """It is refused with a reason."""
     top = spintop.Top(spintop.Body(mass=1, inertia=(0.9, 0.9, 0.3), length=0.5), theta=0.4)
     with pytest.raises(TypeError, match="events of a top have no figures"):
         top.events("theta = 0.5", 1.0).plot()

@@ -31,7 +31,6 @@ FRICTION = {**LANES, "effects": {"friction_torque": 1e-9}}
 
 
 def long_fit() -> spintop.Result:
-    """A fit whose motions take minutes."""
     t = np.linspace(0, 2e4, 100_001)
     data = {"t": t, "theta": 1 + 0.1 * np.cos(t), "phi": t}
     given = {"top": {**TOP, "damping": (0, 0, 1e-9)}, "initial": START}
@@ -55,7 +54,6 @@ class InterruptTest(unittest.TestCase):
         self.addCleanup(signal.signal, signal.SIGINT, inherited)
 
     def check_usable(self) -> None:
-        """A short call has its rows."""
         assert len(spintop.run(SHORT).rows["theta"]) == 11
 
     def interrupt(self, function: Callable[[], Any], *, computing: bool = False) -> None:

@@ -4,7 +4,6 @@ import itertools
 import math
 import os
 import resource
-import subprocess
 import sys
 import tempfile
 import threading
@@ -19,7 +18,7 @@ import pytest
 
 import python_library  # noqa: F401  # noqa: F401
 import spintop
-from conftest import EXE, ROOT, Spin, texts
+from conftest import EXE, ROOT, Spin, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
 from spintop.levels import NEEDED, chosen_folder, features, levels_of
@@ -41,7 +40,6 @@ def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
 
 class PythonPackageTest(unittest.TestCase):
     def compare(self, motion: spintop.Motion, table: dict[str, list[str]]) -> None:
-        """All columns have the bits of a table."""
         assert list(motion) == list(table)
         for name, column in table.items():
             assert motion[name].tolist() == [float(cell) for cell in column], name
@@ -178,8 +176,7 @@ class PythonPackageTest(unittest.TestCase):
         """All give the tables of the program."""
         path = ROOT / "input/slow_top_events.nml"
         with tempfile.TemporaryDirectory() as folder:
-            command = [EXE, "--quiet", "-o", folder, path]
-            subprocess.run(command, check=True, capture_output=True)
+            execute(EXE, "--quiet", "-o", folder, path)
             tables = {
                 name: spintop.read(Path(folder) / f"slow_top_events{name}.csv").rows
                 for name in ("", ".events")
@@ -228,10 +225,7 @@ class PythonPackageTest(unittest.TestCase):
         assert described.statistics["theta_max_mean"].tolist() == mean
         with tempfile.TemporaryDirectory() as folder:
             kept = spintop.run(groups, folder=folder)
-            assert [path.name for path in sorted(Path(folder).iterdir())] == [
-                "input.csv",
-                "input.log",
-            ]
+            assert {path.name for path in Path(folder).iterdir()} == {"input.csv", "input.log"}
             assert kept["theta_max"].tolist() == found["theta_max"].tolist()
             assert folder in kept.summary
 
@@ -280,27 +274,14 @@ class PythonPackageTest(unittest.TestCase):
         except ImportError:
             self.skipTest("no setuptools from version 70.1 on")
         with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
-            command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
-            command += [
-                "--no-deps",
-                "--no-index",
-                "--disable-pip-version-check",
-                "--target",
-                folder,
-            ]
-            done = subprocess.run(
-                [*command, ROOT / "python"], capture_output=True, text=True, check=False
-            )
-            assert done.returncode == 0, done.stdout + done.stderr
+            words = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
+            words += ["--no-deps", "--no-index", "--disable-pip-version-check", "--target", folder]
+            execute(*words, ROOT / "python")
             assert (Path(folder) / "spintop/libspintop.so.1").is_file()
             program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
-            answer = subprocess.run(
-                [sys.executable, "-c", program],
-                **{"capture_output": True, "text": True, "check": True, "cwd": folder},
-                env={**os.environ, "PYTHONPATH": folder},
-            ).stdout.split(maxsplit=1)
-            assert answer[0] == spintop.version()
-            assert answer[1].startswith(folder)
+            words = (sys.executable, "-c", program)
+            done = execute(*words, cwd=folder, environment={"PYTHONPATH": folder})
+            assert done.stdout.startswith(f"{spintop.version()} {folder}")
 
     def test_levels_of(self) -> None:
         """A level has all features of the levels before it."""
@@ -369,9 +350,8 @@ class SweepTest(unittest.TestCase):
         found = spintop.sweep(self.groups, {"initial.psi_rate": rate, "initial.theta": theta}).rows
         assert found["initial.theta"].tolist() == theta.tolist()
         assert set(found["status"]) == {"ok"}
-        one = spintop.sweep(
-            self.groups, {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
-        ).rows
+        fifth = {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
+        one = spintop.sweep(self.groups, fifth).rows
         assert one["phi_end"][0] == found["phi_end"][5]
         assert found.row_count == 700
 
@@ -380,13 +360,8 @@ class SweepTest(unittest.TestCase):
         rate = np.linspace(0.0, 20.0, 1500)
         table = spintop.sweep(self.groups, {"initial.omega3": rate}).rows
         names = ["theta_max", "nutation_period", "phi_end"]
-        data = {
-            "inertia1": 0.875,
-            "inertia3": 0.25,
-            "mgl": 9.81 * 0.75**0.5,
-            "theta": 0.3,
-            "t_end": 2.0,
-        }
+        data = {"inertia1": 0.875, "inertia3": 0.25, "mgl": 9.81 * 0.75**0.5}
+        data |= {"theta": 0.3, "t_end": 2.0}
         found = spintop.tops(names, omega3=rate, **data)
         wide = np.zeros((1500, 3))
         wide[:, 1] = rate
@@ -427,9 +402,8 @@ class SweepTest(unittest.TestCase):
         both = {**self.groups, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
         with self.assertRaisesRegex(spintop.InputError, "the cases are given twice"):
             spintop.sweep(both, {"initial.theta": [1.0]})
-        result = spintop.sweep(
-            self.groups, {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
-        )
+        axes = {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
+        result = spintop.sweep(self.groups, axes)
         assert not result.ok
         assert result.rows["status"][0] == "ok"
         assert result.rows["status"][1] != "ok"
@@ -437,7 +411,6 @@ class SweepTest(unittest.TestCase):
 
 
 def peak() -> int:
-    """Largest memory of this process so far, kB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
@@ -502,9 +475,6 @@ class ResourcesTest(unittest.TestCase):
             assert together[number] == alone[number], number
 
 
-# The level of the processor, by which the Python package chooses its library.
-
-
 # Times of a top of which the first is above 0: the motion starts at 0, whatever is asked.
 
 START = {"theta": 0.6, "phi": 0.3, "theta_rate": 0.3, "psi_rate": 6.0}
@@ -527,7 +497,6 @@ COLUMNS = (*ANGLES, "omega1", "omega3", "force_z", "energy", "theta__initial.psi
 
 
 def make(body: str, effects: dict) -> spintop.Top:
-    """A top."""
     return spintop.Top(spintop.Body(mass=1.3, **BODIES[body]), effects=effects, **START)
 
 
@@ -548,6 +517,5 @@ def test_tops(body: str, effects: dict) -> None:
                 if name.endswith("_error"):
                     continue
                 scale = np.abs(all_times[name]).max()
-                np.testing.assert_allclose(
-                    some[name], all_times[name][first:], rtol=0, atol=1e-9 * scale
-                )
+                known = all_times[name][first:]
+                np.testing.assert_allclose(some[name], known, rtol=0, atol=1e-9 * scale)

@@ -70,17 +70,14 @@ class ReportCase(TableCase):
         )
 
     def stand_in(self, module: object, name: str, result: object) -> unittest.mock.Mock:
-        """A procedure that only gives this."""
         patch = unittest.mock.patch.object(module, name, return_value=result)
         self.addCleanup(patch.stop)
         return patch.start()
 
     def table(self, text: str) -> Table:
-        """A table with this text."""
         return read_table(self.put("table.csv", text))
 
     def page(self) -> str:
-        """The page of all tables in the folder."""
         return make_page(self.folder.name, *read_study(self.folder))[0]
 
 
@@ -301,14 +298,12 @@ class ReportTest(ReportCase):
         self.assertIsNone(find_omega(self.table(a_trajectory(ANGLES))))
 
     def test_notes(self) -> None:
-        """Missing things are named."""
         notes = " ".join(self.facts(self.table(a_trajectory(ANGLES)))["notes"])
         words = ("does not give the body", "force_x, force_y, force_z", "omega1 to omega3")
         for word in (*words, "kinetic, potential, energy"):
             self.assertIn(word, notes)
 
     def test_refusals(self) -> None:
-        """Tables without an animation, with the reason."""
         reasons = {
             "is no trajectory": a_sweep(),
             "needs the column t": a_trajectory(ANGLES[1:]),
@@ -507,7 +502,6 @@ class ReportTest(ReportCase):
         self.bundle.assert_not_called()
 
     def report(self, *arguments: str | Path) -> tuple[int, str]:
-        """Run it here; give exit code and standard error."""
         code, _, complaints = called(command.main, "report", *arguments)
         return code, complaints
 
@@ -604,13 +598,11 @@ class Reader(html.parser.HTMLParser):
         self.feed(page)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """An element begins."""
         self.elements.append((tag, dict(attrs)))
         if tag == "script":
             self.scripts.append("")
 
     def handle_data(self, data: str) -> None:
-        """Text within the latest element."""
         if self.elements and self.elements[-1][0] == "script" and not self.scripts[-1]:
             self.scripts[-1] = data
         else:
@@ -664,7 +656,6 @@ class PackageTest(ReportCase):
             self.addCleanup(patch.stop)
 
     def lock(self, integrity: str) -> None:
-        """Write the lock file."""
         entry = {"version": "1.2.3", "integrity": integrity}
         lock = {"packages": {"": {}, "node_modules/@scope/three": entry}}
         self.put("package-lock.json", json.dumps(lock))
@@ -702,7 +693,6 @@ class PackageTest(ReportCase):
             self.assertEqual(packages.tarball_of("a", "1"), "http://project/a/-/a-1.tgz")
 
     def test_not_to_be_had(self) -> None:
-        """The reason is given."""
         (self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz").unlink()
         with self.assertRaisesRegex(PackageError, "gave no .*three-1.2.3.tgz: File not found"):
             packages.need("@scope/three")

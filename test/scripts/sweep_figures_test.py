@@ -37,7 +37,6 @@ def points_of(axes: Axes) -> np.ndarray:
 
 
 def sorted_points(x: pd.Series, y: pd.Series) -> np.ndarray:
-    """Points in the same order."""
     points = np.column_stack([x, y])
     return points[np.lexsort(points.T)]
 
@@ -51,7 +50,6 @@ class SweepFiguresTest(TableCase):
         assert self.figures_of(a_map()) == "maps"
 
     def test_refusals(self) -> None:
-        """Each with its reason."""
         same = a_cloud(2, cases=1) + "2,1.0,1.0,ok,loop,0.1,0.2,0,1e-9,9,\n"
         dull = a_cloud(2, cases=1) + "2,2.0,2.0,ok,wave,0.1,0.2,-2,1e-14,50,\n"
         for text, reason in (
@@ -230,7 +228,6 @@ class SweepFiguresTest(TableCase):
         )
 
     def figure(self, name: str) -> Figure:
-        """A figure of these statistics."""
         return draw(self.statistics(), name)
 
     def test_distribution(self) -> None:

@@ -94,7 +94,6 @@ SCRIPTS = [
 
 
 def quote(text: object) -> str:
-    """A word for a shell."""
     return "'" + str(text).replace("'", "'\\''") + "'"
 
 
@@ -266,7 +265,6 @@ class ValuesTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Copy the checkout."""
         folder = tempfile.TemporaryDirectory(prefix="spintop-values-")
         cls.addClassCleanup(folder.cleanup)
         cls.checkout = Checkout(Path(folder.name))

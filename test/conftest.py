@@ -50,6 +50,11 @@ needs_mpi = pytest.mark.skipif(
 )
 
 
+def each(names: str, *rows: object, **options: object) -> pytest.MarkDecorator:
+    """Marks a test that has these arguments, and that runs once with each row of their values."""
+    return pytest.mark.parametrize(names, rows, **options)
+
+
 def under(ranks: int) -> tuple[str, ...]:
     """The command that starts so many ranks."""
     return ("mpirun", "-np", str(ranks), MPI_EXE)

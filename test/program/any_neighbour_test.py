@@ -3,9 +3,7 @@
 import itertools
 import random
 
-import pytest
-
-from conftest import listed, output
+from conftest import each, listed, output
 
 CASES = 97
 BLOCKS = 5
@@ -124,7 +122,7 @@ def rows_of(path):
     return [line.split(",", 1)[1] for line in lines if not line.startswith("#")][1:]
 
 
-@pytest.mark.parametrize(("affected", "span"), list(itertools.product((False, True), STOPS)))
+@each("affected, span", *itertools.product((False, True), STOPS))
 def test_any_neighbour(spin, affected, span):
     """All columns that a body in lanes can have, of bodies of all kinds."""
     rng = random.Random(6)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import listed, output
+from conftest import each, listed, output
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +62,7 @@ HEAVY = [body for body in BODIES if body != "free"]
 SCENES += itertools.product(("dop853", "taylor", "rk4"), HEAVY, LOSSES)
 
 
-@pytest.mark.parametrize(("method", "body", "loss"), dict.fromkeys(SCENES))
+@each("method, body, loss", *dict.fromkeys(SCENES))
 def test_plane_motions(spin, method, body, loss):
     """A plane motion does not precess, and ends 0 to 2 half turns from the start; methods agree."""
     coarse = method in ("euler_forward", "euler_backward", "galerkin")
@@ -87,7 +87,7 @@ def check_ends(rows, others, error):
         assert rows[name][0] == pytest.approx(others[name][0], abs=error)
 
 
-@pytest.mark.parametrize("t_end", [0.3, 4])
+@each("t_end", 0.3, 4)
 def test_free_body(spin, t_end):
     """The closed form of a free body counts the passages as methods do."""
     start = "theta_deg = 30  theta_rate = 9"
@@ -96,7 +96,7 @@ def test_free_body(spin, t_end):
     check_ends(exact, sweep(spin, "free", start, "", METHODS["dop853"], t_end), ACCURACY)
 
 
-@pytest.mark.parametrize("miss", [0, 1e-15, 1e-12, 1e-9, 1e-6])
+@each("miss", 0, 1e-15, 1e-12, 1e-9, 1e-6)
 def test_beside_the_plane(spin, miss):
     """The exact solution of a top and all methods take the same way past a pole, or through it."""
     for theta, rate in ((100, 0), (30, 9)):
@@ -165,8 +165,8 @@ def sweep_of(spin, cases, method):
     return run.rows
 
 
-@pytest.mark.parametrize("ratio", [1, 1 + 1e-9])
-@pytest.mark.parametrize(("least", "most"), [(COARSE / 100, COARSE), (0.05, 0.3)])
+@each("ratio", 1, 1 + 1e-9)
+@each("least, most", (COARSE / 100, COARSE), (0.05, 0.3))
 def test_closer_than_the_error(spin, ratio, least, most):
     """Nobody knows on which side: a note says so, one by one and in lanes, and of few others."""
     rng = random.Random(1)

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from conftest import EXE, KIND, ROOT, execute
+from conftest import EXE, KIND, ROOT, each, execute
 
 EXTRA = {"sanitized": "-fsanitize=address,undefined", "coverage": "--coverage"}.get(KIND, "")
 WARNINGS = "-Wall -Wextra -pedantic -Werror"
@@ -112,16 +112,14 @@ FIXED = EXACT + "&integration method = 'rk4' steps = 4 /"
 ADAPTIVE = EXACT + "&integration method = 'ode45' /"
 
 
-@pytest.mark.parametrize(
-    ("text", "times"),
-    [
-        (EXACT, ("1", "nan")),
-        (EXACT, ("inf",)),
-        (ADAPTIVE, ("2", "1")),
-        (ADAPTIVE, ("-1", "1")),
-        (FIXED, ("0", "0.7", "1")),
-        (FIXED, ("0", "3")),
-    ],
+@each(
+    "text, times",
+    (EXACT, ("1", "nan")),
+    (EXACT, ("inf",)),
+    (ADAPTIVE, ("2", "1")),
+    (ADAPTIVE, ("-1", "1")),
+    (FIXED, ("0", "0.7", "1")),
+    (FIXED, ("0", "3")),
 )
 def test_wrong_times(driver, text, times):
     told = driver("at", text, *times, code=2).splitlines()[-1]
@@ -136,15 +134,13 @@ def test_right_times(driver):
 OTHER = "&study kind = 'stability' / &output file = 'x' /"
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("at", f"{TOP}\n&initial thta = 1 /", "0"), r"(?s)^2\|\|top\|2\|10\|top:2:10: .*theta"),
-        (("at", "no namelist", "0"), r"^2\|\|top\|1\|1\|top:1:1: error: text outside a group"),
-        (("at", OTHER, "0"), "the input of a top is that of a trajectory"),
-        (("run", f"{TOP} {START}"), "the time span is not given"),
-        (("list", "methos"), r"did you mean 'methods'\?"),
-    ],
+@each(
+    "words, told",
+    (("at", f"{TOP}\n&initial thta = 1 /", "0"), r"(?s)^2\|\|top\|2\|10\|top:2:10: .*theta"),
+    (("at", "no namelist", "0"), r"^2\|\|top\|1\|1\|top:1:1: error: text outside a group"),
+    (("at", OTHER, "0"), "the input of a top is that of a trajectory"),
+    (("run", f"{TOP} {START}"), "the time span is not given"),
+    (("list", "methos"), r"did you mean 'methods'\?"),
 )
 def test_wrong_inputs(driver, words, told):
     """Messages are those of the program, with the place; a sweep is no top."""
@@ -177,9 +173,11 @@ def test_odd_numbers_and_names(driver):
 STOPPED = f"{TOP} {START} &span t_end = 1 / &integration method = 'rk4' steps = 4 max_steps = 3 /"
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [(("run", STOPPED), 0), (("list", "parameters"), 0), (("at", STOPPED, "0", "9"), 2)],
+@each(
+    "words, code",
+    (("run", STOPPED), 0),
+    (("list", "parameters"), 0),
+    (("at", STOPPED, "0", "9"), 2),
 )
 def test_environment_of_the_run_time_library(driver, words, code):
     """A sign that gfortran writes on request is in no text."""
@@ -256,21 +254,19 @@ ANY = "&top mass = 1 inertia = 0.9, 0.7, 0.25 centre_of_mass = 0.05, 0, 0.8 /" +
 SWEEP = "&study kind = 'sweep' /&output columns = 'theta_max', "
 
 
-@pytest.mark.parametrize("arithmetic", ["upward", "toward zero", "traps"])
-@pytest.mark.parametrize(
+@each("arithmetic", "upward", "toward zero", "traps")
+@each(
     "words",
-    [
-        ("tops", "1"),
-        ("at", TOP + SPAN, "0", "1.5", "1000"),
-        ("at", TOP + SPAN + "&output columns = 'theta', 'theta__top.mass' /", "0", "7"),
-        ("at", ANY + "&integration method = 'taylor' /", "0", "1", "20"),
-        ("sweep", TOP + SPAN + SWEEP + "'phi_end' /"),
-        ("sweep", ANY + SWEEP + "'lyapunov_exponent' /"),
-        ("run", TOP + SPAN + "&output columns = 'all' /"),
-        ("run", ANY + "&integration method = 'arkode_erk' /"),
-        ("events", TOP + SPAN + "&output events = 'lower_turning_points' /"),
-        ("list", "methods"),
-    ],
+    ("tops", "1"),
+    ("at", TOP + SPAN, "0", "1.5", "1000"),
+    ("at", TOP + SPAN + "&output columns = 'theta', 'theta__top.mass' /", "0", "7"),
+    ("at", ANY + "&integration method = 'taylor' /", "0", "1", "20"),
+    ("sweep", TOP + SPAN + SWEEP + "'phi_end' /"),
+    ("sweep", ANY + SWEEP + "'lyapunov_exponent' /"),
+    ("run", TOP + SPAN + "&output columns = 'all' /"),
+    ("run", ANY + "&integration method = 'arkode_erk' /"),
+    ("events", TOP + SPAN + "&output events = 'lower_turning_points' /"),
+    ("list", "methods"),
 )
 def test_arithmetic_of_the_caller(driver, words, arithmetic):
     """Rounding and traps of the caller change no bit, end no process, and stay as they were."""
@@ -289,21 +285,19 @@ DATA = f"&fit data = '{ROOT}/input/fit.csv' unknown = 'top.inertia(3)' /"
 
 @pytest.mark.skipif(KIND == "sanitized", reason="its allocator does not count")
 @pytest.mark.slow
-@pytest.mark.parametrize(
+@each(
     "words",
-    [
-        ("at", MOTION + SOME, "0", "0.5"),
-        ("at", MOTION + SOME, "0", "nan"),
-        ("at", MOTION + "&initial thta = 1 /", "0"),
-        ("at", MOTION + "&integration method = 'arkode_erk' /", "0", "1"),
-        ("at", MOTION + "&output columns = 'theta__top.mass' /", "0", "1"),
-        ("events", MOTION + SOME),
-        ("run", MOTION + SOME),
-        ("run", MOTION + "&integration method = 'taylor' max_steps = 3 /"),
-        ("run", f"&study kind = 'sweep' / {MOTION} {AXIS}"),
-        ("run", f"&study kind = 'fit' / {TOP} {START} {DATA}"),
-        ("list", "columns"),
-    ],
+    ("at", MOTION + SOME, "0", "0.5"),
+    ("at", MOTION + SOME, "0", "nan"),
+    ("at", MOTION + "&initial thta = 1 /", "0"),
+    ("at", MOTION + "&integration method = 'arkode_erk' /", "0", "1"),
+    ("at", MOTION + "&output columns = 'theta__top.mass' /", "0", "1"),
+    ("events", MOTION + SOME),
+    ("run", MOTION + SOME),
+    ("run", MOTION + "&integration method = 'taylor' max_steps = 3 /"),
+    ("run", f"&study kind = 'sweep' / {MOTION} {AXIS}"),
+    ("run", f"&study kind = 'fit' / {TOP} {START} {DATA}"),
+    ("list", "columns"),
 )
 def test_memory(driver, words):
     """Each kind of call gives back all that it took, also after an error."""
@@ -319,7 +313,7 @@ def test_a_stopped_run(spin):
     assert text == "3 3 stopped, as the caller wants\n"
 
 
-@pytest.mark.parametrize("topic", ["methods", "columns", ""])
+@each("topic", "methods", "columns", "")
 def test_lists(spin, driver, topic):
     expected = spin.call("list", *[topic] * bool(topic), "--json").out
     assert json.loads(driver("list", topic)) == json.loads(expected)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = """\
 &top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.85 /
@@ -42,8 +42,8 @@ def check(run, sizes):
 DERIVATIVES = [f"{name}__initial.psi_rate" for name in ("theta_deg", "theta")]
 
 
-@pytest.mark.parametrize("more", [[], DERIVATIVES])
-@pytest.mark.parametrize("how", [["method=exact"], ["method=rk4", "steps=300"]])
+@each("more", [], DERIVATIVES)
+@each("how", ["method=exact"], ["method=rk4", "steps=300"])
 def test_trajectory(spin, more, how):
     """By the exact solution, by an integrator, of a table with derivatives."""
     names = [*SIZES, *(own for own, _, _ in SIZES.values()), *more]
@@ -99,9 +99,7 @@ def test_beside_all(spin):
         assert problem in spin.refuse(TOP + SPAN + output("all", name))
 
 
-@pytest.mark.parametrize(
-    ("column", "settings"), [("theta_bound_deg", []), ("theta_deg", ["output.certified=t"])]
-)
+@each("column, settings", ("theta_bound_deg", []), ("theta_deg", ["output.certified=t"]))
 def test_proved_numbers(spin, column, settings):
     """Bounds and certified numbers are proved in their own units only."""
     error = spin.refuse(TOP + SPAN + output("t", column), *settings)
@@ -134,7 +132,7 @@ def test_table_of_cases(spin):
     assert "top.length is in m; units are m, cm, mm" in said
 
 
-@pytest.mark.parametrize("value", ["12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm"])
+@each("value", "12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm")
 def test_overrides(spin, value):
     """A number with its unit in an override, with quotes and without."""
     row = spin(TOP + SPAN, f"initial.psi_rate={value}").rows.iloc[0]
@@ -219,14 +217,12 @@ def test_mounting(spin):
     np.testing.assert_allclose(rows.estimate, [0, 0.875], rtol=1e-7, atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("head", "message"),
-    [
-        ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
-        ("t,t_ms,theta", "two columns of the table are the time"),
-        ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
-        ("t_m,theta,psi", "there is no column t"),
-    ],
+@each(
+    "head, message",
+    ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
+    ("t,t_ms,theta", "two columns of the table are the time"),
+    ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
+    ("t_m,theta,psi", "there is no column t"),
 )
 def test_refusals(spin, head, message):
     rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 from mechanics import runge_kutta
 
 TOP = (ROOT / "input/composed_top.nml").read_text()
@@ -60,15 +60,13 @@ def test_parts_are_swept(spin):
     assert rows.theta_end[1] == pytest.approx(alone.theta.iloc[-1], abs=5e-10)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("'rod'", "'rode'", "did you mean 'rod'?"),
-        ("density = 2700", "", "neither mass nor density of the part is given"),
-        ("thickness = 0.02", "", "part.thickness(4) is not given"),
-        ("gravity = 9.81", "mass = 1", "top.mass is not for a body of parts"),
-        ("axis = 1, 0, 0", "axis = 0, 0, 0", "has no direction"),
-    ],
+@each(
+    "old, new, said",
+    ("'rod'", "'rode'", "did you mean 'rod'?"),
+    ("density = 2700", "", "neither mass nor density of the part is given"),
+    ("thickness = 0.02", "", "part.thickness(4) is not given"),
+    ("gravity = 9.81", "mass = 1", "top.mass is not for a body of parts"),
+    ("axis = 1, 0, 0", "axis = 0, 0, 0", "has no direction"),
 )
 def test_messages(spin, old, new, said):
     error = spin.refuse(TOP.replace(old, new))

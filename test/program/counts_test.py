@@ -4,9 +4,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import pytest
-
-from conftest import ROOT, execute
+from conftest import ROOT, each, execute
 
 PLUGINS = ("test/conftest.py", "test/fortran_suites.py", "pytest.ini")
 SUITE = """\
@@ -76,7 +74,7 @@ def test_each_test_counts_once(folder: Path) -> None:
     assert "noise" not in lines
 
 
-@pytest.mark.parametrize("text", ["import no_such_module\n", "def test_one(:\n"])
+@each("text", "import no_such_module\n", "def test_one(:\n")
 def test_what_cannot_be_collected_fails(folder: Path, text: str) -> None:
     code, lines = run_suite(folder, text)
     assert code != 0

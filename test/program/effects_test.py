@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import ROOT, largest, output
+from conftest import ROOT, each, largest, output
 
 REFERENCES = ROOT / "test/reference"
 TABLE = (REFERENCES / "l_torque_3_table.csv").read_text()
@@ -72,8 +72,8 @@ METHODS = {
 }
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in REFERENCES.glob("l_*.json")))
-@pytest.mark.parametrize("method", METHODS)
+@each("name", *sorted(path.stem for path in REFERENCES.glob("l_*.json")))
+@each("method", *METHODS)
 def test_references(spin, name, method):
     """Every reference motion, its energy and its works, by methods of all families."""
     reference = json.loads((REFERENCES / f"{name}.json").read_text())
@@ -113,7 +113,7 @@ def test_references(spin, name, method):
         assert motion.time == pytest.approx(float(reference["t_stuck"]), rel=max(tolerance, 1e-12))
 
 
-@pytest.mark.parametrize("name", ["l_combined_1", "l_torque_3"])
+@each("name", "l_combined_1", "l_torque_3")
 def test_quadruple(spin, name):
     """The series in quadruple precision is the same motion, to the rounding of the table."""
     reference = json.loads((REFERENCES / f"{name}.json").read_text())
@@ -168,7 +168,7 @@ def swing(spin, span, effects, method):
     return motion, turns
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_swings_with_friction(spin, method):
     """A pendulum stops at each turning point and starts again, until friction holds it."""
     motion, turns = swing(spin, "t_end = 12  samples = 12001", "friction_torque = 0.5", method)
@@ -182,7 +182,7 @@ def test_swings_with_friction(spin, method):
     assert abs(motion.last.energy_error) < 1e-10
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_swings_in_air(spin, method):
     """A plane pendulum with drag: the force changes its branch at each turning point."""
     _, turns = swing(spin, "t_end = 5  samples = 10001", "drag_force = 0.5", method)
@@ -190,10 +190,7 @@ def test_swings_in_air(spin, method):
     assert angles == pytest.approx([1.607630028664216, 1.365912156777692], abs=4e-7)
 
 
-@pytest.mark.parametrize(
-    ("exponent", "end"),
-    [(1.5, 4.140437573436630), (1.8, 1.952020936566768), (2, 1.445783132530120)],
-)
+@each("exponent, end", (1.5, 4.140437573436630), (1.8, 1.952020936566768), (2, 1.445783132530120))
 def test_drag_about_an_axis(spin, exponent, end):
     effects = f"drag_moment = 0, 0, 0.02  drag_exponent = {exponent}"
     start, span = "theta = 1  omega = 0, 0, 40", "t_end = 10  samples = 11"
@@ -209,15 +206,13 @@ SHIFTS = [
 ]
 
 
-@pytest.mark.parametrize(("effects", "angles"), SHIFTS)
-@pytest.mark.parametrize(
+@each("effects, angles", *SHIFTS)
+@each(
     "integration",
-    [
-        "method = 'exact'",
-        "method = 'dop853'  relative_tolerance = 1e-13",
-        "formulation = 'lagrange'  method = 'dop853'  relative_tolerance = 1e-13",
-        "method = 'splitting_8'  steps = 20000",
-    ],
+    "method = 'exact'",
+    "method = 'dop853'  relative_tolerance = 1e-13",
+    "formulation = 'lagrange'  method = 'dop853'  relative_tolerance = 1e-13",
+    "method = 'splitting_8'  steps = 20000",
 )
 def test_exact_with_effects(spin, effects, angles, integration):
     """A held rotor on the axis and the Earth at a pole keep closed form and formulations."""
@@ -282,17 +277,15 @@ def test_gyrocompass(spin):
     assert 2 * (at[1] - at[0]) == pytest.approx(618.9378838177327, rel=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("effects", "omega"),
-    [
-        # A rotor that is spun up on the axis of a free symmetric body.
-        (
-            "rotor_momentum = 0, 0, 2  rotor_torque = 0, 0, 0.1",
-            [0.4996132792811143, 0.01966141312244184, -1 / 3],
-        ),
-        # A constant torque in the axes of a symmetric body.
-        ("torque_body = 0.2, 0.1, 0.06", [0.1615452243395345, -0.5108514627490013, 5]),
-    ],
+@each(
+    "effects, omega",
+    # A rotor that is spun up on the axis of a free symmetric body.
+    (
+        "rotor_momentum = 0, 0, 2  rotor_torque = 0, 0, 0.1",
+        [0.4996132792811143, 0.01966141312244184, -1 / 3],
+    ),
+    # A constant torque in the axes of a symmetric body.
+    ("torque_body = 0.2, 0.1, 0.06", [0.1615452243395345, -0.5108514627490013, 5]),
 )
 def test_driven_bodies(spin, effects, omega):
     """Closed forms of the angular velocity after 10 s."""
@@ -304,7 +297,7 @@ def test_driven_bodies(spin, effects, omega):
         assert abs(motion.last.energy_error) < 1e-13
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853", "arkode_erk"])
+@each("method", "taylor", "dop853", "arkode_erk")
 def test_torque_table(spin, method):
     """A spline through rows of a cubic is the cubic; its integral is the spin."""
     rows = [
@@ -343,7 +336,7 @@ def test_energy_that_effects_brought(spin):
     assert (errors < 1e-14).all()
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_start_from_rest(spin, method):
     """From rest the body starts along the u of lambda u_i = (T_i - M u_i)/I_i."""
     start, span = "quaternion = 0.8, 0.6, 0, 0  omega = 0, 0, 0", "t_end = 1e-4  samples = 2"
@@ -375,7 +368,7 @@ def test_smooth_friction_creeps(spin):
     assert motion.last.omega3 == pytest.approx(0.01 * 0.3 / 0.4, rel=1e-9)
 
 
-@pytest.mark.parametrize(("rate", "rises"), [(39.6, True), (39.8, False)])
+@each("rate, rises", (39.6, True), (39.8, False))
 def test_upright_by_vibration(spin, rate, rises):
     """A vertical vibration of the pivot holds a body upright from a rate of 39.678 rad/s on."""
     effects = f"vibration_amplitude = 0, 0, 0.15  vibration_rate = {rate}"
@@ -412,65 +405,57 @@ def test_resolved_input(spin):
 START, SPAN = "theta = 1  psi_rate = 10", "t_end = 1"
 
 
-@pytest.mark.parametrize(
-    ("effects", "words"),
-    [
-        ("friction_coefficient = 0.3", ("effects", "friction_radius")),
-        ("friction_radius = 0.01", ("friction_coefficient",)),
-        ("friction_smoothing = 0.1", ("no dry friction",)),
-        ("vibration_amplitude = 0, 0, 0.1", ("vibration_rate",)),
-        ("vibration_rate = 10", ("vibration_amplitude",)),
-        ("earth_rate = 7e-5", ("latitude",)),
-        ("latitude_deg = 50", ("earth_rate",)),
-        ("latitude = 2  earth_rate = 1", ("[-pi/2, pi/2]",)),
-        ("drag_exponent = 1.5", ("drag_moment",)),
-        ("drag_exponent = 4  drag_moment = 0, 0, 1", ("[1, 3]",)),
-        ("torque_axes = 'space'", ("torque_table",)),
-        ("torque_interpolation = 'spline'", ("torque_table",)),
-        ("torque_table = 'none.csv'", ("none.csv",)),
-        ("friction_coefficient = 2  friction_radius = 1", ("jam",)),
-        ("friction_torque = -1", (">= 0",)),
-    ],
+@each(
+    "effects, words",
+    ("friction_coefficient = 0.3", ("effects", "friction_radius")),
+    ("friction_radius = 0.01", ("friction_coefficient",)),
+    ("friction_smoothing = 0.1", ("no dry friction",)),
+    ("vibration_amplitude = 0, 0, 0.1", ("vibration_rate",)),
+    ("vibration_rate = 10", ("vibration_amplitude",)),
+    ("earth_rate = 7e-5", ("latitude",)),
+    ("latitude_deg = 50", ("earth_rate",)),
+    ("latitude = 2  earth_rate = 1", ("[-pi/2, pi/2]",)),
+    ("drag_exponent = 1.5", ("drag_moment",)),
+    ("drag_exponent = 4  drag_moment = 0, 0, 1", ("[1, 3]",)),
+    ("torque_axes = 'space'", ("torque_table",)),
+    ("torque_interpolation = 'spline'", ("torque_table",)),
+    ("torque_table = 'none.csv'", ("none.csv",)),
+    ("friction_coefficient = 2  friction_radius = 1", ("jam",)),
+    ("friction_torque = -1", (">= 0",)),
 )
 def test_bad_effects(spin, effects, words):
     refused(spin, scene(TOP, START, SPAN, effects), "scene.nml:4", *words)
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        ("0,0,0,0\n", "2"),
-        ("0,0,0,0\n0,0,0,1\n", "do not increase"),
-        ("0.1,0,0,0\n2,0,0,1\n", "begins at"),
-        ("0,0,0,0\n0.5,0,0,1\n", "ends at"),
-        ("0,0,0,nan\n1,0,0,1\n", "not finite"),
-        ("0,0,0,x\n1,0,0,1\n", "is not a number"),
-    ],
+@each(
+    "rows, words",
+    ("0,0,0,0\n", "2"),
+    ("0,0,0,0\n0,0,0,1\n", "do not increase"),
+    ("0.1,0,0,0\n2,0,0,1\n", "begins at"),
+    ("0,0,0,0\n0.5,0,0,1\n", "ends at"),
+    ("0,0,0,nan\n1,0,0,1\n", "not finite"),
+    ("0,0,0,x\n1,0,0,1\n", "is not a number"),
 )
 def test_bad_tables(spin, rows, words):
     text = scene(TOP, START, SPAN, "torque_table = 'torque.csv'")
     refused(spin, text, "torque.csv", words, torque="t,m1,m2,m3\n" + rows)
 
 
-@pytest.mark.parametrize(
-    ("integration", "word"),
-    [
-        ("method = 'exact'", "the exact solution exists only"),
-        ("method = 'splitting_4'  steps = 100", "splitting_4"),
-        ("project = 'invariants'", "conserves neither"),
-        ("formulation = 'lagrange'  method = 'dop853'", "rigid_body"),
-    ],
+@each(
+    "integration, word",
+    ("method = 'exact'", "the exact solution exists only"),
+    ("method = 'splitting_4'  steps = 100", "splitting_4"),
+    ("project = 'invariants'", "conserves neither"),
+    ("formulation = 'lagrange'  method = 'dop853'", "rigid_body"),
 )
 def test_refused_computations(spin, integration, word):
     refused(spin, scene(TOP, START, SPAN, "drag_force = 0.1", integration), word)
 
 
-@pytest.mark.parametrize(
-    ("effects", "integration", "words"),
-    [
-        ("drag_force = 0.1", "relative_tolerance = 1e-9", ("taylor", "effects", "excluded")),
-        ("rotor_momentum = 0, 0, 1", "", ("exact", "rotor")),
-    ],
+@each(
+    "effects, integration, words",
+    ("drag_force = 0.1", "relative_tolerance = 1e-9", ("taylor", "effects", "excluded")),
+    ("rotor_momentum = 0, 0, 1", "", ("exact", "rotor")),
 )
 def test_choice_is_explained(spin, effects, integration, words):
     """--check tells which model was taken, and what effects exclude."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import GOOD, execute
+from conftest import GOOD, each, execute
 
 SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
@@ -60,7 +60,7 @@ def outputs(spin, environment):
     return found
 
 
-@pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
+@each("setting", *SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
 def test_variables_of_the_library(spin, setting):
     spin.write(GOOD, "motion.nml")
     spin.write(SWEEP, "sweep.nml")
@@ -104,7 +104,7 @@ def at_level(spin, name, level):
     return line.removeprefix("processor: ").removeprefix("x86-64-"), rows, numbers
 
 
-@pytest.mark.parametrize("name", INPUTS)
+@each("name", *INPUTS)
 def test_levels(spin, name):
     """Each level of the machine is named in the table, has the same bytes again, and differs from
     others by rounding and tolerance."""
@@ -119,7 +119,7 @@ def test_levels(spin, name):
         assert numbers == pytest.approx(first, rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.parametrize("level", ["v9", "V3", "native", " ", "v2 ."])
+@each("level", "v9", "V3", "native", " ", "v2 .")
 def test_other_words(spin, level):
     run = spin(INPUTS["one"] + BODY, environment={"SPINTOP_LEVEL": level}, code=2)
     told = f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: "

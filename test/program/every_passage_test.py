@@ -16,6 +16,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from conftest import each
+
 COLUMNS = (
     "omega1", "omega2", "theta_rate", "axis_z_rate", "phi_rate", "psi_rate", "force_x", "force_n",
     "com_x", "axis_y", "gamma1", "gamma2", "omega_x", "theta", "omega3",
@@ -257,7 +259,7 @@ def faults(spin, seed, method):
     return told, missed, invented, total
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", *METHODS)
 def test_every_passage_is_an_event(spin, method):
     """Of random scenes with and without effects: none is missed, and none invented."""
     scenes = [seed for seed in range(SCENES) if method in methods_for(draw(seed))]
@@ -319,8 +321,8 @@ KNOWN = {
 """Inputs, an event, and its times from a matrix of rotation by DOP853 with tolerance 1e-13."""
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853", "ode45", "taylor_quadruple"])
-@pytest.mark.parametrize("name", KNOWN)
+@each("method", "taylor", "dop853", "ode45", "taylor_quadruple")
+@each("name", *KNOWN)
 def test_known_times(spin, name, method):
     """Pairs of passages, and those after a start at rest or at the level."""
     text, event, times = KNOWN[name]
@@ -329,7 +331,7 @@ def test_known_times(spin, name, method):
     assert found == pytest.approx(times, abs=2e-5)
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853", "ode45", "exact"])
+@each("method", "taylor", "dop853", "ode45", "exact")
 def test_a_cusp_touches_zero(spin, method):
     """Precession from rest stops in each cusp; by errors of the method it turns there and back."""
     for omega3 in 30, 60, 200, 1000:
@@ -351,8 +353,8 @@ SWEEP = (
 )
 
 
-@pytest.mark.parametrize("method", ["auto", "taylor", "dop853", "gauss_8"])
-@pytest.mark.parametrize("after", [1, 4])
+@each("method", "auto", "taylor", "dop853", "gauss_8")
+@each("after", 1, 4)
 def test_sweeps_end_there(spin, method, after):
     keys = f"method = '{method}'" + ("  steps = 3000" if method == "gauss_8" else "")
     ends, expected = [], []

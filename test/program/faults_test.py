@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from conftest import KIND, ROOT, netcdf_is_missing
+from conftest import KIND, ROOT, each, netcdf_is_missing
 
 pytestmark = pytest.mark.slow
 
@@ -168,7 +168,7 @@ def sample(count: int, most: int, start: int) -> Iterator[int]:
     yield from range(1 + start % step, count + 1, step)
 
 
-@pytest.mark.parametrize(("index", "name"), list(enumerate(INPUTS)), ids=list(INPUTS))
+@each("index, name", *enumerate(INPUTS), ids=list(INPUTS))
 def test_a_sample_of_the_faults(faulty, index, name):
     """Of each kind of output; the input's number gives the place where the sample begins."""
     expected, counts = faulty.prepare(name)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from conftest import largest, listed, output
+from conftest import each, largest, listed, output
 
 BODIES = {
     "symmetric": "inertia = 0.875, 0.875, 0.25  length = 0.6",
@@ -34,7 +34,7 @@ COLUMNS = ["phi", "theta", "psi", "omega3"]
 SPIN = 6.0
 
 
-@pytest.mark.parametrize(("body", "group"), SCENES)
+@each("body, group", *SCENES)
 def test_fits(spin, body, group):
     """Rows from a third of the span on give the true spin, and residuals of no size."""
     scene = f"&top mass = 1.3  {BODIES[body]} /\n{group}"

@@ -8,7 +8,7 @@ and where nothing is left to compute. `python_ends_test` has the kinds of Python
 import numpy as np
 import pytest
 
-from conftest import listed, netcdf_is_missing
+from conftest import each, listed, netcdf_is_missing
 
 TOP = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.8660254037844387 /\n"
 SCENE = (
@@ -39,7 +39,7 @@ def test_list():
     assert {"ok", "at_rest"} == GOOD_ENDS
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_trajectory(spin, keys, good):
     """The rows go on at rest; the code is the same where nothing is left to compute."""
     for options in formats():
@@ -49,7 +49,7 @@ def test_trajectory(spin, keys, good):
     assert (said.split()[1] in GOOD_ENDS) is good
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_sweep(spin, keys, good):
     for options in formats():
         run = spin(SWEEP + WITH_ROWS + keys, *options, code=0 if good else FAILED)
@@ -57,8 +57,8 @@ def test_sweep(spin, keys, good):
     assert list(np.isfinite(run.rows.t_stuck)) == [True, True, good]
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
-@pytest.mark.parametrize("output", [WITH_ROWS, WITHOUT_ROWS], ids=["rows", "no rows"])
+@each("keys, good", *ENDS)
+@each("output", WITH_ROWS, WITHOUT_ROWS, ids=["rows", "no rows"])
 def test_statistics(spin, keys, good, output):
     """Cases at rest are in the statistics: t_stuck has a mean."""
     for options in formats():
@@ -68,8 +68,8 @@ def test_statistics(spin, keys, good, output):
     assert 0 < row.t_stuck_mean < 2
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
-@pytest.mark.parametrize("output", [WITH_ROWS, STATISTICS + WITHOUT_ROWS], ids=["rows", "no rows"])
+@each("keys, good", *ENDS)
+@each("output", WITH_ROWS, STATISTICS + WITHOUT_ROWS, ids=["rows", "no rows"])
 def test_parts(spin, keys, good, output):
     """Each part of a sweep has the code of its own cases."""
     for options in ([], ["--resume"]):
@@ -77,10 +77,7 @@ def test_parts(spin, keys, good, output):
             spin(SWEEP + output + keys, f"--shard={part}/3", *options, code=code)
 
 
-@pytest.mark.parametrize(
-    ("method", "step"),
-    [("taylor", 0), ("dop853", 0), ("ode45", 0), ("rk4", 1e-3), ("gauss_8", 1e-3)],
-)
+@each("method, step", ("taylor", 0), ("dop853", 0), ("ode45", 0), ("rk4", 1e-3), ("gauss_8", 1e-3))
 def test_stop_at_rest(spin, method, step):
     """A motion that ends when it comes to rest has that time as t_stuck; fixed steps a step off."""
     control = f"step = {step}" if step else "relative_tolerance = 1e-9"
@@ -102,7 +99,7 @@ def test_body_that_moves_again(spin):
     assert (rows.notes.str.contains("not stopped by dry friction") == left).all()
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_fit(spin, keys, good):
     """The friction is found from a motion that comes to rest, if its model does to its end."""
     truth = SCENE + "&output columns = 't', 'phi', 'theta', 'psi' /\n"
@@ -113,9 +110,10 @@ def test_fit(spin, keys, good):
     assert not good or run.rows.estimate[0] == pytest.approx(9, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("kind", "keys"),
-    [("stability", "cases = 'input'"), ("work_precision", "repeats = 1  tolerances = 1e-6")],
+@each(
+    "kind, keys",
+    ("stability", "cases = 'input'"),
+    ("work_precision", "repeats = 1  tolerances = 1e-6"),
 )
 def test_comparisons_of_methods(spin, kind, keys):
     """Methods are compared on motions at rest too; the failure of one is a result."""

@@ -3,9 +3,8 @@
 import re
 
 import numpy as np
-import pytest
 
-from conftest import needs_netcdf
+from conftest import each, needs_netcdf
 from spintop_figures.registry import FIGURES
 from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
@@ -205,21 +204,19 @@ SINGLE = KNOWN.replace(KNOWN[KNOWN.index("&sweep") : KNOWN.index("&output")], ""
 SINGLE = SINGLE[: SINGLE.index("&output")].replace("'sweep'", "'trajectory'")
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        *(
-            (KNOWN.replace("'saltelli'", f"'{other}'"), [*SALTELLI, "a multiple of 5"])
-            for other in ("random", "sobol", "latin_hypercube")
-        ),
-        (ONE_AXIS, ["a multiple of 3"]),
-        (KNOWN.replace("cases = 10240", "cases = 10241"), ["groups of 5 cases"]),
-        (VECTOR.replace("'saltelli'", "'random'"), ["a multiple of 4"]),
-        (KNOWN.replace(COLUMNS, "columns = 'status'"), ["no column of numbers"]),
-        (KNOWN.replace(COLUMNS, ""), ["there are no columns of which statistics"]),
-        (KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), ["one of: sobol"]),
-        (SINGLE + "&statistics indices = 'sobol' /\n", ["a trajectory has no statistics"]),
-    ],
+@each(
+    "text, words",
+    *(
+        (KNOWN.replace("'saltelli'", f"'{other}'"), [*SALTELLI, "a multiple of 5"])
+        for other in ("random", "sobol", "latin_hypercube")
+    ),
+    (ONE_AXIS, ["a multiple of 3"]),
+    (KNOWN.replace("cases = 10240", "cases = 10241"), ["groups of 5 cases"]),
+    (VECTOR.replace("'saltelli'", "'random'"), ["a multiple of 4"]),
+    (KNOWN.replace(COLUMNS, "columns = 'status'"), ["no column of numbers"]),
+    (KNOWN.replace(COLUMNS, ""), ["there are no columns of which statistics"]),
+    (KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), ["one of: sobol"]),
+    (SINGLE + "&statistics indices = 'sobol' /\n", ["a trajectory has no statistics"]),
 )
 def test_refusals(spin, text, words):
     assert text not in (KNOWN, VECTOR)

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from conftest import ROOT, execute
+from conftest import ROOT, each, execute
 
 KERNELS = ROOT / "src/kernels"
 
@@ -124,12 +124,10 @@ def test_constants(folder):
     compare(folder, *(f'_Static_assert({name} == {value}, "{name}");' for name, value in pairs))
 
 
-@pytest.mark.parametrize(
+@each(
     "wrong",
-    [
-        '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
-        "void spintop_add_terms(int order, const double *c, double h, float *change);",
-    ],
+    '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
+    "void spintop_add_terms(int order, const double *c, double h, float *change);",
 )
 def test_differences_are_found(folder, wrong):
     with pytest.raises(AssertionError):

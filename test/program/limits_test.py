@@ -8,7 +8,7 @@ import shutil
 
 import pytest
 
-from conftest import CLOSED, EXE, GOOD, KIND, ROOT, execute, texts
+from conftest import CLOSED, EXE, GOOD, KIND, ROOT, each, execute, texts
 
 STUDY = (
     "&study kind = 'sweep' /\n"
@@ -40,16 +40,14 @@ PRECISION = CLOSED + (
 )
 
 
-@pytest.mark.parametrize(
-    ("text", "options"),
-    [
-        (SWEEP.replace("steps = 10", "steps = 100"), [EVERYTHING]),
-        (CLOSED + STUDY, [EVERYTHING]),
-        (CLOSED + STUDY, ["--set=span.stop_at=lower_turning_points", "--set=span.t_end=9"]),
-        (STABILITY, []),
-        (PRECISION, []),
-        (PRECISION, ["--set=work_precision.reference=quadruple"]),
-    ],
+@each(
+    "text, options",
+    (SWEEP.replace("steps = 10", "steps = 100"), [EVERYTHING]),
+    (CLOSED + STUDY, [EVERYTHING]),
+    (CLOSED + STUDY, ["--set=span.stop_at=lower_turning_points", "--set=span.t_end=9"]),
+    (STABILITY, []),
+    (PRECISION, []),
+    (PRECISION, ["--set=work_precision.reference=quadruple"]),
 )
 def test_every_kind_of_study(spin, text, options):
     """What costs most goes on the smallest accepted stack."""
@@ -65,7 +63,7 @@ def test_inputs(spin):
         small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
 
 
-@pytest.mark.parametrize("topic", ["methods", "columns", "parameters", "cases"])
+@each("topic", "methods", "columns", "parameters", "cases")
 def test_lists(spin, topic):
     spin.call("list", topic, preexec_fn=limited(resource.RLIMIT_STACK, LEAST_STACK))
 
@@ -78,10 +76,8 @@ def test_too_small_a_stack_is_refused(spin):
     assert spin.produced() == set()
 
 
-@pytest.mark.parametrize("name", ["OMP_STACKSIZE", "GOMP_STACKSIZE"])
-@pytest.mark.parametrize(
-    ("text", "kilobytes"), [("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0)]
-)
+@each("name", "OMP_STACKSIZE", "GOMP_STACKSIZE")
+@each("text, kilobytes", ("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0))
 def test_too_small_stacks_of_threads(spin, name, text, kilobytes):
     """As the variables of the environment give them."""
     error = spin(SWEEP, environment={name: text}, code=2).stderr
@@ -90,7 +86,7 @@ def test_too_small_stacks_of_threads(spin, name, text, kilobytes):
     assert spin.produced() == set()
 
 
-@pytest.mark.parametrize("text", ["512K", "1 M", "2g", "nonsense"])
+@each("text", "512K", "1 M", "2g", "nonsense")
 def test_stacks_that_suffice(spin, text):
     spin(SWEEP, environment={"OMP_STACKSIZE": text})
 
@@ -137,9 +133,8 @@ def redirected(spin, redirection, *words, code):
     return spin.call(*words, command=shell, code=code, timeout=60).stderr
 
 
-@pytest.mark.parametrize(
-    ("redirection", "reason"),
-    [(">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")],
+@each(
+    "redirection, reason", (">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")
 )
 def test_output_that_takes_nothing(spin, redirection, reason):
     """Exit code 4 and a message, for every command; the tables are complete."""
@@ -162,9 +157,13 @@ def test_other_inputs_run_all_the_same(spin):
     assert one.equals(two)
 
 
-@pytest.mark.parametrize(
-    ("redirection", "code"),
-    [("<&-", 0), ("2>&-", 0), (">&- 2>&-", 4), ("<&- >&- 2>&-", 4), ("2>/dev/full", 0)],
+@each(
+    "redirection, code",
+    ("<&-", 0),
+    ("2>&-", 0),
+    (">&- 2>&-", 4),
+    ("<&- >&- 2>&-", 4),
+    ("2>/dev/full", 0),
 )
 def test_closed_streams_do_not_leak_into_files(spin, redirection, code):
     """A file does not get the number of a closed stream, and with it what is said there.
@@ -187,7 +186,7 @@ def test_a_reader_that_has_gone():
     assert done.stderr in ("141\n", "0\n")
 
 
-@pytest.mark.parametrize("text", [GOOD, SWEEP])
+@each("text", GOOD, SWEEP)
 def test_a_folder_under_the_name_of_the_table(spin, text):
     (spin.folder / "output/scene.csv").mkdir(parents=True)
     assert "output/scene.csv: it is a folder" in spin(text, code=4).stderr

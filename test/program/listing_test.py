@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 
 TOPICS = {
     "methods": "name family order kind implicit symmetric description formulations aliases tables",
@@ -51,7 +51,7 @@ def test_document(spin):
     assert re.split(r",\s+", shown[1]) == list(TOPICS)
 
 
-@pytest.mark.parametrize("topic", TOPICS)
+@each("topic", *TOPICS)
 def test_topic(spin, topic):
     """A document of one topic is part of the whole, with the members that scripts know.
 
@@ -91,8 +91,8 @@ def test_units_of_columns(spin):
     assert len(units) < 100
 
 
-@pytest.mark.parametrize(
-    "path", sorted((ROOT / "python/spintop_figures/tables").glob("*.json")), ids=lambda p: p.stem
+@each(
+    "path", *sorted((ROOT / "python/spintop_figures/tables").glob("*.json")), ids=lambda p: p.stem
 )
 def test_copies(spin, path):
     assert path.read_text(encoding="utf-8") == spin.call("list", path.stem, "--json").out
@@ -145,15 +145,13 @@ def test_columns(spin):
     assert units["sweep", "delta_u"] == ""
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["methdos"], "did you mean 'methods'?"),
-        (["methdos", "--json"], "did you mean 'methods'?"),
-        (["methods", "cases"], "one topic"),
-        (["--json", "methods", "cases"], "one topic"),
-        (["methods", "--jsno"], "--json"),
-    ],
+@each(
+    "words, said",
+    (["methdos"], "did you mean 'methods'?"),
+    (["methdos", "--json"], "did you mean 'methods'?"),
+    (["methods", "cases"], "one topic"),
+    (["--json", "methods", "cases"], "one topic"),
+    (["methods", "--jsno"], "--json"),
 )
 def test_wrong_requests(spin, words, said):
     run = spin.call("list", *words, code=2)

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from conftest import CLOSED, GOOD, ROOT, output
+from conftest import CLOSED, GOOD, ROOT, each, output
 
 SWEEP = GOOD[: GOOD.index("&output")].replace("&top", "&study kind = 'sweep' /\n&top")
 DAMPED = GOOD.replace("&top", "&top damping = 0.1, 0.1, 0.1").replace("'lagrange'", "'auto'")
@@ -15,17 +15,15 @@ def hint(spin, text, *settings):
     return " ".join(spin.refuse(text, *settings).split())
 
 
-@pytest.mark.parametrize(
-    ("setting", "rest"),
-    [
-        ("top.length=1 / &x", "/ &x"),
-        ("top.length=1/", "/"),
-        ("top.length=1 &span", "&span"),
-        ("top.length=1 mass=2", "mass=2"),
-        ("top.inertia=1,1,1 / 3", "/ 3"),
-        ("study.title='a' / b", "/ b"),
-        ("output.columns='t' / 'theta'", "/ 'theta'"),
-    ],
+@each(
+    "setting, rest",
+    ("top.length=1 / &x", "/ &x"),
+    ("top.length=1/", "/"),
+    ("top.length=1 &span", "&span"),
+    ("top.length=1 mass=2", "mass=2"),
+    ("top.inertia=1,1,1 / 3", "/ 3"),
+    ("study.title='a' / b", "/ b"),
+    ("output.columns='t' / 'theta'", "/ 'theta'"),
 )
 def test_what_follows_a_value(spin, setting, rest):
     """No part of an override is ignored: a slash, a group, another key are refused."""
@@ -36,7 +34,7 @@ def test_what_follows_a_value(spin, setting, rest):
 CHARACTERS = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028", "\u2029")
 
 
-@pytest.mark.parametrize("key", ["study.title", "output.file", "sweep.table", "span.stop_at"])
+@each("key", "study.title", "output.file", "sweep.table", "span.stop_at")
 def test_control_characters(spin, key):
     """Anything that would end a line of the table for some reader is refused, in every text."""
     for character in CHARACTERS:
@@ -115,9 +113,7 @@ HINTS = {
 """Inputs, each with settings and groups that are wrong, and what is said."""
 
 
-@pytest.mark.parametrize(
-    ("text", "case"), [(text, case) for text, cases in HINTS.items() for case in cases]
-)
+@each("text, case", *[(text, case) for text, cases in HINTS.items() for case in cases])
 def test_hints(spin, text, case):
     wrong, *words = case
     parts = wrong.split("; ") if wrong else []
@@ -127,13 +123,11 @@ def test_hints(spin, text, case):
         assert word in said
 
 
-@pytest.mark.parametrize(
-    ("setting", "problem"),
-    [
-        ("sweep.from(1)='3 deg'", "initial.omega3: deg is no unit of a quantity in rad/s"),
-        ("sweep.from(1)=3 m", "initial.omega3: m is no unit of a quantity in rad/s"),
-        ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit"),
-    ],
+@each(
+    "setting, problem",
+    ("sweep.from(1)='3 deg'", "initial.omega3: deg is no unit of a quantity in rad/s"),
+    ("sweep.from(1)=3 m", "initial.omega3: m is no unit of a quantity in rad/s"),
+    ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit"),
 )
 def test_units_of_axes(spin, setting, problem):
     axis = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
@@ -145,19 +139,17 @@ def test_units_of_axes(spin, setting, problem):
 BLANK, MINUS = "\u00a0", "\u2212"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "character", "wanted"),
-    [
-        ("mass = 1.0", "mass: 1.0", ":", "a key is followed by ="),
-        ("mass = 1.0", "mass = 1.0 # kg, don't", "#", "a comment starts with !"),
-        ("mass = 1.0", "! [#;]\nmass = 1.0; title", ";", "values are separated by commas"),
-        ("inertia =", "inertia[1] =", "[", "a subscript is in parentheses"),
-        ("'rk4'", "\u2018rk4\u2019", "\u2018", "a text is in straight quotes"),
-        ("'t', ", "\u201ct\u201d, ", "\u201c", "a text is in straight quotes"),
-        ("mass = 1.0", f"mass{BLANK}= 1.0", BLANK, "write an ordinary blank"),
-        ("0.25\n", f"0.25{BLANK}", BLANK, "write an ordinary blank"),
-        ("= 0.5", f"= {MINUS}0.5", MINUS, "a minus sign is -"),
-    ],
+@each(
+    "old, new, character, wanted",
+    ("mass = 1.0", "mass: 1.0", ":", "a key is followed by ="),
+    ("mass = 1.0", "mass = 1.0 # kg, don't", "#", "a comment starts with !"),
+    ("mass = 1.0", "! [#;]\nmass = 1.0; title", ";", "values are separated by commas"),
+    ("inertia =", "inertia[1] =", "[", "a subscript is in parentheses"),
+    ("'rk4'", "\u2018rk4\u2019", "\u2018", "a text is in straight quotes"),
+    ("'t', ", "\u201ct\u201d, ", "\u201c", "a text is in straight quotes"),
+    ("mass = 1.0", f"mass{BLANK}= 1.0", BLANK, "write an ordinary blank"),
+    ("0.25\n", f"0.25{BLANK}", BLANK, "write an ordinary blank"),
+    ("= 0.5", f"= {MINUS}0.5", MINUS, "a minus sign is -"),
 )
 def test_foreign_characters(spin, old, new, character, wanted):
     """A character without a meaning is named at its place, alone, with what to write."""
@@ -176,16 +168,14 @@ def test_characters_of_texts(spin):
     spin(f"! [#;] {MINUS}\n&study title = '[a]; #1: \u201cb\u201d' /\n{GOOD}")
 
 
-@pytest.mark.parametrize(
-    ("setting", "more"),
-    [
-        ("effects.earth_rate=1 rev/day", "effects.latitude=0.7"),
-        ("effects.vibration_rate=50 Hz", "effects.vibration_amplitude=0,0,0.01"),
-        ("top.length=0.3 yards", "initial.spin_ratio=2"),
-        ("top.inertia=1,1,x", "integration.method=exact"),
-        ("top.damping=1,1,one", "output.columns=work_damping"),
-        ("study.kind=swep", "output.columns=theta_max"),
-    ],
+@each(
+    "setting, more",
+    ("effects.earth_rate=1 rev/day", "effects.latitude=0.7"),
+    ("effects.vibration_rate=50 Hz", "effects.vibration_amplitude=0,0,0.01"),
+    ("top.length=0.3 yards", "initial.spin_ratio=2"),
+    ("top.inertia=1,1,x", "integration.method=exact"),
+    ("top.damping=1,1,one", "output.columns=work_damping"),
+    ("study.kind=swep", "output.columns=theta_max"),
 )
 def test_errors_that_follow(spin, setting, more):
     """What cannot be read is reported, and nothing that would follow from it."""
@@ -206,16 +196,14 @@ def test_names_of_other_programs(spin):
         assert f"{group}.{key}" in known
 
 
-@pytest.mark.parametrize(
-    ("name", "own"),
-    [
-        ("rk45", "ode45"),
-        ("RK45", "ode45"),
-        ("dopri5", "ode45"),
-        ("verlet", "splitting_2"),
-        ("implicit_midpoint", "crank_nicolson_2"),
-        ("rk44", "rk4"),
-    ],
+@each(
+    "name, own",
+    ("rk45", "ode45"),
+    ("RK45", "ode45"),
+    ("dopri5", "ode45"),
+    ("verlet", "splitting_2"),
+    ("implicit_midpoint", "crank_nicolson_2"),
+    ("rk44", "rk4"),
 )
 def test_names_that_others_use(spin, name, own):
     """Names of the methods in SciPy, MATLAB and textbooks."""
@@ -231,18 +219,16 @@ def test_an_unknown_effect(spin):
     assert "work_friction" not in error
 
 
-@pytest.mark.parametrize(
-    ("settings", "element"),
-    [
-        (["top.inertia=0.5,0.5,2.5"], "2.5"),
-        (["top.inertia=0.5,-1,0.5"], "-1"),
-        (["output.columns=t,theta,thetta"], "thetta"),
-        (["output.columns=t,theta,t"], ",t"),
-        (["output.events=maximum theta,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
-    ],
+@each(
+    "settings, element",
+    (["top.inertia=0.5,0.5,2.5"], "2.5"),
+    (["top.inertia=0.5,-1,0.5"], "-1"),
+    (["output.columns=t,theta,thetta"], "thetta"),
+    (["output.columns=t,theta,t"], ",t"),
+    (["output.events=maximum theta,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
 )
 def test_carets_point_at_elements(spin, settings, element):
     column = settings[-1].rindex(element) + 1 + element.startswith(",")
@@ -255,7 +241,7 @@ def test_a_caret_in_a_file(spin):
     assert f"scene.nml:{line}:21: error: top.mass must be > 0" in spin.refuse(text)
 
 
-@pytest.mark.parametrize("key", ["relative_tolerance", "absolute_tolerance"])
+@each("key", "relative_tolerance", "absolute_tolerance")
 def test_a_tolerance_that_is_not_used(spin, key):
     """The motion is known in closed form: it is said, and computed all the same."""
     assert f"warning: integration.{key} is not used" in spin(CLOSED, f"integration.{key}=1e-3").err
@@ -266,9 +252,7 @@ def test_a_tolerance_that_is_not_used(spin, key):
     assert "not used" not in spin(adaptive, "integration.method=ode45").stderr
 
 
-@pytest.mark.parametrize(
-    ("lengths", "warned"), [("0.1, 0.2, 3, 4", 3), ("3, 0.1, 4", None), ("0.1, 0.2", 0)]
-)
+@each("lengths, warned", ("0.1, 0.2, 3, 4", 3), ("3, 0.1, 4", None), ("0.1, 0.2", 0))
 def test_every_case_of_a_sweep_is_looked_at(spin, lengths, warned):
     """An inertia that no body has is told of once; in a case that is not the first, with it."""
     error = spin(SWEEP + AXIS.format("top.length", lengths)).stderr
@@ -298,21 +282,17 @@ HEAD += output(
 )
 
 
-@pytest.mark.parametrize(
+@each(
     "way",
-    [
-        {"phi": 0.1, "theta": 0.3, "psi": -0.7, "phi_rate": 0, "theta_rate": 0, "psi_rate": 1.1},
-        {"phi": 0, "theta": 1.7, "psi": 0, "phi_rate": 0.9, "theta_rate": -0.3, "omega3": 4.7},
-        {"theta": 2.9, "phi_rate": 1.3, "theta_rate": 0.1, "omega3": -0.7},
-        {"phi": 1, "theta": 1.1, "psi": 2, "omega": [0.1, 0.2, 0.7]},
-        {"quaternion": [0.5, -0.5, 0.5, 0.5], "omega": [0.3, 0, 0.7]},
-        {"quaternion": [-0.48, 0.64, 0.36, 0.48], "omega": [0.3, 0.1, -7]},
-    ],
+    {"phi": 0.1, "theta": 0.3, "psi": -0.7, "phi_rate": 0, "theta_rate": 0, "psi_rate": 1.1},
+    {"phi": 0, "theta": 1.7, "psi": 0, "phi_rate": 0.9, "theta_rate": -0.3, "omega3": 4.7},
+    {"theta": 2.9, "phi_rate": 1.3, "theta_rate": 0.1, "omega3": -0.7},
+    {"phi": 1, "theta": 1.1, "psi": 2, "omega": [0.1, 0.2, 0.7]},
+    {"quaternion": [0.5, -0.5, 0.5, 0.5], "omega": [0.3, 0, 0.7]},
+    {"quaternion": [-0.48, 0.64, 0.36, 0.48], "omega": [0.3, 0.1, -7]},
     ids=" ".join,
 )
-@pytest.mark.parametrize(
-    "form", ["auto", "euler", "lagrange", "lagrange_energy", "rigid_body", "space_frame"]
-)
+@each("form", "auto", "euler", "lagrange", "lagrange_energy", "rigid_body", "space_frame")
 def test_every_way_to_give_a_start(spin, form, way):
     """The first row is the start as it was given: each number to its last digit."""
     start = ", ".join(f"{key} = {str(value).strip('[]')}" for key, value in way.items())
@@ -328,8 +308,8 @@ def test_every_way_to_give_a_start(spin, form, way):
     assert "-0" not in list(row)
 
 
-@pytest.mark.parametrize("sign", [-1, 1])
-@pytest.mark.parametrize("method", ["exact", "taylor"])
+@each("sign", -1, 1)
+@each("method", "exact", "taylor")
 def test_the_next_row_is_close(spin, sign, method):
     """No angle and no sign of the quaternion jumps after the start."""
     quaternion = ", ".join(str(sign * x) for x in (0.48, -0.64, -0.36, -0.48))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, needs_netcdf, under, wait_until
+from conftest import GOOD, MPI, MPI_EXE, ROOT, each, needs_mpi, needs_netcdf, under, wait_until
 from indices_test import FAILING
 from netcdf_test import GRID, LONG
 from slow_sweep import FAST, SLOW, STEPPING, STEPS, Sweep, undisturbed
@@ -69,25 +69,23 @@ def as_netcdf(text):
 TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
 
 
-@pytest.mark.parametrize(
-    ("text", "cases", "code"),
-    [
-        # Blocks of many cases that cost little, and of few.
-        (axis(40001, FAST), 40001, 0),
-        (axis(20001).replace(STEPS, "steps = 10"), 20001, 0),
-        # ARKODE is set up by each rank for itself, though SUNDIALS may have MPI in it.
-        (axis(301).replace(STEPPING, "formulation = 'lagrange', method = 'arkode_erk'"), 301, 0),
-        # Some ranks find nothing to do.
-        (axis(3, FAST), 3, 0),
-        # The exit code of failing cases is that of the run.
-        (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
-        # Statistics, with rows and without, and indices; NetCDF.
-        (MAP, 800, (0, 3)),
-        (BARE, 0, (0, 3)),
-        (FAILING, 400, (0, 3)),
-        pytest.param(as_netcdf(GRID), 0, 3, marks=needs_netcdf),
-        pytest.param(as_netcdf(LONG), 0, 0, marks=needs_netcdf),
-    ],
+@each(
+    "text, cases, code",
+    # Blocks of many cases that cost little, and of few.
+    (axis(40001, FAST), 40001, 0),
+    (axis(20001).replace(STEPS, "steps = 10"), 20001, 0),
+    # ARKODE is set up by each rank for itself, though SUNDIALS may have MPI in it.
+    (axis(301).replace(STEPPING, "formulation = 'lagrange', method = 'arkode_erk'"), 301, 0),
+    # Some ranks find nothing to do.
+    (axis(3, FAST), 3, 0),
+    # The exit code of failing cases is that of the run.
+    (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
+    # Statistics, with rows and without, and indices; NetCDF.
+    (MAP, 800, (0, 3)),
+    (BARE, 0, (0, 3)),
+    (FAILING, 400, (0, 3)),
+    pytest.param(as_netcdf(GRID), 0, 3, marks=needs_netcdf),
+    pytest.param(as_netcdf(LONG), 0, 0, marks=needs_netcdf),
 )
 def test_same_bytes(spin, text, cases, code):
     """The tables of any ranks and threads are that of the program without MPI."""
@@ -136,7 +134,7 @@ def test_under_slurm(spin, slow):
     slow.check()
 
 
-@pytest.mark.parametrize("kill_writer", [True, False])
+@each("kill_writer", True, False)
 def test_a_rank_is_killed(spin, slow, kill_writer):
     """All end; what is journalled is taken over, with ranks or without, to the same bytes."""
     with slow.start() as run:
@@ -178,9 +176,10 @@ def test_a_disk_that_fills_up(spin, slow, disk):
     slow.check("disk")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [(["bad.nml"], r"(?m)^1 error$"), (["slow.nml", "--thread", "1"], "unknown option")],
+@each(
+    "words, said",
+    (["bad.nml"], r"(?m)^1 error$"),
+    (["slow.nml", "--thread", "1"], "unknown option"),
 )
 def test_wrong_input_and_usage(spin, slow, words, said):
     """An error has one message, with the same exit code as without MPI; nothing is computed."""
@@ -196,15 +195,13 @@ def test_a_file_where_the_folder_should_be(spin, slow):
     assert slow(code=4).count("cannot make folder output") == 1
 
 
-@pytest.mark.parametrize("words", [["--help"], ["list", "methods"], ["--check", "scene.nml"]])
+@each("words", ["--help"], ["list", "methods"], ["--check", "scene.nml"])
 def test_what_one_process_does(spin, words):
     spin.write(GOOD)
     assert ranked(spin, *words).out == spin.call(*words).out
 
 
-@pytest.mark.parametrize(
-    ("scene", "reason"), [("missing.nml", "missing.nml"), ("other.nml", "rank 1: mass = 2")]
-)
+@each("scene, reason", ("missing.nml", "missing.nml"), ("other.nml", "rank 1: mass = 2"))
 def test_ranks_that_are_not_alike(spin, slow, scene, reason):
     """Another input at one rank, or none: the error of that rank is everybody's."""
     spin.write(SLOW.replace("mass = 1.0", "mass = 2.0"), "other.nml")

@@ -6,7 +6,7 @@ import struct
 
 import pytest
 
-from conftest import GOOD, files_of, merge, needs_netcdf, netcdf_is_missing, wait_until
+from conftest import GOOD, each, files_of, merge, needs_netcdf, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from spintop_figures.sweeps.scatter import object_to_scatter
 from spintop_figures.tables.netcdf import read_netcdf
@@ -68,7 +68,7 @@ def check_cells(csv, path):
     return netcdf
 
 
-@pytest.mark.parametrize(("text", "code"), [(GRID, 3), (LONG, 0), (DRAWN, 0)])
+@each("text, code", (GRID, 3), (LONG, 0), (DRAWN, 0))
 def test_same_numbers_as_the_csv(spin, text, code):
     """In every cell, of good and bad cases; head and units are the same, too."""
     run = spin(text, code=code)
@@ -89,7 +89,7 @@ def test_same_numbers_as_the_csv(spin, text, code):
         assert object_to_scatter(netcdf) == object_to_scatter(csv) == ""
 
 
-@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+@each("packed", [], pytest.param([PACKED], marks=needs_packed))
 def test_long_table(spin, packed):
     """Rows gathered and written in several goes; the same bytes for any number of threads."""
     tables = {sweep(spin, LONG, *packed, f"--threads={n}").read_bytes() for n in (1, 2, 5)}
@@ -171,7 +171,7 @@ SMALL = GRID.replace("count(3) = 7", "count(3) = 1")
 OF_GRID = {"ending": "nc", "code": (0, 3), "name": "grid"}
 
 
-@pytest.mark.parametrize(("text", "count"), [(GRID, 3), (SMALL, 13), (GATHERED, 2)])
+@each("text, count", (GRID, 3), (SMALL, 13), (GATHERED, 2))
 def test_merged_parts_are_the_whole(spin, text, count):
     """Byte for byte, in any order of the parts, also if there are more of them than cases."""
     parts = spin.parts(text, count, NETCDF, **OF_GRID)
@@ -221,7 +221,7 @@ def slow(spin):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+@each("packed", [], pytest.param([PACKED], marks=needs_packed))
 def test_killed_while_the_file_is_made(spin, packed):
     """The rows are there, and the next run makes the file of them, whatever is left of it."""
     whole = sweep(spin, LONG, *packed, "--output=whole").read_bytes()

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import CLOSED, GOOD, KIND, ROOT, files_of, largest, output, read
+from conftest import CLOSED, GOOD, KIND, ROOT, each, files_of, largest, output, read
 from supplied_inputs import INPUTS, check_tables, with_less
 
 # Example 1, to as many digits as double precision holds.
@@ -43,7 +43,7 @@ def test_every_input_runs(spin):
     check_tables(inputs, spin.folder / "deep/er/folder", run.out)
 
 
-@pytest.mark.parametrize("scene", INPUTS, ids=lambda path: path.stem)
+@each("scene", *INPUTS, ids=lambda path: path.stem)
 def test_no_input_is_refused(spin, scene):
     spin(scene, "--check")
     assert spin.produced() == set()
@@ -54,13 +54,11 @@ def test_each_input_has_its_exit_code(spin):
     spin("slow_top")
 
 
-@pytest.mark.parametrize(
-    ("name", "settings"),
-    [
-        ("slow_top_lagrange_rk4", []),
-        ("spinning_wheel", []),
-        ("spinning_wheel_paper", ["integration.relative_tolerance=1e-4"]),
-    ],
+@each(
+    "name, settings",
+    ("slow_top_lagrange_rk4", []),
+    ("spinning_wheel", []),
+    ("spinning_wheel_paper", ["integration.relative_tolerance=1e-4"]),
 )
 def test_the_resolved_input_gives_the_same_table(spin, name, settings):
     first = spin(name, *settings)
@@ -186,13 +184,11 @@ Q = ["q0", "q1", "q2", "q3"]
 TIGHT = ["integration.relative_tolerance=1e-12", "integration.absolute_tolerance=1e-12"]
 
 
-@pytest.mark.parametrize(
-    ("method", "form"),
-    [
-        *((m, f) for m in ("ode45", "arkode_erk", "arkode_dirk") for f in ("lagrange", "euler")),
-        *((method, "rigid_body") for method in ("ode45", "arkode_erk", "arkode_dirk")),
-        ("exact", "auto"),
-    ],
+@each(
+    "method, form",
+    *((m, f) for m in ("ode45", "arkode_erk", "arkode_dirk") for f in ("lagrange", "euler")),
+    *((method, "rigid_body") for method in ("ode45", "arkode_erk", "arkode_dirk")),
+    ("exact", "auto"),
 )
 def test_accurate_methods_agree_with_the_reference(spin, method, form):
     known = REFERENCE[REFERENCE.t <= 7.2]
@@ -210,7 +206,7 @@ def test_accurate_methods_agree_with_the_reference(spin, method, form):
         assert list(rows[name]) == pytest.approx(list(known[name]), abs=5e-8)
 
 
-@pytest.mark.parametrize("method", ["ode45", "arkode_erk"])
+@each("method", "ode45", "arkode_erk")
 def test_the_default_equations_keep_1e_9_for_long(spin, method):
     times = [time for time in REFERENCE.t if 10 * time == round(10 * time)]
     assert times[-3:] == [10.0, 20.0, 50.0]
@@ -223,9 +219,7 @@ R4 = "output.columns=t,R4,phi,orientation_error"
 EULER = "integration.formulation=euler"
 
 
-@pytest.mark.parametrize(
-    ("settings", "size", "lost"), [([], "0.082", 2.0), ([EULER], "0.025", 0.9)]
-)
+@each("settings, size, lost", ([], "0.082", 2.0), ([EULER], "0.025", 0.9))
 def test_rk4_keeps_r4_with_992_steps(spin, settings, size, lost):
     rows = spin("slow_top_lagrange_rk4", R4, *settings).rows
     assert len(rows) == 993
@@ -245,9 +239,7 @@ def test_rk4_is_lost_with_248_steps(spin):
     assert np.isfinite(run.rows.to_numpy()).all()
 
 
-@pytest.mark.parametrize(
-    ("form", "least", "code"), [("lagrange", "0.085", 0), ("euler", "0.11", 3)]
-)
+@each("form, least, code", ("lagrange", "0.085", 0), ("euler", "0.11", 3))
 def test_rk2_needs_3968_steps(spin, form, least, code):
     settings = ["integration.method=rk2", f"integration.formulation={form}", "output.columns=t,R4"]
     assert largest(spin("slow_top_lagrange_rk4", *settings, code=code).rows.R4) > 0.11
@@ -291,7 +283,7 @@ def check_table_1(rows, inertia, relative, absolute):
         assert (abs(rows[ours] - reference[theirs]) <= bound).all(), ours
 
 
-@pytest.mark.parametrize(("name", "inertia"), TABLES_1)
+@each("name, inertia", *TABLES_1)
 def test_table_1(spin, name, inertia):
     rows = spin(name).rows
     assert len(rows) == 20
@@ -302,7 +294,7 @@ def test_table_1(spin, name, inertia):
         assert list(azimuth[[0.5, 1.0, 2.0]]) == pytest.approx(known, abs=5e-4)
 
 
-@pytest.mark.parametrize(("name", "inertia"), TABLES_1)
+@each("name, inertia", *TABLES_1)
 def test_table_1_without_a_step(spin, name, inertia):
     text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")
     run = spin(re.sub(r"&integration.*?\n/\n", "", text, flags=re.DOTALL))
@@ -412,7 +404,7 @@ def test_no_events_make_an_empty_table(spin):
 METHODS = [["method=exact"], ["method=dop853"], ["method=rk4", "steps=8000"]]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", *METHODS)
 def test_an_event_ends_the_motion(spin, method):
     settings = [f"integration.{setting}" for setting in method]
     settings += ["span.stop_at=upper_turning_points", "span.stop_after=2"]
@@ -433,7 +425,7 @@ def test_an_event_ends_the_motion(spin, method):
 STOPPED = ["span.samples=16", "span.stop_at=upper_turning_points"]
 
 
-@pytest.mark.parametrize("method", ["exact", "taylor", "dop853", "ode45"])
+@each("method", "exact", "taylor", "dop853", "ode45")
 def test_rows_of_a_motion_that_an_event_ends(spin, method):
     run = spin(FREE, f"integration.method={method}", "span.t_end=1000", *STOPPED)
     times = list(run.rows.t)
@@ -450,7 +442,7 @@ def test_steps_of_a_motion_that_an_event_ends(spin):
     assert len(times) == int(times[-1] / 0.01) + 2
 
 
-@pytest.mark.parametrize("method", [["exact"], ["splitting_2", "integration.steps=10"], ["dop853"]])
+@each("method", ["exact"], ["splitting_2", "integration.steps=10"], ["dop853"])
 def test_a_value_that_overflows_is_no_good_end(spin, method):
     """Rows of a motion, at an event or not, and of a sweep: a status, and no inf or nan."""
     text = CLOSED.replace("t_end = 0.5", "t_end = 1e-100").replace("0.8660254037844387", "1e200")
@@ -460,7 +452,7 @@ def test_a_value_that_overflows_is_no_good_end(spin, method):
     assert np.isfinite(run.rows.to_numpy(dtype=float)).all()
 
 
-@pytest.mark.parametrize("method", [*METHODS[:2], ["method=rk4", "steps=100"]])
+@each("method", *METHODS[:2], ["method=rk4", "steps=100"])
 def test_work_is_bounded(spin, method):
     """An event that never comes, in a motion that is never known: the work allowed, no more."""
     settings = ["span.t_end=1000", "span.stop_at=com_z = 3", "integration.max_steps=150"]
@@ -469,7 +461,7 @@ def test_work_is_bounded(spin, method):
     assert float(status.split()[-1]) < 1000
 
 
-@pytest.mark.parametrize("column", ["lyapunov_exponent", "largest_singular_value"])
+@each("column", "lyapunov_exponent", "largest_singular_value")
 def test_work_of_cases_is_bounded(spin, column):
     text = CLOSED.replace("psi_rate = 1.0", "") + SWEPT
     text += "&sweep parameter(1) = 'initial.omega3', values(1,:) = 1, 2 /\n"
@@ -553,8 +545,8 @@ DIFFERENT = f"""{SWEPT}{BODY}
 """
 
 
-@pytest.mark.parametrize("more", [[], ["theta_max"]])
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("more", [], ["theta_max"])
+@each("method", "taylor", "dop853")
 def test_what_a_body_does_not_have_is_noted(spin, more, method):
     """A symmetric body, one that is not, and a damped one; computed alone and together."""
     compared = ["orientation_error", "inherent_error"]
@@ -601,17 +593,15 @@ MASS = "&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
 START = GOOD.split("&output")[0]
 
 
-@pytest.mark.parametrize(
-    ("text", "setting", "advice"),
-    [
-        (GOOD, "output.events=turning_point", "did you mean 'turning_points'?"),
-        (GOOD, "output.events=thta = 1", "did you mean 'theta'?"),
-        (GOOD, "output.events='theta = 1', 'theta = 1 rising'", "named twice"),
-        (GOOD, "span.stop_at=theta = x", "not a number: x"),
-        (GOOD, "span.stop_after=2", "there is no event to stop at"),
-        (START + SWEPT + MASS, "output.events=turning_points", "only a trajectory has a table of"),
-        (START + SWEPT + MASS, "span.stop_at=orientation_error = 1", "needs the exact solution"),
-    ],
+@each(
+    "text, setting, advice",
+    (GOOD, "output.events=turning_point", "did you mean 'turning_points'?"),
+    (GOOD, "output.events=thta = 1", "did you mean 'theta'?"),
+    (GOOD, "output.events='theta = 1', 'theta = 1 rising'", "named twice"),
+    (GOOD, "span.stop_at=theta = x", "not a number: x"),
+    (GOOD, "span.stop_after=2", "there is no event to stop at"),
+    (START + SWEPT + MASS, "output.events=turning_points", "only a trajectory has a table of"),
+    (START + SWEPT + MASS, "span.stop_at=orientation_error = 1", "needs the exact solution"),
 )
 def test_bad_events(spin, text, setting, advice):
     error = spin.refuse(text, setting)
@@ -619,32 +609,30 @@ def test_bad_events(spin, text, setting, advice):
     assert re.search(r"^--set:1:\d+: error: ", error)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("mass =", "mas =", ["scene.nml:2:5: error: unknown key 'mas'", "'mass'"]),
-        ("&initial", "&intial", ["scene.nml:6:1", "&intial", "'&initial'"]),
-        ("t_end = 0.5", "t_end = 0.5\n    theta = 1", ["scene.nml:12:5", "theta", "&initial"]),
-        ("t_end = 0.5", "t_end = 0,5", ["scene.nml:11:", "t_end"]),
-        ("mass = 1.0", "mass = -1.0", ["scene.nml:2:12", "mass", "> 0"]),
-        ("theta = 0.19634954084936207", "theta = 4", ["scene.nml:7:13", "theta"]),
-        ("'rk4'", "'rk5'", ["scene.nml:15:14", "'rk5'", "did you mean 'rk"]),
-        ("'lagrange'", "'lagrnge'", ["scene.nml:14:19", "'lagrange'"]),
-        ("'theta', 'R4'", "'thetta', 'R4'", ["thetta", "'theta'"]),
-        ("'theta', 'R4'", "'t', 'R4'", ["named twice"]),
-        ("0.875, 0.25", "0.875, 2.25", ["scene.nml:3:29", "exceeds the sum of the others"]),
-        ("mass = 1.0", "mass = 1e308", ["&top", "outside the range of numbers"]),
-        ("mass = 1.0", "mass = 1.0, gravity = -1", ["scene.nml:2:", ">= 0"]),
-        ("0.875, 0.875, 0.25", "0.875, 0.875, 0", ["scene.nml:3:"]),
-        ("psi_rate = 1.0", "psi_rate = 1.0\n    omega3 = 1.0", ["given twice"]),
-        ("t_end = 0.5", "", ["the time span is not given"]),
-        ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
-        ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
-        ("= 0.5", "= 0.5, samples = 4", ["nml:11:", "number of steps: 9", "number of samples: 3"]),
-        ("'rk4'", "'arkode_erk', table = 'arkode_cash_karp_6_4_4'", ["'arkode_cash_karp_6_4_5'"]),
-        ("'rk4'", "'rk4', table = 'x'", ["does not use a Butcher table"]),
-        ("columns =", "file = 'a/b'\n    columns =", ["slash"]),
-    ],
+@each(
+    "old, new, parts",
+    ("mass =", "mas =", ["scene.nml:2:5: error: unknown key 'mas'", "'mass'"]),
+    ("&initial", "&intial", ["scene.nml:6:1", "&intial", "'&initial'"]),
+    ("t_end = 0.5", "t_end = 0.5\n    theta = 1", ["scene.nml:12:5", "theta", "&initial"]),
+    ("t_end = 0.5", "t_end = 0,5", ["scene.nml:11:", "t_end"]),
+    ("mass = 1.0", "mass = -1.0", ["scene.nml:2:12", "mass", "> 0"]),
+    ("theta = 0.19634954084936207", "theta = 4", ["scene.nml:7:13", "theta"]),
+    ("'rk4'", "'rk5'", ["scene.nml:15:14", "'rk5'", "did you mean 'rk"]),
+    ("'lagrange'", "'lagrnge'", ["scene.nml:14:19", "'lagrange'"]),
+    ("'theta', 'R4'", "'thetta', 'R4'", ["thetta", "'theta'"]),
+    ("'theta', 'R4'", "'t', 'R4'", ["named twice"]),
+    ("0.875, 0.25", "0.875, 2.25", ["scene.nml:3:29", "exceeds the sum of the others"]),
+    ("mass = 1.0", "mass = 1e308", ["&top", "outside the range of numbers"]),
+    ("mass = 1.0", "mass = 1.0, gravity = -1", ["scene.nml:2:", ">= 0"]),
+    ("0.875, 0.875, 0.25", "0.875, 0.875, 0", ["scene.nml:3:"]),
+    ("psi_rate = 1.0", "psi_rate = 1.0\n    omega3 = 1.0", ["given twice"]),
+    ("t_end = 0.5", "", ["the time span is not given"]),
+    ("t_end = 0.5", "t_end = 0.5\n    stop_at = 'thta = 1'", ["scene.nml:12:15", "'thta'"]),
+    ("&output", f"{MASS}&output", ["a trajectory has no axes"]),
+    ("= 0.5", "= 0.5, samples = 4", ["nml:11:", "number of steps: 9", "number of samples: 3"]),
+    ("'rk4'", "'arkode_erk', table = 'arkode_cash_karp_6_4_4'", ["'arkode_cash_karp_6_4_5'"]),
+    ("'rk4'", "'rk4', table = 'x'", ["does not use a Butcher table"]),
+    ("columns =", "file = 'a/b'\n    columns =", ["slash"]),
 )
 def test_diagnostics(spin, old, new, parts):
     """Mistakes of each stage: the place, what is wrong, what would be right.
@@ -681,21 +669,19 @@ def test_mistakes_of_meaning_are_told_together(spin):
         assert part in error
 
 
-@pytest.mark.parametrize(
-    ("axes", "part"),
-    [
-        ("", "a sweep needs an axis"),
-        ("parameter(1) = 'top.lenght', values(1,:) = 1", "top.length"),
-        ("parameter(1) = 'integration.method', values(1,:) = 1", "integration.method"),
-        ("parameter(1) = 'top.length'", "has no values"),
-        ("parameter(1) = 'top.mass', values(1,:) = 1, -1", "top.mass"),
-        ("parameter(1) = 'top.mass', values(1,:) = 1, from(1) = 2", "given twice"),
-        ("parameter = 'top.mass', from = 0, to = 1, count = 3, spacing = 'log'", "positive ends"),
-        ("parameter(2) = 'top.mass', values(2,:) = 1", "parameter(1)"),
-        ("parameter = 'top.mass', 'top.mass', values(1,:) = 1, values(2,:) = 2", "on two axes"),
-        ("parameter(1) = 'top.inertia(4)', values(1,:) = 1", "inertia"),
-        ("parameter(1) = 'integration.steps', values(1,:) = 1.5", "steps"),
-    ],
+@each(
+    "axes, part",
+    ("", "a sweep needs an axis"),
+    ("parameter(1) = 'top.lenght', values(1,:) = 1", "top.length"),
+    ("parameter(1) = 'integration.method', values(1,:) = 1", "integration.method"),
+    ("parameter(1) = 'top.length'", "has no values"),
+    ("parameter(1) = 'top.mass', values(1,:) = 1, -1", "top.mass"),
+    ("parameter(1) = 'top.mass', values(1,:) = 1, from(1) = 2", "given twice"),
+    ("parameter = 'top.mass', from = 0, to = 1, count = 3, spacing = 'log'", "positive ends"),
+    ("parameter(2) = 'top.mass', values(2,:) = 1", "parameter(1)"),
+    ("parameter = 'top.mass', 'top.mass', values(1,:) = 1, values(2,:) = 2", "on two axes"),
+    ("parameter(1) = 'top.inertia(4)', values(1,:) = 1", "inertia"),
+    ("parameter(1) = 'integration.steps', values(1,:) = 1.5", "steps"),
 )
 def test_sweeps(spin, axes, part):
     assert part in spin.refuse(f"{START}{SWEPT}&sweep {axes} /\n")
@@ -710,21 +696,19 @@ def test_files_that_are_no_input(spin):
         assert name in ("folder", "binary") or f"{name}.nml" in said
 
 
-@pytest.mark.parametrize(
-    ("words", "part"),
-    [
-        (["--outputt", "x"], "'--output'"),
-        (["--threads", "0"], "--threads"),
-        (["--threads", "two"], "--threads"),
-        (["--threads"], "needs a value"),
-        (["--set", "top.mas=1"], "mass"),
-        (["--set", "top.mass"], "top.mass"),
-        (["--set", "top.mass=x"], "mass"),
-        (["--set", "span.nutations=2"], "more than once"),
-        (["--check=yes"], "takes no value"),
-        (["-o", ""], "empty"),
-        (["--quiet"], "no input"),
-    ],
+@each(
+    "words, part",
+    (["--outputt", "x"], "'--output'"),
+    (["--threads", "0"], "--threads"),
+    (["--threads", "two"], "--threads"),
+    (["--threads"], "needs a value"),
+    (["--set", "top.mas=1"], "mass"),
+    (["--set", "top.mass"], "top.mass"),
+    (["--set", "top.mass=x"], "mass"),
+    (["--set", "span.nutations=2"], "more than once"),
+    (["--check=yes"], "takes no value"),
+    (["-o", ""], "empty"),
+    (["--quiet"], "no input"),
 )
 def test_wrong_options(spin, words, part):
     scenes = [] if part == "no input" else [spin.write(GOOD)]
@@ -741,8 +725,8 @@ def test_a_table_outlives_a_refused_input(spin):
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize("form", ["lagrange", "euler"])
-@pytest.mark.parametrize("theta", ["0", "3.141592653589793"])
+@each("form", "lagrange", "euler")
+@each("theta", "0", "3.141592653589793")
 def test_a_start_at_a_pole(spin, form, theta):
     """A status with its time, in a complete file, and exit code 3."""
     text = GOOD.replace("theta = 0.19634954084936207", f"theta = {theta}")
@@ -759,7 +743,7 @@ def test_the_exact_motion_knows_no_pole(spin):
     assert rows.q3[4] == pytest.approx(math.sin(0.25), abs=5e-15)
 
 
-@pytest.mark.parametrize("method", ["ode45", "arkode_erk", "arkode_dirk"])
+@each("method", "ode45", "arkode_erk", "arkode_dirk")
 def test_used_up_steps(spin, method):
     text = GOOD.replace("'rk4'", f"'{method}'").replace("    steps = 10\n", "")
     run = spin(text.replace("t_end = 0.5", "t_end = 5"), "integration.max_steps=30", code=3)
@@ -771,7 +755,7 @@ def test_used_up_steps(spin, method):
     assert spin.produced() == {"output", "output/scene.csv"}
 
 
-@pytest.mark.parametrize("place", ["file", "file/below"])
+@each("place", "file", "file/below")
 def test_a_file_where_the_folder_should_be(spin, place):
     spin.write("keep", "file")
     assert "file" in spin(GOOD, f"--output={place}", code=4).stderr
@@ -788,12 +772,10 @@ def test_a_full_disk(spin):
 DENSE = GOOD.replace("'rk4'", "'ode45'").replace("    steps = 10\n", "")
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
-    [
-        GOOD.replace("steps = 10", "steps = 100000"),
-        DENSE.replace("t_end = 0.5", "t_end = 0.5, samples = 100001"),
-    ],
+    GOOD.replace("steps = 10", "steps = 100000"),
+    DENSE.replace("t_end = 0.5", "t_end = 0.5, samples = 100001"),
 )
 def test_a_disk_that_fills_up(spin, disk, text):
     """The same on the way, also while many samples of one step are written."""

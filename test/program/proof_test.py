@@ -6,7 +6,7 @@ from decimal import Decimal
 
 import pytest
 
-from conftest import EXE, ROOT, execute, largest
+from conftest import EXE, ROOT, each, execute, largest
 from spintop_figures.tables.table import read_table
 
 MISSING = "this build has no FLINT, which certifies digits"
@@ -116,8 +116,8 @@ def bounds_hold(run, name, true):
 
 
 @needs_flint
-@pytest.mark.parametrize("setting", [CERTIFIED, "integration.method=taylor_quadruple"])
-@pytest.mark.parametrize("effects", THETA)
+@each("setting", CERTIFIED, "integration.method=taylor_quadruple")
+@each("effects", *THETA)
 def test_phases_and_latitudes_are_data(spin, effects, setting):
     """Their sines and cosines are not rounded before the proof."""
     bounds_hold(spin(DRIVEN.format(effects), setting), "theta", THETA[effects])
@@ -221,17 +221,15 @@ Q0 = "output.columns=t,q0_bound"
 
 
 @needs_flint
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        (["uncertainty.top.length=1e-9"], "the table has no bounds"),
-        (["uncertainty.top.length=1e-9", CERTIFIED], "no certified digits"),
-        (["uncertainty.initial.omega3=1", Q0], "omega3 is not given"),
-        (["uncertainty.top.spin=1", Q0], "unknown key"),
-        (["uncertainty.initial.omega=1,1,1", Q0], "omega is not given"),
-        (["uncertainty.top.centre_of_mass=1,1,1", Q0], "top.centre_of_mass is not given"),
-        (["uncertainty.top.mass=-1", Q0], "uncertainty.top.mass"),
-    ],
+@each(
+    "settings, words",
+    (["uncertainty.top.length=1e-9"], "the table has no bounds"),
+    (["uncertainty.top.length=1e-9", CERTIFIED], "no certified digits"),
+    (["uncertainty.initial.omega3=1", Q0], "omega3 is not given"),
+    (["uncertainty.top.spin=1", Q0], "unknown key"),
+    (["uncertainty.initial.omega=1,1,1", Q0], "omega is not given"),
+    (["uncertainty.top.centre_of_mass=1,1,1", Q0], "top.centre_of_mass is not given"),
+    (["uncertainty.top.mass=-1", Q0], "uncertainty.top.mass"),
 )
 def test_wrong_uncertainty(spin, settings, words):
     assert words in spin.refuse(TOP, "--check", *settings)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import netcdf_is_missing, read, wait_until
+from conftest import each, netcdf_is_missing, read, wait_until
 from spintop_figures.tables.table import read_table
 
 SEED = 20121
@@ -137,7 +137,7 @@ TABLES = ((SCENE, list(ANY_BODY), CASES), (TENSOR, list(ANY_TENSOR), CASES))
 TABLES += ((SCENE, LAGRANGE_TOP, 600),)
 
 
-@pytest.mark.parametrize(("text", "known", "cases"), TABLES, ids=("any", "tensor", "closed form"))
+@each("text, known, cases", *TABLES, ids=("any", "tensor", "closed form"))
 def test_each_column_is_that_of_the_table(spin, formats, draws, text, known, cases):
     """In both formats, of one column to as many as there are, in any order of the columns."""
     scene = spin.write(text)
@@ -245,8 +245,8 @@ def check(
     assert merged(spin, scene, 2, "--threads=1") == tables["csv"].read_bytes()
 
 
-@pytest.mark.parametrize("axes", [1, 2, 3, 4])
-@pytest.mark.parametrize("combine", ["grid", "zip"])
+@each("axes", 1, 2, 3, 4)
+@each("combine", "grid", "zip")
 def test_grids_and_zips(spin, formats, draws, combine, axes):
     """Each number of axes with each way to give their values."""
     kinds = ("values", "linear", "log")
@@ -262,8 +262,8 @@ def test_grids_and_zips(spin, formats, draws, combine, axes):
         check(spin, formats, scene, names, [list(case) for case in cases])
 
 
-@pytest.mark.parametrize("axes", [1, 2, 3, 4])
-@pytest.mark.parametrize("combine", ["random", "latin_hypercube"])
+@each("axes", 1, 2, 3, 4)
+@each("combine", "random", "latin_hypercube")
 def test_drawn_cases(spin, formats, draws, combine, axes):
     """Between their ends, each value as the quantities of its case have it."""
     names = draws.sample(AXES, axes)

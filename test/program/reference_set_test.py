@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from conftest import KIND, ROOT, execute, largest
+from conftest import KIND, ROOT, each, execute, largest
 from mechanics import product
 from proof_test import CERTIFIED, change, needs_flint, verify
 
@@ -55,7 +55,7 @@ def test_files_agree():
     assert size < LARGEST
 
 
-@pytest.mark.parametrize("name", NAMES)
+@each("name", *NAMES)
 def test_files_of_a_motion_agree(name):
     """Versions, licences, starts and rotations."""
     data, columns = read(name)
@@ -89,7 +89,7 @@ def test_numbers_are_true(spin):
 
 
 @needs_flint
-@pytest.mark.parametrize("name", ["free_tensor", "heavy_tensor", "grioli"])
+@each("name", "free_tensor", "heavy_tensor", "grioli")
 def test_products_of_inertia(spin, name):
     """Certified digits are those of the set, and `verify` finds what is not."""
     names = ["t", *Q, *OMEGA, "omega1_bound", "orientation_bound", "proof"]
@@ -156,9 +156,9 @@ def judge(t, q, *omega, **conventions):
     return check(t, q, *omega, motion="free_asymmetric", **conventions)
 
 
-@pytest.mark.parametrize(
-    ("scalar", "direction", "frame", "sign"),
-    itertools.product(("first", "last"), DIRECTIONS, ("body", "space"), ("plus", "minus")),
+@each(
+    "scalar, direction, frame, sign",
+    *itertools.product(("first", "last"), DIRECTIONS, ("body", "space"), ("plus", "minus")),
 )
 def test_conventions_are_found(scalar, direction, frame, sign):
     """All of them, with signs of quaternions that jump."""
@@ -217,7 +217,7 @@ def numbers_of(folder, *command):
 
 
 @pytest.mark.skipif(KIND != "release", reason="does not use the program under test")
-@pytest.mark.parametrize("compiler", ["g++", "node"])
+@each("compiler", "g++", "node")
 def test_other_languages(folder, compiler):
     """The checkers in C++ and JavaScript find what that in Python finds, but for rounding."""
     if not shutil.which(compiler):

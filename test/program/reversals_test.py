@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0.3  gravity = 9.81 /\n"
 FREE = TOP.replace("9.81", "0")
@@ -80,7 +80,7 @@ def between(a, b):
     return abs(math.remainder(a - b, math.pi))
 
 
-@pytest.mark.parametrize(("name", "place"), CASES)
+@each("name, place", *CASES)
 def test_all_ways_agree(spin, name, place):
     """The end of the motion; and the account of the energy is closed."""
     start, effects, t_end = SCENES[name]

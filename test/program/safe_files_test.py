@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, merge, netcdf_is_missing, wait_until
+from conftest import ROOT, each, merge, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
 
@@ -69,7 +69,7 @@ def plant(how, victim, path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", STUDIES)
+@each("kind", *STUDIES)
 def test_every_file_that_is_written(spin, kind):
     """A link or a FIFO is refused at once with its name; what it leads to stays as it is."""
     ways = ("symbolic link", "hard link", "FIFO")[: 3 if kind in ("sweep", "both") else 1]
@@ -160,7 +160,7 @@ def test_a_signal(slow):
     assert "output/slow.csv.part.lock" not in slow.spin.produced()
 
 
-@pytest.mark.parametrize("is_another", [False, True])
+@each("is_another", False, True)
 def test_others_write_to_the_part(slow, is_another):
     """A part that was changed, or is another file, never becomes a table."""
     part = slow.spin.folder / "output/slow.csv.part"

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = """\
 &top mass = 1.3, inertia = 0.875, 0.875, 0.25, length = 0.85, gravity = 9.7 /
@@ -102,7 +102,7 @@ def test_each_row_of_a_trajectory(spin):
             agree(row[name], value, row[name + "_error"])
 
 
-@pytest.mark.parametrize("key", ["top.length", "initial.theta_rate"])
+@each("key", "top.length", "initial.theta_rate")
 def test_trajectories_and_sweeps_agree(spin, key):
     (swept,) = derivatives(spin, SWEEP + TOP, ["theta_end"], [key])[1].values()
     (moved,) = derivatives(spin, TOP, ["theta"], [key])[1].values()
@@ -141,18 +141,16 @@ def test_a_kink_has_a_note(spin):
     assert "a derivative does not converge" in row.notes
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("'theta_ende__top.mass'", "there is no column 'theta_ende'"),
-        ("'theta_end__top.mas'", "top.mas"),
-        ("'theta_end__top.shape'", "is not a number"),
-        ("'theta_end__span.samples'", "span.samples"),
-        ("'theta_end__integration.step'", "integration.step is not a property of the motion"),
-        ("'theta_end__top.density'", "top.density has no value"),
-        ("'motion_class__top.mass'", "column 'motion_class' has no derivatives"),
-        ("2*'theta_end__top.mass'", "named twice"),
-    ],
+@each(
+    "name, message",
+    ("'theta_ende__top.mass'", "there is no column 'theta_ende'"),
+    ("'theta_end__top.mas'", "top.mas"),
+    ("'theta_end__top.shape'", "is not a number"),
+    ("'theta_end__span.samples'", "span.samples"),
+    ("'theta_end__integration.step'", "integration.step is not a property of the motion"),
+    ("'theta_end__top.density'", "top.density has no value"),
+    ("'motion_class__top.mass'", "column 'motion_class' has no derivatives"),
+    ("2*'theta_end__top.mass'", "named twice"),
 )
 def test_refusals(spin, name, message):
     error = spin.refuse(f"{SWEEP}{TOP}&output columns = {name} /\n")

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 REST = "&initial theta = 0.9  phi_rate = 0.4  theta_rate = -0.7  psi_rate = 9 /\n"
 HEAVY = (
@@ -48,17 +48,15 @@ def extremes(rows):
     }
 
 
-@pytest.mark.parametrize(
-    ("body", "nutation", "method", "columns"),
-    [
-        (HEAVY, 2.1, LANES, ALL),
-        (HEAVY, 2.1, ALONE, ALL),
-        (HEAVY, 2.1, "method = 'dop853'", ALL),
-        (TENSOR, 1.6, LANES, ALL),
-        (FREE, 1.7, "method = 'exact'", RATES),
-        (FREE, 1.7, LANES, RATES),
-        (FREE, 1.7, "method = 'dop853'", RATES),
-    ],
+@each(
+    "body, nutation, method, columns",
+    (HEAVY, 2.1, LANES, ALL),
+    (HEAVY, 2.1, ALONE, ALL),
+    (HEAVY, 2.1, "method = 'dop853'", ALL),
+    (TENSOR, 1.6, LANES, ALL),
+    (FREE, 1.7, "method = 'exact'", RATES),
+    (FREE, 1.7, LANES, RATES),
+    (FREE, 1.7, "method = 'dop853'", RATES),
 )
 def test_extremes(spin, body, nutation, method, columns):
     """In each span, all together and each alone; what needs a whole nutation says so."""
@@ -104,7 +102,7 @@ BESIDE_POLES = [
 ]
 
 
-@pytest.mark.parametrize("body", BESIDE_POLES)
+@each("body", *BESIDE_POLES)
 def test_rates_beside_poles(spin, body):
     """In lanes and alone the same; a large rate next to a pole makes no cusps of the others."""
     sweep = body + SPANS.format(6) + output("phi_rate_max", "theta_max", "motion_class")
@@ -135,8 +133,8 @@ CLASSES = {
 }
 
 
-@pytest.mark.parametrize("scene", CLASSES)
-@pytest.mark.parametrize("method", [ALONE, "method = 'dop853'"])
+@each("scene", *CLASSES)
+@each("method", ALONE, "method = 'dop853'")
 def test_class_alone(spin, scene, method):
     """The class of a motion is the same without a search for its largest precession rate."""
     settings = f"&integration {method}  relative_tolerance = 1e-11 /\n&span t_end = 8 /\n"

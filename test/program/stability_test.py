@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from conftest import each
+
 VERDICTS = {"accurate", "drifts", "wrong", "failed", "unsuitable", "no_reference"}
 OWN = (
     "&study kind = 'stability' /\n"
@@ -71,7 +73,7 @@ def test_a_case_without_a_reference(spin):
     assert "1 no_reference" in run.out
 
 
-@pytest.mark.parametrize(("steps", "has_one"), [(1000, True), (15, False)])
+@each("steps, has_one", (1000, True), (15, False))
 def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
     """A motion of too many steps has no reference; the exact solution needs no steps."""
     text = OWN.format(1, 30, "'input'", "'taylor'")
@@ -80,15 +82,13 @@ def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
     assert math.isnan(run.rows.lyapunov_exponent[0]) != has_one
 
 
-@pytest.mark.parametrize(
-    ("setting", "said"),
-    [
-        ("stability.cases=slow_tip", "did you mean 'slow_top'"),
-        ("stability.methods=taylr", "did you mean 'taylor'"),
-        ("stability.methods=taylor/lagrang", "did you mean 'lagrange'"),
-        ("integration.method=rk4", "a stability study compares methods and formulations"),
-        ("integration.formulation=euler", "a stability study compares methods and formulations"),
-    ],
+@each(
+    "setting, said",
+    ("stability.cases=slow_tip", "did you mean 'slow_top'"),
+    ("stability.methods=taylr", "did you mean 'taylor'"),
+    ("stability.methods=taylor/lagrang", "did you mean 'lagrange'"),
+    ("integration.method=rk4", "a stability study compares methods and formulations"),
+    ("integration.formulation=euler", "a stability study compares methods and formulations"),
 )
 def test_refusals(spin, setting, said):
     assert said in spin.refuse("stability", setting)

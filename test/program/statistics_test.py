@@ -3,9 +3,8 @@
 import re
 
 import numpy as np
-import pytest
 
-from conftest import needs_netcdf, wait_until
+from conftest import each, needs_netcdf, wait_until
 from indices_test import VECTOR
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
@@ -200,7 +199,7 @@ def test_rows_and_parts(spin):
     assert not (spin.folder / "one/bare.csv").exists()
 
 
-@pytest.mark.parametrize("text", [BARE, VECTOR])
+@each("text", BARE, VECTOR)
 def test_damaged_parts(spin, text):
     """A part that is cut short, changed, twice there or missing is refused, with indices too."""
     states = spin.parts(text, 3, ending="statistics.state", name="map", code=ANY)
@@ -244,7 +243,7 @@ def test_damaged_snapshot(spin):
     assert not list((spin.folder / "output").glob("*.state?"))
 
 
-@pytest.mark.parametrize("text", [MAP, SLOW.replace("count(1) = 1000", "count(1) = 20")])
+@each("text", MAP, SLOW.replace("count(1) = 1000", "count(1) = 20"))
 def test_nothing_left_to_compute(spin, text):
     swept(spin, text)
     assert "the table is already complete" in swept(spin, text, "--resume").out
@@ -295,22 +294,20 @@ def check_refused(spin, text, old, new, *words):
         assert word in said
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [(old, new, words) for old, new, *words in COLUMNS_REFUSED + BINS_REFUSED + OTHERS_REFUSED],
+@each(
+    "old, new, words",
+    *[(old, new, words) for old, new, *words in COLUMNS_REFUSED + BINS_REFUSED + OTHERS_REFUSED],
 )
 def test_what_is_refused(spin, old, new, words):
     check_refused(spin, MAP, old, new, *words)
 
 
-@pytest.mark.parametrize(
-    ("text", "old", "new", "words"),
-    [
-        (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
-        (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
-        (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
-        (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
-    ],
+@each(
+    "text, old, new, words",
+    (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
+    (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
+    (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
+    (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
 )
 def test_rows_that_are_refused(spin, text, old, new, words):
     check_refused(spin, text, old, new, *words)
@@ -326,7 +323,7 @@ def test_check(spin):
     spin(said[said.index("&study") :], "--check", name="again")
 
 
-@pytest.mark.parametrize("bins", [3, 60])
+@each("bins", 3, 60)
 def test_bytes_of_the_tables(spin, bins):
     """--check tells them: at most, and no more than some times what is then written."""
     text = BARE.replace("quantiles_of = 'bins'", "").replace("bins(2) = 3", f"bins(2) = {bins}")

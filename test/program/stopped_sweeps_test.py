@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 SWEEP = "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega3'  values(1,:) = {} /\n"
 START = "&initial theta_deg = 30  phi_rate = 0.5 /\n"
@@ -12,8 +12,8 @@ ANY = "&top mass = 1  inertia = 0.9, 0.7, 0.25  centre_of_mass = 0.05, 0, 0.5 /\
 STOP = "stop_at = 'turning_points'  stop_after = 3"
 
 
-@pytest.mark.parametrize("body", [SYMMETRIC, ANY])
-@pytest.mark.parametrize("method", ["auto", "taylor", "dop853"])
+@each("body", SYMMETRIC, ANY)
+@each("method", "auto", "taylor", "dop853")
 def test_growth_to_the_event(spin, body, method):
     """Exponents and singular values are those up to the event."""
     columns = ["t_end", "largest_singular_value", "lyapunov_exponent"]
@@ -43,8 +43,8 @@ def test_the_turning_point_at_the_end_counts(spin):
             np.testing.assert_allclose(other[name], first[name], rtol=1e-5, equal_nan=False)
 
 
-@pytest.mark.parametrize("effect", ["drag_moment = 3*0.1", "torque_body = 0, 0, 5"])
-@pytest.mark.parametrize("stop", ["", STOP])
+@each("effect", "drag_moment = 3*0.1", "torque_body = 0, 0, 5")
+@each("stop", "", STOP)
 def test_no_growth_with_effects(spin, effect, stop):
     """The equations of perturbations are those without effects."""
     columns = ["largest_singular_value", "lyapunov_exponent"]

@@ -2,9 +2,7 @@
 
 import re
 
-import pytest
-
-from conftest import MPI, needs_mpi, texts, under
+from conftest import MPI, each, needs_mpi, texts, under
 
 BODY = """
 &top mass = 1  inertia = 1, 1.5, 2.25  centre_of_mass = 0.1, 0.05, 0.2 /
@@ -62,14 +60,12 @@ def check_same(spin, found, whole, varying=TIMED):
     assert tables[0].equals(tables[1])
 
 
-@pytest.mark.parametrize(
-    ("text", "parts", "varying"),
-    [
-        (PRECISION, 2, TIMED),  # a problem is a case
-        (PRECISION, 4, TIMED),  # one of the parts is empty
-        (STABILITY, 3, TIMED),  # a motion of the catalogue is a case
-        (BENCHMARK, 2, TIMED | BEST),  # which setting is the fastest depends on times
-    ],
+@each(
+    "text, parts, varying",
+    (PRECISION, 2, TIMED),  # a problem is a case
+    (PRECISION, 4, TIMED),  # one of the parts is empty
+    (STABILITY, 3, TIMED),  # a motion of the catalogue is a case
+    (BENCHMARK, 2, TIMED | BEST),  # which setting is the fastest depends on times
 )
 def test_parts(spin, text, parts, varying):
     """The merged parts are the whole, and byte for byte what the parts have."""
@@ -115,7 +111,7 @@ def test_refused(spin):
 
 
 @needs_mpi
-@pytest.mark.parametrize("text", [STABILITY, PRECISION, TRAJECTORY])
+@each("text", STABILITY, PRECISION, TRAJECTORY)
 def test_ranks(spin, text):
     """Ranks share the cases of a stability study; other studies are computed by the first."""
     said = compute(spin, text, "alone")

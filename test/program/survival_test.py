@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
+from conftest import GOOD, each, files_of, merge, netcdf_is_missing, wait_until
 from slow_sweep import PATIENCE, SLOW, Sweep, undisturbed
 
 pytestmark = pytest.mark.slow
@@ -105,18 +105,16 @@ INDICES = (
 NETCDF = "output.format=netcdf"
 
 
-@pytest.mark.parametrize(
-    ("text", "table", "settings"),
-    [
-        (SLOW, "slow.csv", []),
-        (SLOW + GATHERED, "slow.csv", []),
-        (SLOW.replace("= 1000", "= 5000") + GATHERED + ALONE, "slow.statistics.csv", []),
-        (INDICES, "slow.csv", []),
-        (INDICES + ALONE, "slow.statistics.csv", []),
-        (SLOW, "slow.nc", [NETCDF]),
-        (SLOW, "slow.nc", [NETCDF, "output.compression=5"]),
-        (SLOW + GATHERED, "slow.nc", [NETCDF]),
-    ],
+@each(
+    "text, table, settings",
+    (SLOW, "slow.csv", []),
+    (SLOW + GATHERED, "slow.csv", []),
+    (SLOW.replace("= 1000", "= 5000") + GATHERED + ALONE, "slow.statistics.csv", []),
+    (INDICES, "slow.csv", []),
+    (INDICES + ALONE, "slow.statistics.csv", []),
+    (SLOW, "slow.nc", [NETCDF]),
+    (SLOW, "slow.nc", [NETCDF, "output.compression=5"]),
+    (SLOW + GATHERED, "slow.nc", [NETCDF]),
 )
 def test_killed_and_resumed(spin, text, table, settings):
     """Killed again and again, it has the bytes of a run that nothing stopped, and says so."""
@@ -219,7 +217,7 @@ def test_a_signal_says_what_is_kept_and_how_to_resume(slow):
     slow.check(place)
 
 
-@pytest.mark.parametrize("threads", ["1", "2"])
+@each("threads", "1", "2")
 def test_a_signal_in_the_midst_of_long_cases(spin, threads):
     """What was computed before is kept at once, although the next cases would take hours."""
     quick, slow = ", ".join(map(str, range(10, 26))), ", ".join(["1000000000"] * 16)

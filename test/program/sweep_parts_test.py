@@ -6,7 +6,7 @@ import re
 import pytest
 
 from axes_test import HYPERCUBE
-from conftest import CLOSED, EXE, GOOD, ROOT, merge
+from conftest import CLOSED, EXE, GOOD, ROOT, each, merge
 from indices_test import FAILING, VECTOR
 from slow_sweep import FAST, SLOW, STEPS, Sweep, undisturbed
 from statistics_test import BARE, MAP
@@ -23,19 +23,17 @@ CLOSED_FORMS = CLOSED.replace("    psi_rate = 1.0\n", "") + (
 FEW = VECTOR.replace("cases = 64", "cases = 12")  # a group of cases may lie in three parts
 
 
-@pytest.mark.parametrize(
-    ("text", "parts"),
-    [
-        (CLOSED_FORMS, 3),  # many blocks of cases
-        (SLOW.replace("= 1000", "= 210").replace(STEPS, "steps = 10"), 2),
-        (HYPERCUBE, 3),
-        (HYPERCUBE.replace("latin_hypercube", "random"), 3),
-        (MAP, 3),
-        (BARE, 2),
-        (FAILING, 7),
-        (FEW, 7),
-        (FEW, 13),  # a part may be empty
-    ],
+@each(
+    "text, parts",
+    (CLOSED_FORMS, 3),  # many blocks of cases
+    (SLOW.replace("= 1000", "= 210").replace(STEPS, "steps = 10"), 2),
+    (HYPERCUBE, 3),
+    (HYPERCUBE.replace("latin_hypercube", "random"), 3),
+    (MAP, 3),
+    (BARE, 2),
+    (FAILING, 7),
+    (FEW, 7),
+    (FEW, 13),  # a part may be empty
 )
 def test_threads_and_parts(spin, text, parts):
     """The same bytes, of statistics too, on any threads, and merged from parts in any order."""
@@ -167,14 +165,12 @@ echo 17
 GATHERED = FAST + "&statistics columns = 'theta_max', over = 'initial.psi_rate', bins = 7 /\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "parts", "names", "jobs"),
-    [
-        (FAST + "&output file = 'named.csv' /\n", "4", ["named.csv"], 2),
-        (FAST + "&output file = 'named.csv' /\n", "mpi", ["named.csv"], 1),
-        (GATHERED, "3", ["scene.csv", "scene.statistics.csv"], 2),
-        (GATHERED + "&output rows = 'none' /\n", "3", ["scene.statistics.csv"], 2),
-    ],
+@each(
+    "text, parts, names, jobs",
+    (FAST + "&output file = 'named.csv' /\n", "4", ["named.csv"], 2),
+    (FAST + "&output file = 'named.csv' /\n", "mpi", ["named.csv"], 1),
+    (GATHERED, "3", ["scene.csv", "scene.statistics.csv"], 2),
+    (GATHERED + "&output rows = 'none' /\n", "3", ["scene.statistics.csv"], 2),
 )
 def test_a_job_array(spin, text, parts, names, jobs):
     """The script for Slurm, where jobs get no environment: an array, MPI, statistics."""
@@ -186,7 +182,7 @@ def test_a_job_array(spin, text, parts, names, jobs):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("parts", "jobs"), [("2", 2), ("mpi", 1)])
+@each("parts, jobs", ("2", 2), ("mpi", 1))
 def test_a_job_out_of_time_is_queued_again(spin, parts, jobs):
     """The warning ends each task with its rows kept; it requeues itself, and goes on."""
     said, calls = submit(spin, spin.write(SLOW, "slow.nml"), parts, warn=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import MISSING, Spin, merge, needs_netcdf
+from conftest import MISSING, Spin, each, merge, needs_netcdf
 from safe_files_test import STUDIES, files_of_study, run_study
 from spintop_figures.tables.table import TableError, read_table
 
@@ -72,7 +72,7 @@ def check_end(path: Path) -> None:
     assert int(match[2], 16) == zlib.crc32(b"".join([head[-1], *rest[:-1]]))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in STUDIES if not kind.endswith("netcdf")])
+@each("kind", *[kind for kind in STUDIES if not kind.endswith("netcdf")])
 def test_every_table(spin, kind):
     """Each table that a study makes has it, and what reads tables finds it right."""
     tables = [path for path in files_of_study(spin, kind) if path.suffix == ".csv"]
@@ -95,7 +95,7 @@ def each_damage(spin: Spin, kind: str) -> Iterator[tuple[Path, str, bytes, int |
             path.write_bytes(table)
 
 
-@pytest.mark.parametrize("kind", RESUMED)
+@each("kind", *RESUMED)
 def test_resume(spin, kind):
     """A table that was cut or changed is not complete; --restart makes it again."""
     for path, how, text, row in each_damage(spin, kind):
@@ -107,7 +107,7 @@ def test_resume(spin, kind):
     run_study(spin, kind, "--resume")
 
 
-@pytest.mark.parametrize("kind", RESUMED)
+@each("kind", *RESUMED)
 def test_leftovers(spin, kind):
     """What interrupted runs have left beside a complete table goes when it is resumed."""
     files = files_of_study(spin, kind)
@@ -128,7 +128,7 @@ def test_leftovers(spin, kind):
             assert sorted((spin.folder / "output").iterdir()) == files, endings
 
 
-@pytest.mark.parametrize("kind", ["sweep", "stability"])
+@each("kind", "sweep", "stability")
 def test_merge(spin, kind):
     names = "all.csv", *spin.parts(STUDIES[kind], 2, name=kind)
     path = spin.folder / names[-1]
@@ -144,7 +144,7 @@ def test_merge(spin, kind):
     check_end(spin.folder / "all.csv")
 
 
-@pytest.mark.parametrize("kind", ["sweep_netcdf", "sweep_packed_netcdf", "trajectory_netcdf"])
+@each("kind", "sweep_netcdf", "sweep_packed_netcdf", "trajectory_netcdf")
 def test_netcdf(spin, kind):
     """The attribute of a NetCDF table; one that was changed is refused by all that read it."""
     path = run_study(spin, kind).path.with_suffix(".nc")
@@ -170,7 +170,7 @@ def test_netcdf_parts(spin):
     assert "was changed after it was written" in merge(spin, *names, code=2)
 
 
-@pytest.mark.parametrize("kind", ["sweep", "trajectory"])
+@each("kind", "sweep", "trajectory")
 def test_readers(spin, kind):
     """Python and the program refuse what was changed, and read what has no such line."""
     for path, how, text, _ in each_damage(spin, kind):

@@ -10,7 +10,7 @@ import termios
 
 import pytest
 
-from conftest import CLOSED, EXE, GOOD, ROOT
+from conftest import CLOSED, EXE, GOOD, ROOT, each
 
 COLUMNS = 60
 ESCAPE = "\x1b["
@@ -93,7 +93,7 @@ def test_summary(spin):
     assert "status    ok at t" in shown
 
 
-@pytest.mark.parametrize("width", [100, COLUMNS])
+@each("width", 100, COLUMNS)
 def test_progress(spin, width):
     """A bar that is overwritten, in a line that has room."""
     settings = ["sweep.count(1)=60", "sweep.count(2)=50", "integration.method=rk4"]
@@ -109,7 +109,7 @@ def test_progress(spin, width):
         assert len(line.partition(ESCAPE)[0]) < width
 
 
-@pytest.mark.parametrize("columns", [50, 72, 120])
+@each("columns", 50, 72, 120)
 def test_width_of_messages(spin, columns):
     """Words are wrapped; the line with the place stays one, for tools."""
     wide = spin.refuse(GOOD.replace("mass", "masss").replace("'rk4'", "'nonsensical'"))
@@ -122,7 +122,7 @@ def test_width_of_messages(spin, columns):
     assert "".join(shown.split()) == "".join(wide.split())
 
 
-@pytest.mark.parametrize("topic", ["", "columns", "methods", "parameters", "events"])
+@each("topic", "", "columns", "methods", "parameters", "events")
 def test_width_of_lists(spin, topic):
     """Lists are wrapped on a terminal, and have the same words for other programs."""
     shown = show(spin, "list", *topic.split(), columns=70, NO_COLOR="1")
@@ -148,8 +148,8 @@ def check(said):
     assert not any(line.startswith(("b ", "b\t", "b?")) for line in said.splitlines())
 
 
-@pytest.mark.parametrize("text", [GOOD, SWEEP])
-@pytest.mark.parametrize("options", [[], ["--check"], ["--progress"]])
+@each("text", GOOD, SWEEP)
+@each("options", [], ["--check"], ["--progress"])
 def test_every_kind_of_study(spin, text, options):
     """Summaries, the explanation of --check, which is an input, and progress."""
     run = spin.call(spin.write(text, NAME), *options)
@@ -174,15 +174,13 @@ FIT = CLOSED + STUDY.format("fit") + "&fit data = 'scene.csv', unknown = 'initia
 ANGLES = "t,phi,theta,psi\n0,0,0.2,0\n0.1,0,0.2,0.1\n0.2,0,0.2,0.2\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "table"),
-    [
-        (CLOSED + "&effects torque_table = 'scene.csv' /\n", "t,m1,m2,m3\n0,0,0,0\n1,0,0,0\n"),
-        (CASES, "initial.psi_rate\n1\n2\n"),
-        (CASES + "&output file = 'scene.csv' /\n", "initial.psi_rate\n1\n2\n"),
-        (PRECISION, ""),
-        (FIT, ANGLES),
-    ],
+@each(
+    "text, table",
+    (CLOSED + "&effects torque_table = 'scene.csv' /\n", "t,m1,m2,m3\n0,0,0,0\n1,0,0,0\n"),
+    (CASES, "initial.psi_rate\n1\n2\n"),
+    (CASES + "&output file = 'scene.csv' /\n", "initial.psi_rate\n1\n2\n"),
+    (PRECISION, ""),
+    (FIT, ANGLES),
 )
 def test_what_is_read_is_not_replaced(spin, text, table):
     """By no table: cases, torques, measurements, a reference."""
@@ -204,9 +202,7 @@ def test_inputs_are_not_replaced(spin):
     assert (spin.folder / "other.csv").read_text() == GOOD
 
 
-@pytest.mark.parametrize(
-    ("name", "file"), [("spin_1.5", "spin_1.5.csv"), ("a.csv", "a.csv"), ("b.v2.csv", "b.v2.csv")]
-)
+@each("name, file", ("spin_1.5", "spin_1.5.csv"), ("a.csv", "a.csv"), ("b.v2.csv", "b.v2.csv"))
 def test_points_in_the_name_of_a_table(spin, name, file):
     spin(MOTION, f"output.file={name}")
     assert (spin.folder / "output" / file).exists()

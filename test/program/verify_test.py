@@ -2,9 +2,7 @@
 
 import math
 
-import pytest
-
-from conftest import largest
+from conftest import each, largest
 from proof_test import needs_flint
 
 pytestmark = needs_flint
@@ -80,12 +78,10 @@ def test_parts_of_a_sweep(spin):
     assert total in verify(spin, "scene")
 
 
-@pytest.mark.parametrize(
-    ("columns", "count", "name", "change"),
-    [
-        ([], 25, "q0", lambda x: -x),
-        (["output.columns=t,theta,phi,psi"], 15, "phi", lambda x: x + 2 * math.pi),
-    ],
+@each(
+    "columns, count, name, change",
+    ([], 25, "q0", lambda x: -x),
+    (["output.columns=t,theta,phi,psi"], 15, "phi", lambda x: x + 2 * math.pi),
 )
 def test_free_body(spin, columns, count, name, change):
     """The quaternion is proved with its sign; phi and psi are with their turns."""
@@ -112,25 +108,21 @@ def test_inputs(spin):
     assert " 0 wrong" in verify(spin, "uncertain_top")
 
 
-@pytest.mark.parametrize(
-    ("radius", "words"),
-    [
-        ("uncertainty.initial.theta=1e-9", "the attitude is given by a quaternion"),
-        ("uncertainty.initial.phi_rate=1e-9", "the angular velocity is given by omega"),
-    ],
+@each(
+    "radius, words",
+    ("uncertainty.initial.theta=1e-9", "the attitude is given by a quaternion"),
+    ("uncertainty.initial.phi_rate=1e-9", "the angular velocity is given by omega"),
 )
 def test_uncertainty_of_what_is_not_given(spin, radius, words):
     assert words in spin.refuse(FREE, "--check", radius, "output.columns=t,theta,theta_bound")
 
 
-@pytest.mark.parametrize(
-    ("effect", "most", "proved"),
-    [
-        ("rotor_momentum = 0.1, 0, 0", 1e-14, 25),
-        # The error of the integration; of the others nothing is claimed.
-        ("rotor_momentum = 0, 0, 0.1", 1e-8, 5),
-        ("friction_torque = 0.01", math.inf, 0),
-    ],
+@each(
+    "effect, most, proved",
+    ("rotor_momentum = 0.1, 0, 0", 1e-14, 25),
+    # The error of the integration; of the others nothing is claimed.
+    ("rotor_momentum = 0, 0, 0.1", 1e-8, 5),
+    ("friction_torque = 0.01", math.inf, 0),
 )
 def test_effects(spin, effect, most, proved):
     """A rotor, by the exact solution on the axis, integrated on another; no dry friction."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 
 NAME = "work_precision_slow_top"
 SLOW_TOP = (ROOT / f"input/{NAME}.nml").read_text()
@@ -75,13 +75,11 @@ def test_steps_alone(spin):
     assert coarse / fine > 2**4
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "methods", "code", "failed"),
-    [
-        ("1e-12,1e-13", "dop853", 3, "all 2 runs: 2"),
-        ("1e-3,1e-12", "dop853", 0, "1 of 2 runs: 1"),
-        ("1e-12,1e-13", "dop853,rk4", 0, "2 of 3 runs: 2"),
-    ],
+@each(
+    "tolerances, methods, code, failed",
+    ("1e-12,1e-13", "dop853", 3, "all 2 runs: 2"),
+    ("1e-3,1e-12", "dop853", 0, "1 of 2 runs: 1"),
+    ("1e-12,1e-13", "dop853,rk4", 0, "2 of 3 runs: 2"),
 )
 def test_runs_that_fail(spin, tolerances, methods, code, failed):
     """Where all do, or some, the summary begins with it; steps that are given need no limit."""
@@ -274,24 +272,22 @@ RK4 = "work_precision.methods=rk4"
 AXIS = ("sweep.from=1", "sweep.to=2", "sweep.count=2")
 
 
-@pytest.mark.parametrize(
-    ("settings", "part"),
-    [
-        (["work_precision.methods=tailor"], "did you mean 'taylor'"),
-        (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
-        ([RK4, "span.samples=8"], "7 intervals do not divide 100"),
-        (["integration.method=rk4"], "compares methods"),
-        (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
-        (["output.columns=t"], "the columns of this study are fixed"),
-        (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
-        (["work_precision.reference=exact"], "no exact solution"),  # of a body that has none
-        (["work_precision.repeats=0"], "work_precision.repeats"),
-        (["work_precision.tolerances=2"], "work_precision.tolerances"),
-        (["span.stop_at=maximum"], "to the end of its span"),
-        (["output.events=turning_points"], "only a trajectory has a table of events"),
-        (["sweep.parameter=integration.steps", *AXIS], "varies the steps"),
-        (["sweep.parameter=work_precision.repeats", *AXIS], "work_precision.repeats cannot vary"),
-    ],
+@each(
+    "settings, part",
+    (["work_precision.methods=tailor"], "did you mean 'taylor'"),
+    (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
+    ([RK4, "span.samples=8"], "7 intervals do not divide 100"),
+    (["integration.method=rk4"], "compares methods"),
+    (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
+    (["output.columns=t"], "the columns of this study are fixed"),
+    (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
+    (["work_precision.reference=exact"], "no exact solution"),  # of a body that has none
+    (["work_precision.repeats=0"], "work_precision.repeats"),
+    (["work_precision.tolerances=2"], "work_precision.tolerances"),
+    (["span.stop_at=maximum"], "to the end of its span"),
+    (["output.events=turning_points"], "only a trajectory has a table of events"),
+    (["sweep.parameter=integration.steps", *AXIS], "varies the steps"),
+    (["sweep.parameter=work_precision.repeats", *AXIS], "work_precision.repeats cannot vary"),
 )
 def test_refusals(spin, settings, part):
     scene = SKEW if "=exact" in settings[0] else NAME
@@ -302,18 +298,16 @@ HEAD = "t,q0,q1,q2,q3,omega1,omega2,omega3\n"
 ROW = "0,0.995184726672197,0.098017140329561,0,0,0,0,1\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "part"),
-    [
-        ("t,q0\n0,1\n", "no column q1"),
-        (HEAD + ROW, "1 rows"),
-        (HEAD + ROW + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
-        (HEAD + ROW + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
-        (HEAD + ROW.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
-        (HEAD + ROW + "6.66,1,0,0,x,0,0,1\n", "x"),
-        (HEAD + ROW + "6.66,1,0\n", "the row ends before q2"),
-        ("", "the table is empty"),
-    ],
+@each(
+    "text, part",
+    ("t,q0\n0,1\n", "no column q1"),
+    (HEAD + ROW, "1 rows"),
+    (HEAD + ROW + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
+    (HEAD + ROW + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
+    (HEAD + ROW.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
+    (HEAD + ROW + "6.66,1,0,0,x,0,0,1\n", "x"),
+    (HEAD + ROW + "6.66,1,0\n", "the row ends before q2"),
+    ("", "the table is empty"),
 )
 def test_tables_that_are_no_reference(spin, text, part):
     table = spin.folder / "reference.csv"

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import ROOT, Run, Spin, execute, output
+from conftest import ROOT, Run, Spin, each, execute, output
 from mechanics import rotation, runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
@@ -145,7 +145,7 @@ def test_additions_are_short() -> None:
     assert sum(map(added, ADDITIONS)) < MOST_LINES
 
 
-@pytest.mark.parametrize("name", COLUMNS_ADDED)
+@each("name", *COLUMNS_ADDED)
 def test_column_is_a_line(name: str) -> None:
     """A line of the registry, its number, and where that is computed."""
     assert added(name) <= MOST_OF_COLUMN
@@ -175,7 +175,7 @@ def test_lists_have_them(copy: Spin) -> None:
     assert "com_z_max" in call(copy, "list", "columns").out
 
 
-@pytest.mark.parametrize("inertia", [SMOOTH, SKEW], ids=["principal", "tensor"])
+@each("inertia", SMOOTH, SKEW, ids=["principal", "tensor"])
 def test_effect_changes_the_motion(copy: Spin, inertia: np.ndarray) -> None:
     """By slopes and by series, also in quadruple precision, as another integration says."""
     expected = path(inertia, decaying)[-1]
@@ -195,9 +195,7 @@ def test_effect_of_loads_alone(copy: Spin) -> None:
         assert "those with these effects have none" in error
 
 
-@pytest.mark.parametrize(
-    ("key", "moment"), [("decaying_torque", decaying), ("fading_torque", fading)]
-)
+@each("key, moment", ("decaying_torque", decaying), ("fading_torque", fading))
 def test_sweep_takes_the_effect_one_by_one(copy: Spin, key: str, moment: Moment) -> None:
     """Lanes leave the cases that they do not know."""
     text = scene(

@@ -3,9 +3,7 @@
 import math
 from pathlib import Path
 
-import pytest
-
-from conftest import ROOT, Spin, listed
+from conftest import ROOT, Spin, each, listed
 from plot_case import a_trajectory
 from reporting.live_link import live_link
 from spintop_figures.motion.reduced import find_reduced
@@ -79,7 +77,7 @@ def test_figures_with_assumptions() -> None:
     assert names == reduced | {"residuals", "drift", "sweep", "table1"}
 
 
-@pytest.mark.parametrize("key", SIZES)
+@each("key", *SIZES)
 def test_effects(folder: Path, key: str) -> None:
     """Each effect breaks the assumptions of figures and of the live top."""
     value = ",".join([f"{STRONG.get(key, 0.02)}"] * SIZES[key])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, execute
+from conftest import ROOT, each, execute
 
 ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
 SAID = [
@@ -81,18 +81,16 @@ def test_fpm_sees_no_examples(checkout: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("source", "level"),
-    [
-        ("././src/studies/job.f90", "-O1"),
-        ("./src/studies/sweep/engines/deep.f90", "-O1"),
-        ("src/studies/fit/fit_model.f90", "-O3"),
-        ("././src/studies/trial.f90", "-O3"),
-        ("././src/studies_of_mine/job.f90", "-O3"),
-        ("././src/top/body.f90", "-O3"),
-        ("././app/main.f90", "-O1"),
-        ("-o build/program", "-O3"),
-    ],
+@each(
+    "source, level",
+    ("././src/studies/job.f90", "-O1"),
+    ("./src/studies/sweep/engines/deep.f90", "-O1"),
+    ("src/studies/fit/fit_model.f90", "-O3"),
+    ("././src/studies/trial.f90", "-O3"),
+    ("././src/studies_of_mine/job.f90", "-O3"),
+    ("././src/top/body.f90", "-O3"),
+    ("././app/main.f90", "-O1"),
+    ("-o build/program", "-O3"),
 )
 def test_levels(tmp_path: Path, source: str, level: str) -> None:
     """The last level that the compiler is given, for a file, and for a program that is linked."""
@@ -136,7 +134,7 @@ make_venv() {
 """A machine without compiler and venv; apt-get goes on until pip has begun."""
 
 
-@pytest.mark.parametrize("broken", ["", "yes"])
+@each("broken", "", "yes")
 def test_pip_beside_apt(checkout: Path, broken: str) -> None:
     """pip runs while apt-get installs what it does not need; a failure of that ends the set-up."""
     done = call(

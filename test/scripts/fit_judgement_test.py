@@ -5,6 +5,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
+from conftest import each
 from drawn_fits import REDUNDANT, draw_redundant
 
 TOP = {"mass": 1.2, "inertia": (0.9, 0.9, 0.4), "length": 0.7}
@@ -53,8 +54,8 @@ def late(result: spintop.Result) -> str:
     return "\n".join(line for line in lines if line.startswith("warning: "))
 
 
-@pytest.mark.parametrize("window", WINDOWS)
-@pytest.mark.parametrize("integration", METHODS, ids=str)
+@each("window", *WINDOWS)
+@each("integration", *METHODS, ids=str)
 def test_products_are_not_identifiable(integration: dict, window: float) -> None:
     """Of a top that is released, phi and theta depend on I3 psi_rate, theta on the ratios too."""
     t = np.linspace(window / 40, window, 40)
@@ -92,7 +93,7 @@ def test_spin_and_bias_of_a_constant_rotation() -> None:
         assert np.isnan(result.rows["standard_error"]).all()
 
 
-@pytest.mark.parametrize("integration", METHODS[:4], ids=str)
+@each("integration", *METHODS[:4], ids=str)
 def test_ill_conditioned_fits_succeed(integration: dict) -> None:
     """Where little, but something, tells the parameters apart, the truth is in wide intervals."""
     truth = {"top.inertia(1)": 0.9, "top.inertia(3)": 0.4, "initial.psi_rate": 11.0}
@@ -118,7 +119,7 @@ def check_rows(rows: spintop.results.Table) -> None:
         assert 0.5 * error < upper - estimate < 10 * error
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+@each("noise", 1e-4, 1e-2)
 def test_intervals_end_with_the_range(noise: float) -> None:
     """A damping that is 0: the interval begins at 0, where the range does, and has an end."""
     t = np.linspace(0.1, 4.0, 40)
@@ -209,7 +210,7 @@ def test_residuals_that_are_no_noise() -> None:
     assert "the residuals of omega3 are no noise" in found.summary
 
 
-@pytest.mark.parametrize("sigma", [None, 1e-3])
+@each("sigma", None, 1e-3)
 def test_rows_that_stand_out(sigma: float | None) -> None:
     """They are named, the worst with its row; with Huber's loss they move nothing."""
     truth = {"top.inertia(3)": 0.4, "initial.psi_rate": 11.0}

@@ -7,6 +7,7 @@ import pytest
 
 import python_library  # noqa: F401  # noqa: F401
 import spintop
+from conftest import each
 from drawn_fits import draw, draw_tumbling
 
 TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
@@ -39,7 +40,7 @@ def check(result: spintop.Result, **truth: float) -> None:
         assert np.isfinite(error)
 
 
-@pytest.mark.parametrize("off", [-0.016, -0.008, 0.003, 0.008, 0.016])
+@each("off", -0.016, -0.008, 0.003, 0.008, 0.016)
 def test_a_long_motion_from_afar(off: float) -> None:
     """Over 500 nutations a start 0.2 % off is a whole one late at the end; windows lead there."""
     t = np.linspace(0, 30, 3001)
@@ -136,15 +137,13 @@ def test_wrapped_angles_and_missing_readings() -> None:
         spintop.fit(data, unknown, BESIDE)
 
 
-@pytest.mark.parametrize(
-    ("column", "scale", "offset"),
-    [
-        ("psi", 4096 / (2 * np.pi), 0.0),
-        ("psi", -1000 / (2 * np.pi), 7.0),
-        ("psi_deg", 1.0, 0.0),
-        ("psi_deg", 100 / 360, -50.0),
-        ("psi_turn", 4096.0, 0.0),
-    ],
+@each(
+    "column, scale, offset",
+    ("psi", 4096 / (2 * np.pi), 0.0),
+    ("psi", -1000 / (2 * np.pi), 7.0),
+    ("psi_deg", 1.0, 0.0),
+    ("psi_deg", 100 / 360, -50.0),
+    ("psi_turn", 4096.0, 0.0),
 )
 def test_wrapped_columns_of_any_unit_and_scale(column: str, scale: float, offset: float) -> None:
     """Counts of an encoder give the fit of radians: they repeat after a turn of the scale."""
@@ -195,7 +194,7 @@ def test_the_end_is_not_worse_than_the_start() -> None:
             assert abs(found[0] - start["omega3"]) < 6 * found[1], (number, result.summary)
 
 
-@pytest.mark.parametrize("start", [8.79, 8.80])
+@each("start", 8.79, 8.80)
 def test_a_start_at_the_truth_is_kept(start: float) -> None:
     """Windows of rows lead this motion away from where all rows lead at once."""
     top = {"mass": 1.0, "inertia": (5.25, 4.17, 1.34), "length": 0.2736, "damping": (0.0288,) * 3}
@@ -212,7 +211,7 @@ def test_a_start_at_the_truth_is_kept(start: float) -> None:
         check(spintop.fit(data, ["initial.omega3"], given, sigma=0.05), initial__omega3=8.79)
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@each("side", 1, -1)
 def test_a_start_beyond_the_pole(side: int) -> None:
     """A pendulum close to hanging: the search goes on where theta ends, and says so."""
     t = np.linspace(0, 4, 401)
@@ -275,7 +274,7 @@ def test_columns_of_other_units() -> None:
         assert both[name][1] < 1.05 * alone[name][1]
 
 
-@pytest.mark.parametrize("loss", ["squares", "huber", "tukey"])
+@each("loss", "squares", "huber", "tukey")
 def test_one_wrong_row(loss: str) -> None:
     """Of 10,000: least squares say that they are spoiled, robust losses reach the truth."""
     t = np.linspace(0, 20, 10_000)
@@ -313,16 +312,14 @@ def test_no_profile() -> None:
     assert np.isfinite([result.rows["lower"], result.rows["upper"]]).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
-        (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
-        (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
-        (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
-        (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
-        (lambda data: data.pop("t"), "no times"),
-    ],
+@each(
+    "change, message",
+    (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
+    (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
+    (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
+    (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
+    (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
+    (lambda data: data.pop("t"), "no times"),
 )
 def test_mistakes_are_named(change, message: str) -> None:
     """What is no measurement of a motion is refused by name, without a file of the package."""

@@ -12,7 +12,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
-from conftest import MISSING, ROOT
+from conftest import MISSING, ROOT, each
 from figure_checks import texts
 from spintop import animation
 from spintop.library import library
@@ -81,7 +81,7 @@ def run_as_files(path: Path, folder: Path) -> spintop.Result:
         raise
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@each("name", *STUDIES)
 def test_as_files(name: str, folder: Path) -> None:
     """The figures of a result are those of the files of the same run."""
     path = changed(name, folder)
@@ -100,7 +100,7 @@ def test_as_files(name: str, folder: Path) -> None:
         assert texts(again) == texts(figure), key
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@each("name", *STUDIES)
 def test_tables(name: str, folder: Path) -> None:
     """A result has all tables that the run writes, each with the lines that are no rows."""
     path = changed(name, folder)

@@ -18,7 +18,7 @@ import pytest
 
 import python_library  # noqa: F401  # noqa: F401
 import spintop
-from conftest import EXE, ROOT, Spin, execute, texts
+from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
 from spintop.levels import NEEDED, chosen_folder, features, levels_of
@@ -500,7 +500,7 @@ def make(body: str, effects: dict) -> spintop.Top:
     return spintop.Top(spintop.Body(mass=1.3, **BODIES[body]), effects=effects, **START)
 
 
-@pytest.mark.parametrize(("body", "effects"), KINDS)
+@each("body, effects", *KINDS)
 def test_tops(body: str, effects: dict) -> None:
     """Angles, forces, energies and derivatives at times are those among more times."""
     top = make(body, effects)

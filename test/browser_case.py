@@ -105,7 +105,6 @@ def shared_browser(flags: tuple[str, ...]) -> object:
 
 
 def open_browser(profile: Path, *flags: str) -> object:
-    """A browser without a window, driven by selenium."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -140,7 +139,6 @@ class BrowserCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make the page, and start the browser."""
         if not BROWSER:
             raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
         need_packages("three", "axe-core", esbuild_package())
@@ -226,16 +224,13 @@ class BrowserCase(unittest.TestCase):
         return section.find_elements("css selector", selector)
 
     def part(self, section: object, name: str) -> object:
-        """A part of a moving top."""
         return section.find_element("css selector", f"[data-part={name}]")
 
     def numbers(self, section: object) -> list[float]:
-        """The displayed values of t, phi, theta and psi."""
         texts = [self.part(section, name).text for name in ("t", "phi", "theta", "psi")]
         return [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
 
     def picture(self, section: object) -> bytes:
-        """A picture of the drawing."""
         return self.part(section, "stage").screenshot_as_png
 
     @contextlib.contextmanager
@@ -252,7 +247,6 @@ class LiveCase(BrowserCase):
     make_page = staticmethod(make_live_page)
 
     def setUp(self) -> None:
-        """Open the page on a desktop's screen; nothing moves or scrolls by itself."""
         self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
         self.open(self.page)
 
@@ -268,7 +262,6 @@ class LiveCase(BrowserCase):
         return self.browser.find_element("css selector", "section.live")
 
     def text(self, name: str) -> str:
-        """What a part says."""
         return self.part(self.section, name).get_property("textContent")
 
     def choose(self, preset: str) -> None:
@@ -291,9 +284,7 @@ class LiveCase(BrowserCase):
         box.send_keys(text)
 
     def wait_for_text(self, name: str, words: str) -> None:
-        """Wait until a part says this."""
         wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")
 
     def wait_for_class(self, name: str) -> None:
-        """Wait until the motion is of this class."""
         wait_for(lambda: self.text("class") == name, f"{name} instead of {self.text('class')}")

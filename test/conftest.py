@@ -36,8 +36,7 @@ MISSING = "this build has no FLINT"
 
 MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 MPI = {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    **dict.fromkeys(("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"), "1"),
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
@@ -88,7 +87,6 @@ CLOSED = GOOD[: GOOD.index("&integration")]
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Names as an input has them."""
     return ", ".join(f"'{name}'" for name in names)
 
 
@@ -133,7 +131,6 @@ class Run:
 
     @property
     def rows(self) -> pd.DataFrame:
-        """The rows of the table of the input."""
         return self.table()
 
     @property
@@ -378,7 +375,6 @@ def wait_until(seen: Callable[[], bool], limit: float = 300) -> None:
 
 
 def listed(topic: str) -> list[dict]:
-    """The entries of a list of the program, for parameters of tests."""
     return Spin(ROOT).listed(topic)
 
 
@@ -439,7 +435,6 @@ class Counts:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option of scripts/test."""
     parser.addoption("--counts", action="store_true", help='end with "N passed, N failed"')
 
 

@@ -241,12 +241,10 @@ class TableCase(unittest.TestCase):
         return read_table(self.put("a.csv", text))
 
     def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input with settings."""
         shutil.copytree(computed(name, *settings), self.folder, dirs_exist_ok=True)
         return read_table(self.folder / f"{name}.csv")
 
     def refusal(self, name: str, table: Table) -> str:
-        """Why a table has no figure of this name."""
         return next(kind for kind in FIGURES if kind.name == name).refusal(table)
 
     def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:

@@ -89,7 +89,6 @@ class Writer:
         self.groups: Groups = {}
 
     def chance(self, probability: float) -> bool:
-        """Whether something of this probability happens."""
         return self.random.random() < probability
 
     def pick(self, choices: list[str] | tuple[str, ...]) -> str:
@@ -210,7 +209,6 @@ class Writer:
             self.put("effects", **keys)
 
     def span(self) -> None:
-        """The time span, and what ends it."""
         if not self.general and self.chance(0.3):
             self.put("span", nutations=self.number(0.1, 3))
         else:
@@ -219,7 +217,6 @@ class Writer:
             self.put("span", stop_at=self.pick(EVENTS), stop_after=self.random.randint(1, 3))
 
     def method(self) -> tuple[str, str]:
-        """A method, and a formulation that it runs under."""
         method = self.pick((*self.words.fixed, *self.words.adaptive, "auto", "exact"))
         allowed = self.words.formulations.get(method) or ("rigid_body", "space_frame", *PAPER)
         if self.general:
@@ -325,7 +322,6 @@ class Writer:
                     self.put("statistics", **{"from": 0.0, "to": 3.2})
 
     def range_of(self, key: str) -> tuple[float, float]:
-        """Values that a key may have, around that of the input."""
         group, _, name = key.partition(".")
         if key == "top.inertia(3)":
             middle = float(self.groups["top"]["inertia"].split(", ")[2])
@@ -378,7 +374,6 @@ LONG = ("lyapunov_exponent", "orientation_error")
 
 
 def plausible_input(program: str, seed: int) -> str:
-    """An input that is likely to be accepted."""
     return Writer(program, seed).plausible()
 
 

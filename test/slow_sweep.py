@@ -55,7 +55,6 @@ class Sweep:
 
     @contextmanager
     def start(self, *words: str | Path, **options: object) -> Iterator[subprocess.Popen[str]]:
-        """Start it on one thread, and do not wait for it."""
         given = (self.name, *self.words, "--threads", "1", *words)
         with self.spin.start(*given, **self.options | options) as run:
             yield run
@@ -66,7 +65,6 @@ class Sweep:
         return self.spin.journalled(self.table)
 
     def wait(self, run: subprocess.Popen[str], rows: int) -> None:
-        """Wait until the journal has so many rows."""
         wait_until(lambda: self.rows >= rows or run.poll() is not None)
         assert self.rows >= rows, "the run ended too early"
 

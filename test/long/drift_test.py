@@ -82,8 +82,6 @@ class DriftTest(unittest.TestCase):
                     self.assertLess(late, LARGEST_NORM)
 
     def follow(self, kind: str, formulation: str, more: str, symmetric: bool) -> None:
-        """Motions, each on its own."""
-
         def errors_of(k: int) -> dict[str, list[float]]:
             span = f"t_end = {NUTATIONS * PERIOD}  samples = {SAMPLES}"
             text = scene(start_of(k, symmetric), formulation, span, more)

@@ -138,7 +138,6 @@ def growth_of(folder: Path, name: str, case: dict[str, str] | None = None) -> fl
 
 
 def is_symmetric(table: Outcome) -> bool:
-    """Whether the body of a table is a symmetric top without damping."""
     inertia = table.setting("inertia").split(", ")
     return len(set(inertia[:2])) < 2 and not table.setting("damping")
 

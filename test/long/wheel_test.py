@@ -90,8 +90,6 @@ def levels() -> list[str]:
 
 @unittest.skipIf(platform.machine() != "x86_64", "the levels are those of x86-64")
 class WheelTest(unittest.TestCase):
-    """The wheel of this checkout."""
-
     folder: ClassVar[Path]
     wheel: ClassVar[Path]
     site: ClassVar[Path]
@@ -112,7 +110,6 @@ class WheelTest(unittest.TestCase):
         (cls.folder / "answer.py").write_text(ANSWER, encoding="utf-8")
 
     def answer(self, level: str) -> dict:
-        """What the installed package answers at a level."""
         paths = os.pathsep.join(map(str, (self.site, Path(np.__file__).parents[1])))
         environment = {"PATH": os.environ["PATH"], "PYTHONPATH": paths, "SPINTOP_LEVEL": level}
         words = (self.folder / "answer.py", self.folder / "scene.nml")
@@ -120,7 +117,6 @@ class WheelTest(unittest.TestCase):
         return json.loads(done.stdout)
 
     def by_program(self, level: str) -> dict[str, list[str]]:
-        """The table of the program for a level."""
         folder = self.folder / level
         words = (ROOT / f"build/shared_{level}/spintop", "--quiet", "-o", folder)
         execute(*words, self.folder / "scene.nml", environment={"SPINTOP_LEVEL": level})

@@ -21,7 +21,6 @@ STOPS += ("stop_at = 'omega3 = 0.5'",)
 
 
 def named(name, values):
-    """The components of a vector."""
     return {f"{name}({i})": value for i, value in enumerate(values, 1)}
 
 
@@ -92,8 +91,6 @@ COLUMNS = [
 
 
 class Sweep:
-    """Sweeps over tables of cases."""
-
     def __init__(self, spin, columns, span, effects):
         self.spin = spin
         self.text = (
@@ -109,15 +106,8 @@ class Sweep:
         run = self.spin(self.text, "--restart", f"--threads={threads}", code=(0, 3), cases=table)
         return rows_of(run.path)
 
-    def shards(self, parts):
-        """The rows of the cases of the last run in as many shards."""
-        names = self.spin.parts(self.text, parts, "--restart", code=(0, 3))
-        merged = self.spin.call("merge", "merged.csv", *names, path="merged.csv", code=(0, 3))
-        return rows_of(merged.path)
-
 
 def rows_of(path):
-    """The rows of a table, without the first cell of each."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [line.split(",", 1)[1] for line in lines if not line.startswith("#")][1:]
 
@@ -137,7 +127,9 @@ def test_any_neighbour(spin, affected, span):
     assert sum(",ok," in row for row in known) > CASES / 2
     for threads in (2, 3):
         assert sweep.rows(cases, threads) == known
-    assert sweep.shards(3) == known
+    parts = spin.parts(sweep.text, 3, "--restart", code=(0, 3))
+    merged = spin.call("merge", "merged.csv", *parts, path="merged.csv", code=(0, 3))
+    assert rows_of(merged.path) == known
     for size in [CASES, *(rng.randint(1, 64) for _ in range(BLOCKS))]:
         order = rng.sample(range(CASES), size)
         assert sweep.rows([cases[i] for i in order]) == [known[i] for i in order]

@@ -39,7 +39,6 @@ def test_drawn_sweeps(spin, combine):
 
 @each("cases", 1, 2, 3)
 def test_a_latin_hypercube_of_a_few_cases(spin, cases):
-    """One case in each stratum."""
     thetas = spin(HYPERCUBE, f"sweep.cases={cases}").rows["initial.theta_deg"]
     assert sorted(int((x - 10) / 160 * cases) for x in thetas) == list(range(cases))
 
@@ -89,7 +88,6 @@ def test_method_of_the_header(spin):
 
 
 def test_whole_numbers(spin):
-    """Numbers of steps as an axis: whole, given or drawn."""
     text = SWEEP + "&integration method = 'rk4' /\n" + output("evaluations")
     text += "&sweep parameter(1) = 'integration.steps', from(1) = 10, to(1) = 1000,"
     given = text + " count(1) = 3, spacing(1) = 'log' /\n"
@@ -239,7 +237,6 @@ def test_check_forecasts(spin):
 
 
 def test_check_tells_of_the_axes(spin):
-    """The number of cases, their combination, the first and the last values."""
     said = spin("random_tops", "--check").out
     assert "4000 cases: a Latin hypercube sample with seed 2012" in said
     assert "initial.theta_deg: any value from 5 to 175; first case " in said
@@ -319,7 +316,6 @@ TWO = "initial.theta,top.mass\n0.5,1\n"
     (TWO + "x,1\n0.5,-1\n", ["cases.csv:3:1: ", "cases.csv:4:5: ", "2 errors"]),
 )
 def test_bad_tables(spin, text, parts):
-    """Messages with place, error and hint, in the order of the places."""
     error = spin.refuse(TABLE, **({"cases": text} if text is not None else {}))
     places = [error.index(part) for part in parts]
     assert places == sorted(places)

@@ -28,7 +28,6 @@ ACCURACY = 1e-5
 
 
 def how(method):
-    """The keys of a method that integrates a rigid body, with its steps or tolerances."""
     control = "relative_tolerance = 1e-10  absolute_tolerance = 1e-10"
     if method["kind"] == "fixed":
         control = "steps = 3000"
@@ -112,7 +111,6 @@ def test_beside_the_plane(spin, miss):
 
 
 def test_trajectory_and_events(spin):
-    """Rows of a trajectory have the same turns by the exact solution and by methods."""
     found = {}
     for method in ("exact", "dop853", "taylor", "gauss_6"):
         steps = "steps = 4000" if method == "gauss_6" else ""

@@ -148,7 +148,6 @@ def test_wrong_inputs(driver, words, told):
 
 
 def errors_of(driver, kind):
-    """The errors that the driver tells of calls of a kind."""
     told = driver(kind, f"{TOP} {START} &span t_end = 1 /")
     return [line for line in told.splitlines() if "|" in line]
 

@@ -45,7 +45,6 @@ DERIVATIVES = [f"{name}__initial.psi_rate" for name in ("theta_deg", "theta")]
 @each("more", [], DERIVATIVES)
 @each("how", ["method=exact"], ["method=rk4", "steps=300"])
 def test_trajectory(spin, more, how):
-    """By the exact solution, by an integrator, of a table with derivatives."""
     names = [*SIZES, *(own for own, _, _ in SIZES.values()), *more]
     run = spin(TOP + SPAN + output(*names), *(f"integration.{setting}" for setting in how))
     check(run, SIZES)
@@ -58,7 +57,6 @@ def test_trajectory(spin, more, how):
 
 
 def test_events(spin):
-    """The level of an event, and the columns of its table."""
     settings = "output.events=theta_deg = 36 rising", "span.stop_at=t_ms = 2500"
     run = spin(TOP + SPAN + output("t_ms", "t", "theta_deg"), *settings)
     assert run.rows.t_ms.iloc[-1] == 2500
@@ -134,7 +132,6 @@ def test_table_of_cases(spin):
 
 @each("value", "12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm")
 def test_overrides(spin, value):
-    """A number with its unit in an override, with quotes and without."""
     row = spin(TOP + SPAN, f"initial.psi_rate={value}").rows.iloc[0]
     assert row.psi_rate == pytest.approx(0.4 * math.pi, abs=1e-15)
 
@@ -157,7 +154,6 @@ RATE = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'initial.psi_ra
 
 
 def measured(spin, names, noise=None):
-    """Measurements with these columns, as a table of numbers."""
     rows = spin(TOP + SPAN + output(*names)).rows
     source = np.random.default_rng(1)
     for name in names:

@@ -29,7 +29,6 @@ def test_results_are_in_the_axes_of_the_parts(spin):
 
 
 def test_the_header_is_the_input(spin):
-    """The resolved input repeats the groups; run again, it gives the same rows."""
     first = spin("composed_top", "span.samples=11")
     expected, text = first.rows, first.head
     assert text.count("&part") == 4
@@ -50,7 +49,6 @@ def test_an_inclined_top_is_exact(spin):
 
 
 def test_parts_are_swept(spin):
-    """A number of a part is an axis, by its place in the list of parts."""
     text = TOP.replace("kind = 'trajectory'", "kind = 'sweep'").replace("samples = 2001", "")
     text += "&sweep parameter(1) = 'part.mass(4)' from(1) = 0.001 to(1) = 0.004 count(1) = 4 /\n"
     rows = spin(text).rows
@@ -97,14 +95,12 @@ def inertia(points):
 
 
 def slope(_, state):
-    """The velocities of the points, and the torque of their weights."""
     points = state[:12].reshape(4, 3)
     omega = np.linalg.solve(inertia(points), state[12:])
     return np.append(np.cross(omega, points), np.cross(MASSES @ points, GRAVITY))
 
 
 def test_points_move_as_the_top_does(spin):
-    """The path of each point is that of the exact solution."""
     turn = attitude()
     points = POINTS @ turn.T
     omega = RATE * np.array([0, 0, 1.0]) + SPIN * turn[:, 2]

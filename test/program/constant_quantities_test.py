@@ -108,7 +108,6 @@ STILL = {
 @each("scene", *STILL)
 @each("method", "auto", "taylor", "dop853", "rk4")
 def test_no_events(spin, scene, method):
-    """A trajectory lists none, and a sweep has no period."""
     if (scene, method) == ("rubbing", "taylor"):
         return
     text = TOP.format("") + STILL[scene] + "&integration method = '" + method
@@ -152,7 +151,6 @@ def scene_of(formulation, k, nutations):
 
 
 def rate_of(k):
-    """The spin of the k-th top."""
     return 4.94 - 1.13 * k / (TOPS - 1)
 
 

@@ -82,7 +82,6 @@ def test_what_cannot_be_collected_fails(folder: Path, text: str) -> None:
 
 
 def test_a_suite_that_ends_python_fails(folder: Path) -> None:
-    """A good exit code of the suite itself is none of the tests."""
     code, lines = run_suite(folder, "def test_good():\n    pass\n\nexit(0)\n")
     assert code != 0
     assert "0 passed, 0 failed" in lines
@@ -95,7 +94,6 @@ def test_no_test_is_an_error(folder: Path) -> None:
 
 
 def test_a_suite_that_is_left_out_says_why(folder: Path) -> None:
-    """A module that skips itself is not a failure."""
     text = "import pytest\npytest.skip('no such thing here', allow_module_level=True)\n"
     code, lines = run_suite(folder, text)
     assert code == 0

@@ -70,7 +70,6 @@ class DamagedFilesTest(TableCase):
                     read_table(path)
 
     def test_comments_count(self) -> None:
-        """A line has its number in the file, whatever stands between the rows."""
         text = a_trajectory(["t", "theta"], count=3)
         lines = text.splitlines()
         lines[-2:-2] = ["# a remark", "", "0.5,bad"]
@@ -78,7 +77,6 @@ class DamagedFilesTest(TableCase):
             read_table(self.put("a.csv", "\n".join(lines) + "\n"))
 
     def test_names(self) -> None:
-        """A column that is there twice, and one without a name."""
         good = a_trajectory(["t", "theta", "psi"], count=2)
         with self.assertRaisesRegex(TableError, r"line \d+: there are two columns theta"):
             read_table(self.put("a.csv", good.replace("theta,psi", "theta,theta")))
@@ -157,7 +155,6 @@ class DamagedFilesTest(TableCase):
                 self.assertEqual(code, 2 if message else 0)
 
     def test_undrawable(self) -> None:
-        """An error in a figure is a message."""
         path = self.put("a.csv", a_trajectory())
         fault = ValueError(f"{RED}no\nx")
         with unittest.mock.patch("spintop_figures.files.save_as", side_effect=fault):
@@ -167,7 +164,6 @@ class DamagedFilesTest(TableCase):
         self.assertIn("a.csv: the angles figure cannot be drawn: ", words)
 
     def test_names_of_files(self) -> None:
-        """A name that is none in the encoding of the locale."""
         name = os.fsdecode(b"caf\xe9.csv")
         path = self.put(name, a_trajectory(["t", "R1", "R2", "R3", "R4"]))
         words = (sys.executable, SCRIPTS / "plot", path, self.folder / "no\udcff.csv")
@@ -180,7 +176,6 @@ class DamagedFilesTest(TableCase):
         self.assertEqual(made, {b"caf\xe9_residuals.svg"})
 
     def test_report(self) -> None:
-        """Problems of a study and names of its tables can be shown."""
         self.put(os.fsdecode(b"caf\xe9.csv"), a_sweep())
         self.put("huge.csv", a_trajectory(phi=1e308))
         self.put(f"{RED}.csv", "nothing")
@@ -197,7 +192,6 @@ class DamagedFilesTest(TableCase):
             self.check_words(problem)
 
     def test_damaged_bodies(self) -> None:
-        """A body that cannot be drawn is none."""
         line = "# body: mass {} kg; inertia {} kg m^2 about the pivot; centre of mass 0, 0, 2 m\n"
         bad = [("1", "1, 1"), ("1", "1, inf, 1"), *((m, "1, 1, 1") for m in ("x", "nan", "1e308"))]
         for mass, inertia in bad:
@@ -205,11 +199,9 @@ class DamagedFilesTest(TableCase):
             self.assertIsNone(read_body(read_table(self.put("a.csv", text))))
 
     def test_printable(self) -> None:
-        """Control characters are shown by their numbers."""
         self.assertEqual(printable("a\x1b\x9b\u202eé\udcff\n"), r"a\x1b\x9b\u202eé\xff\n")
 
     def check_run(self, code: int, *arguments: str | Path) -> str:
-        """The messages of the program, which ends with this code."""
         run = execute(EXE, *arguments, code=code, cwd=self.folder, errors="surrogateescape")
         self.check_words(run.stdout)
         self.check_words(run.stderr)
@@ -227,7 +219,6 @@ class DamagedFilesTest(TableCase):
         self.check_run(2, "merge", "all.csv", "p3.csv")
 
     def test_names_of_program(self) -> None:
-        """Nor one of a name, of a word of the command line or of an input."""
         self.check_run(2, f"{RED}.nml")
         self.check_run(2, f"--{RED}")
         self.check_run(2, "list", RED)
@@ -236,7 +227,6 @@ class DamagedFilesTest(TableCase):
         self.check_run(2, "--set", f"top.mass={RED}", path.name)
 
     def test_tables_of_cases(self) -> None:
-        """Nor one of a table of cases."""
         self.put("a.nml", MOTION)
         for text in (f"{RED}\n1", f"top.mass\n{RED}", "top.mass\n1\0", "\0", "top.mass\n\xff"):
             self.put("cases.csv", f"{text}\n")

@@ -24,7 +24,6 @@ SLIP, STUCK = 2.5, 5.5 + math.sqrt(4.5)
 
 @each("method", "taylor", "dop853", "ode45")
 def test_departure_and_rest(spin, method):
-    """They are found in their order, among events of columns."""
     wanted = "'t', 'omega3'  events = 'stuck', 'slip', 'knot', 'omega3 = 0.375'"
     text = DRIVEN.format("", f"method = '{method}'  relative_tolerance = 1e-12", wanted)
     events = spin(text, torque=TABLE).table("events")
@@ -39,7 +38,6 @@ def test_departure_and_rest(spin, method):
 
 
 def test_fixed_steps(spin):
-    """The rows of the table are found within steps, rest and departure to a step."""
     wanted = "'t'  events = 'stuck', 'slip', 'knot'"
     text = DRIVEN.format("", "method = 'gauss_8'  steps = 1111", wanted)
     at = spin(text, torque=TABLE).table("events").set_index("event").t

@@ -28,8 +28,6 @@ COLUMNS = [
 
 
 class Motion(NamedTuple):
-    """A trajectory: its rows, and the words of its last line."""
-
     rows: pd.DataFrame
     status: str
     time: float
@@ -58,7 +56,6 @@ def refused(spin, text, *words, **files):
 
 
 def tolerant(method, tolerance):
-    """The keys of a method with a relative tolerance."""
     return f"method = '{method}'  relative_tolerance = {tolerance}"
 
 
@@ -126,7 +123,6 @@ def test_quadruple(spin, name):
 
 
 def test_spin_down(spin):
-    """Dry friction with load, damping and drag about a fixed axis, to rest."""
     effects = "friction_torque = 0.02  friction_coefficient = 0.3  friction_radius = 0.01"
     effects += "  drag_moment = 0, 0, 0.003"
     start, span = "theta = 1  omega = 0, 0, 12", "t_end = 30  samples = 31"
@@ -288,7 +284,6 @@ def test_gyrocompass(spin):
     ("torque_body = 0.2, 0.1, 0.06", [0.1615452243395345, -0.5108514627490013, 5]),
 )
 def test_driven_bodies(spin, effects, omega):
-    """Closed forms of the angular velocity after 10 s."""
     start, span = "theta = 1  omega = 0.5, 0, 3", "t_end = 10  samples = 11"
     motion = move(spin, scene(FREE, start, span, effects))
     assert list(motion.last[OMEGA]) == pytest.approx(omega, abs=1e-12)
@@ -458,6 +453,5 @@ def test_refused_computations(spin, integration, word):
     ("rotor_momentum = 0, 0, 1", "", ("exact", "rotor")),
 )
 def test_choice_is_explained(spin, effects, integration, words):
-    """--check tells which model was taken, and what effects exclude."""
     said = " ".join(spin(scene(TOP, START, SPAN, effects, integration), "--check").out.split())
     assert all(word in said for word in words)

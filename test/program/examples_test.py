@@ -60,8 +60,6 @@ def nutations(spin):
 
 @pytest.fixture
 def example(spin):
-    """Compiles an example, and runs it: what it prints."""
-
     def run(name):
         command = (
             f". '{ROOT}/scripts/setup' && gfortran -std=f2008 -Wall -fopenmp"
@@ -93,7 +91,6 @@ def assert_close(found, expected, slack):
 
 
 def test_every_example_has_a_test():
-    """Each example has a test, and the manual names it."""
     names = {path.stem for path in (ROOT / "example").glob("*.f90")}
     of = "test_of_"
     tested = {name.removeprefix(of) for name in globals() if name.startswith(of)}
@@ -118,14 +115,12 @@ def test_every_procedure_has_an_example():
 
 
 def test_of_exact_motion(rows_of, rows_at):
-    """The attitude at three instants."""
     for t, *angles in rows_of("exact_motion", 3):
         row = rows_at(TOP, "theta = 0.2  psi_rate = 1", t, "phi", "theta", "psi").iloc[1]
         assert list(np.cos(row[1:] - angles)) == pytest.approx([1] * 3, abs=1e-14)
 
 
 def test_of_any_body(rows_of, rows_at):
-    """The inclination of a damped body without symmetry."""
     for t, theta in rows_of("any_body", 5)[:4]:
         rows = rows_at(SKEW.format(0.7, 0.01), "theta = 0.2  psi_rate = 5", t, "theta")
         assert_close(theta, rows.theta[1], 1e-8)
@@ -169,7 +164,6 @@ def test_of_accuracy(rows_of):
 
 
 def test_of_nutation(example, rows_of, nutations):
-    """Range and period of the nutation of a top released at rest."""
     rows = rows_of("nutation", 4)
     expected = nutations(0.5, [row[0] for row in rows])
     for (_, theta, *found), row in zip(rows, expected, strict=True):
@@ -180,7 +174,6 @@ def test_of_nutation(example, rows_of, nutations):
 
 
 def test_of_many_tops(rows_of, nutations):
-    """The same for many tops together."""
     (count,), *rows = rows_of("many_tops", 9)
     assert count == 400
     for row, expected in zip(rows, nutations(0.5, [row[0] for row in rows]), strict=True):
@@ -290,7 +283,6 @@ def test_of_sensitivity(rows_of, rows_at):
 
 
 def test_of_methods(spin, example):
-    """The combinations are those that the program lists."""
     expected = {entry["name"]: entry["formulations"] for entry in spin.listed("methods")}
     del expected["exact"]  # it has no steps
     lines = example("methods").splitlines()

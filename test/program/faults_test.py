@@ -148,14 +148,12 @@ class Faulty:
 
 @pytest.fixture
 def faulty(spin, preload) -> Faulty:
-    """The program, and the faults it meets."""
     if KIND == "sanitized":
         pytest.skip("the sanitizers have an allocator of their own")
     return Faulty(spin, preload(FAULTS))
 
 
 def kinds_of(call: str) -> tuple[tuple[int, bool], ...]:
-    """The faults of a call: the error, and whether it lasts."""
     if call == "memory":
         return ((errno.ENOMEM, False),)
     faults = ((errno.EIO, False), (errno.ENOSPC, True))

@@ -30,7 +30,6 @@ GOOD_ENDS = {entry["name"] for entry in listed("statuses") if entry["good"]}
 
 
 def formats():
-    """The options of the formats that this build writes, without and with --resume."""
     ways = [[]] if netcdf_is_missing() else [[], [NETCDF]]
     return [[*way, *more] for way in ways for more in ([], ["--resume"])]
 
@@ -71,7 +70,6 @@ def test_statistics(spin, keys, good, output):
 @each("keys, good", *ENDS)
 @each("output", WITH_ROWS, STATISTICS + WITHOUT_ROWS, ids=["rows", "no rows"])
 def test_parts(spin, keys, good, output):
-    """Each part of a sweep has the code of its own cases."""
     for options in ([], ["--resume"]):
         for part, code in ((1, 0), (2, 0), (3, 0 if good else FAILED)):
             spin(SWEEP + output + keys, f"--shard={part}/3", *options, code=code)

@@ -141,7 +141,6 @@ def test_formulas(spin):
 
 
 def test_estimators_of_the_rows(spin):
-    """Estimates and intervals are those that follow from the rows."""
     run = compute(spin, KNOWN)
     for name in ("theta_max", "precession_period"):
         expected, errors = with_errors(run.rows[name].to_numpy().reshape(-1, 5))
@@ -167,7 +166,6 @@ def test_groups_without_values(spin):
 
 
 def test_vector(spin):
-    """The components of a vector are one factor."""
     factors, numbers = found(compute(spin, VECTOR), "theta_end")
     assert factors == ["initial.quaternion", "initial.omega3"]
     assert (numbers[:, 6] == 16).all()
@@ -227,7 +225,6 @@ def test_refusals(spin, text, words):
 
 
 def test_check(spin):
-    """--check tells factors and groups, and its namelist is complete."""
     said = spin(KNOWN, "--check").out
     assert "Sobol' indices of 3 factors from 2048 groups of 5 cases" in said
     resolved = said[said.index("&study") :]

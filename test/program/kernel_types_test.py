@@ -48,12 +48,8 @@ def constant(module, name):
 pytestmark = pytest.mark.skipif(
     not (shutil.which("gfortran") and shutil.which("gcc")), reason="no gfortran or no gcc"
 )
-NAMES = {
-    f"spintop_{name}"
-    for name in re.findall(
-        r"^(?:PROCEDURE|FUNCTION)\((\w+),", (KERNELS / "kernel_list.h").read_text("utf-8"), re.M
-    )
-}
+LIST = (KERNELS / "kernel_list.h").read_text(encoding="utf-8")
+NAMES = {f"spintop_{name}" for name in re.findall(r"^(?:PROCEDURE|FUNCTION)\((\w+),", LIST, re.M)}
 DECLARATIONS = {
     found[2]: found[0]
     for path in ROOT.glob("src/**/*.f90")

@@ -79,7 +79,6 @@ def test_too_small_a_stack_is_refused(spin):
 @each("name", "OMP_STACKSIZE", "GOMP_STACKSIZE")
 @each("text, kilobytes", ("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0))
 def test_too_small_stacks_of_threads(spin, name, text, kilobytes):
-    """As the variables of the environment give them."""
     error = spin(SWEEP, environment={name: text}, code=2).stderr
     assert f"a stack of {kilobytes} kB" in error
     assert "OMP_STACKSIZE" in error
@@ -176,7 +175,6 @@ def test_closed_streams_do_not_leak_into_files(spin, redirection, code):
 
 
 def test_errors_that_nobody_reads(spin):
-    """The exit code of wrong usage stays."""
     redirected(spin, "2>/dev/full", "--bad", code=2)
 
 

@@ -41,7 +41,6 @@ def listed(spin, *topic):
 
 
 def test_document(spin):
-    """It has all topics, in the order of the help."""
     whole = listed(spin)
     assert whole["format"] == 1
     version = re.escape(whole["version"])
@@ -160,7 +159,6 @@ def test_wrong_requests(spin, words, said):
 
 
 def test_no_topic(spin):
-    """Without one the topics are listed; an option may come first."""
     spin.call("list", "--json", "cases")
     alone = spin.call("list")
     assert alone.stderr == ""

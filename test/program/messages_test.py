@@ -5,6 +5,7 @@ import re
 import pytest
 
 from conftest import CLOSED, GOOD, ROOT, each, output
+from proof_test import HAS_FLINT, MISSING
 
 SWEEP = GOOD[: GOOD.index("&output")].replace("&top", "&study kind = 'sweep' /\n&top")
 DAMPED = GOOD.replace("&top", "&top damping = 0.1, 0.1, 0.1").replace("'lagrange'", "'auto'")
@@ -43,7 +44,6 @@ def test_control_characters(spin, key):
 
 
 def test_control_characters_of_a_file(spin):
-    """They are refused there too; letters of any language are text."""
     for character in CHARACTERS[:-1]:
         spin.refuse(f"{GOOD}&study title = 'a{character}b' /\n")
     title = "Kreisel \u00e4\u00df \u03b8"
@@ -75,10 +75,7 @@ HINTS = {
         ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad", UNITS),
         # Keys and columns that are elsewhere, or need something.
         ("span.rtol=1e-9", "did you mean 'relative_tolerance' in group &integration?"),
-        (
-            *("output.columns=t,lyapunov_exponent", "a trajectory has no column"),
-            "'lyapunov_exponent': sweeps and stability studies have it",
-        ),
+        ("output.columns=t,lyapunov_exponent", "'lyapunov_exponent': sweeps and stability studies"),
         (
             *("output.columns=t,time_s", "a trajectory has no column 'time_s': stability studies,"),
             "work-precision studies and studies of benchmarks have it",
@@ -206,7 +203,6 @@ def test_names_of_other_programs(spin):
     ("rk44", "rk4"),
 )
 def test_names_that_others_use(spin, name, own):
-    """Names of the methods in SciPy, MATLAB and textbooks."""
     assert f"did you mean '{own}'?" in hint(spin, GOOD, f"integration.method={name}")
     study = "study.kind=work_precision", "integration.method=auto"
     said = hint(spin, CLOSED, *study, f"work_precision.methods=rk4,{name}")
@@ -264,7 +260,6 @@ def test_every_case_of_a_sweep_is_looked_at(spin, lengths, warned):
 
 
 def test_what_damping_changes_is_not_constant(spin):
-    """Momentum and energy of the start."""
     said = spin(DAMPED, "--check").out
     assert "constants" not in said
     assert re.search(r"start +Lz = .* J s, E = .* J; the damping changes both", said)
@@ -327,3 +322,14 @@ def test_evaluations_do_not_count_comparisons(spin):
     runs = (spin(text, f"span.samples={samples}").texts for samples in (2, 101))
     few, many = (dict(zip(run.method, run.evaluations, strict=True)) for run in runs)
     assert few == many
+
+
+@pytest.mark.skipif(HAS_FLINT, reason="this build has FLINT")
+def test_a_build_without_flint(spin):
+    """A build without FLINT names what is missing, and computes everything else."""
+    error = spin.refuse(CLOSED, "--check", "output.columns=t,theta,theta_bound")
+    assert f"column 'theta_bound': {MISSING}" in error
+    assert "SPINTOP_FLINT=1 scripts/run" in error
+    assert MISSING in spin.refuse(CLOSED, "--check", "output.certified=.true.")
+    spin(CLOSED)
+    assert MISSING in spin.call("verify", "output/scene.csv", code=2).stderr

@@ -23,7 +23,6 @@ SLOWER = SLOW.replace(STEPS, MANY)
 
 
 def ranked(spin, *words, ranks=3, code=0):
-    """Run the program under ranks of one thread each."""
     return spin.call(*words, command=under(ranks), environment=MPI, code=code)
 
 
@@ -118,7 +117,6 @@ def test_several_inputs_and_parts(spin, slow):
 
 
 def test_under_slurm(spin, slow):
-    """The script, with stand-ins for sbatch and srun."""
     (spin.folder / "bin").mkdir()
     for name, body in (
         ("sbatch", 'until [[ $1 = */slurm_sweep.sh ]]; do shift; done; "$@" >log 2>&1; echo 17'),

@@ -29,14 +29,11 @@ OBLIQUE = """\
 &integration relative_tolerance = 1e-12 /
 """
 # Tops in closed form about body x, about body y below the pivot, about none of the body axes.
+OLD = "0.9, 0.5, 0.9  centre_of_mass = 0, 0.4, 0  damping = 3*0.01"
+SLANTED = OBLIQUE.replace("1, 0, 1 /", "1, 0.3, 1 /")
 ABOUT_OTHER_AXES = [
-    OBLIQUE.replace("0.9, 0.5, 0.9  centre_of_mass = 0, 0.4, 0  damping = 3*0.01", moments).replace(
-        "1, 0, 1 /", "1, 0.3, 1 /"
-    )
-    for moments in (
-        "0.25, 0.9, 0.9  centre_of_mass = 0.8, 0, 0",
-        "0.9, 0.25, 0.9  centre_of_mass = 0, -0.8, 0",
-    )
+    SLANTED.replace(OLD, moments.replace("at", "centre_of_mass ="))
+    for moments in ("0.25, 0.9, 0.9  at 0.8, 0, 0", "0.9, 0.25, 0.9  at 0, -0.8, 0")
 ]
 ABOUT_OTHER_AXES += [
     BODY[: BODY.index("mass = 2")]

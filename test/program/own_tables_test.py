@@ -48,7 +48,6 @@ FIXED = TOP + "&integration method = 'table:own.txt', steps = 9 /\n"
 
 
 def test_orders(spin):
-    """Each kind of table has its order, or its tolerance."""
     tables = {"eighths": EIGHTHS, "pair": PAIR, "diagonal": DIAGONAL}
     for name, text in tables.items():
         spin.write(text, f"{name}.txt")

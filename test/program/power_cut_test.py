@@ -79,7 +79,6 @@ class Disk:
         apply(self.names, change)
 
     def do(self, record: tuple) -> None:
-        """The calls of the program."""
         match record:
             case ("open", file, cuts, path):
                 name = self.name_of(path)
@@ -107,7 +106,6 @@ class Disk:
                 self.change("put", self.name_of(path), None)
 
     def sync(self, what: Node | str) -> None:
-        """A file or a folder is safe."""
         if isinstance(what, Node):
             what.safe, what.recent = what.content(), []
             return
@@ -140,7 +138,6 @@ def apply(names: dict[str, Node | None], change: tuple) -> None:
 
 
 def read_record(path: Path) -> Iterator[tuple]:
-    """The contents of a record, call by call."""
     data, at = path.read_bytes(), 0
     while at < len(data):
         end = data.index(b"\n", at)
@@ -222,7 +219,6 @@ def test_rows_then_entry_then_name(spin, record, sweep, reference):
 
 
 def test_every_table_is_safe_before_its_name(spin, record, sweep, reference):
-    """Trajectories, their events, parts, merged tables, other studies, NetCDF."""
     run = spin.folder / "run"
     scene = spin.write(GOOD.replace("columns =", "events = 'turning_points', columns ="))
     stability = "&study kind = 'stability' /\n"

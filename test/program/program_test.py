@@ -114,7 +114,6 @@ def test_all_inputs_are_checked_before_the_first_runs(spin):
 
 
 def test_a_grid_of_cases(spin):
-    """Its values, equally spaced and by ratios, with more cases than a block holds."""
     text = GOOD.replace("t_end = 0.5", "t_end = 0.05").split("&output")[0]
     text = text.replace("theta = 0.19634954084936207", "theta_deg = 5") + SWEPT
     text += "&sweep parameter(1) = 'initial.theta_deg', from(1) = 1,"
@@ -728,7 +727,6 @@ def test_a_table_outlives_a_refused_input(spin):
 @each("form", "lagrange", "euler")
 @each("theta", "0", "3.141592653589793")
 def test_a_start_at_a_pole(spin, form, theta):
-    """A status with its time, in a complete file, and exit code 3."""
     text = GOOD.replace("theta = 0.19634954084936207", f"theta = {theta}")
     run = spin(text, f"integration.formulation={form}", code=3)
     assert run.status == "pole at t = 0"

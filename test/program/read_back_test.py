@@ -19,16 +19,10 @@ EPSILON = 2.0**-52
 # Every numeric key of a body in general, and between what its values are drawn.
 ANY_BODY = {
     "top.mass": (0.5, 2),
-    "top.inertia(1)": (0.8, 1.2),
-    "top.inertia(2)": (0.8, 1.2),
-    "top.inertia(3)": (0.5, 1.2),
-    "top.centre_of_mass(1)": (-0.1, 0.1),
-    "top.centre_of_mass(2)": (-0.1, 0.1),
-    "top.centre_of_mass(3)": (-0.5, 0.5),
+    **{f"top.inertia({i})": (low, 1.2) for i, low in ((1, 0.8), (2, 0.8), (3, 0.5))},
+    **{f"top.centre_of_mass({i})": (-x, x) for i, x in ((1, 0.1), (2, 0.1), (3, 0.5))},
     "top.gravity": (0, 20),
-    "top.damping(1)": (0, 0.1),
-    "top.damping(2)": (0, 0.1),
-    "top.damping(3)": (0, 0.1),
+    **{f"top.damping({i})": (0, 0.1) for i in (1, 2, 3)},
     "initial.phi": (-9, 9),
     "initial.theta": (0.1, 3),
     "initial.psi": (-9, 9),
@@ -97,7 +91,6 @@ def rows_of(spin, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None
 
 
 def draw(draws, spin, names: Sequence[str], cases: int) -> list[list[float]]:
-    """Values of parameters at random, which are the table of cases."""
     ends = ANY_BODY | ANY_TENSOR
     rows = [[draws.uniform(*ends[name]) for name in names] for _ in range(cases)]
     rows_of(spin, names, rows)
@@ -126,7 +119,6 @@ def parameters(path: Path, names: Sequence[str]) -> list[list[float]]:
 
 
 def body(path: Path, skip: int) -> list[str]:
-    """The lines of a CSV table without its header and its first columns."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [line.split(",", skip)[-1] for line in lines if not line.startswith("#")]
 
@@ -248,7 +240,6 @@ def check(
 @each("axes", 1, 2, 3, 4)
 @each("combine", "grid", "zip")
 def test_grids_and_zips(spin, formats, draws, combine, axes):
-    """Each number of axes with each way to give their values."""
     kinds = ("values", "linear", "log")
     for turn in range(len(kinds)):
         given = []

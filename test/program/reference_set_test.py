@@ -57,7 +57,6 @@ def test_files_agree():
 
 @each("name", *NAMES)
 def test_files_of_a_motion_agree(name):
-    """Versions, licences, starts and rotations."""
     data, columns = read(name)
     assert (data["version"], data["licence"]) == (INDEX["version"], "CC0-1.0")
     assert list(columns) == list(data["columns"])
@@ -152,7 +151,6 @@ T, ATTITUDE, BODY_RATE = FREE["t"], stacked(FREE, Q), stacked(FREE, OMEGA)
 
 
 def judge(t, q, *omega, **conventions):
-    """The checker in Python, on trajectories whose errors are known."""
     return check(t, q, *omega, motion="free_asymmetric", **conventions)
 
 

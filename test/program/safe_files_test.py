@@ -45,7 +45,6 @@ int flock(int file, int operation) { (void)file; (void)operation; errno = ENOLCK
 
 
 def run_study(spin, kind, *options, code=0):
-    """Run a study, unless this build cannot."""
     if kind.endswith("netcdf") and (reason := netcdf_is_missing()):
         pytest.skip(reason)
     shutil.copy(ROOT / "input/fit.csv", spin.folder)
@@ -134,7 +133,6 @@ def slow(spin, preload):
 
 @pytest.mark.slow
 def test_two_runs(slow):
-    """The second is refused; the first goes on, and leaves no other file."""
     with slow.start() as first:
         slow.wait(first, 0)
         for words in ([], ["--resume"], ["--restart"]):

@@ -25,16 +25,10 @@ SWEEP = (
 ENDS = ("theta_end", "phi_end", "psi_end", "theta_rate_end")
 DATA = {
     "top.mass": 1.3,
-    "top.inertia(1)": 0.9,
-    "top.inertia(2)": 0.7,
-    "top.inertia(3)": 0.3,
+    **{f"top.inertia({i})": moment for i, moment in ((1, 0.9), (2, 0.7), (3, 0.3))},
     "top.gravity": 9.81,
-    "top.damping(1)": 0.02,
-    "top.damping(2)": 0.02,
-    "top.damping(3)": 0.02,
-    "initial.omega(1)": 0.5,
-    "initial.omega(2)": 0.3,
-    "initial.omega(3)": 4.0,
+    **{f"top.damping({i})": 0.02 for i in (1, 2, 3)},
+    **{f"initial.omega({i})": rate for i, rate in ((1, 0.5), (2, 0.3), (3, 4.0))},
     "span.t_end": 2.5,
 }
 

@@ -136,7 +136,6 @@ CLASSES = {
 @each("scene", *CLASSES)
 @each("method", ALONE, "method = 'dop853'")
 def test_class_alone(spin, scene, method):
-    """The class of a motion is the same without a search for its largest precession rate."""
     settings = f"&integration {method}  relative_tolerance = 1e-11 /\n&span t_end = 8 /\n"
     sweep = scene + settings + "&study kind = 'sweep' /\n"
     alone = list(spin(sweep + output("motion_class")).rows.motion_class)

@@ -188,7 +188,6 @@ def test_a_changed_netcdf_result_is_not_resumed(spin):
 
 
 def test_rows_and_parts(spin):
-    """The same numbers with rows and without; a part without its statistics is refused."""
     swept(spin, MAP, "--output=one")
     one, two, three = spin.parts(MAP, 3, "--output=parts", name="map", code=ANY)
     (spin.folder / "parts/map.2-of-3.statistics.state").unlink()
@@ -254,15 +253,13 @@ QUANTILES = "quantiles = 0, 0.1, 0.5, 1"
 NONE = "&output rows = 'none' /"
 SINGLE = SLOW.replace(SLOW[SLOW.index("&sweep") : SLOW.index("&statistics")], "")
 SINGLE = SINGLE.replace("'sweep'", "'trajectory'")
-COLUMNS_REFUSED = [
+REFUSED = [
     (STATISTICS_OF, "columns = 'theta_mx'", "there is no column 'theta_mx'", "'theta_max'?"),
     (STATISTICS_OF, "columns = 'theta_max', 'theta_max'", "named twice"),
     (STATISTICS_OF, "columns = 'com_z_min'", "the table has no column", "add it to output.columns"),
     (STATISTICS_OF, "columns = 'top.mass'", "top.mass is not swept"),
     (STATISTICS_OF, "columns = 'notes'", "has no statistics"),
     (STATISTICS_OF, "", "there are no columns of which statistics are computed"),
-]
-BINS_REFUSED = [
     (OVER, "over = 'initial.phi_rate', 'motion_class'", "has words, and no numbers"),
     (OVER, "over = 'initial.phi_rate', 'initial.phi'", "is not swept"),
     (OVER, "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1", "both quantities are the same"),
@@ -275,17 +272,23 @@ BINS_REFUSED = [
     ("from(2) = 0.1", "from(2) = 1.4999999999999998", "narrower than the spacing"),
     ("from(2) = 0.1  to(2) = 1.5", "from(2) = -1.7e308  to(2) = 1.7e308", "too far apart"),
     (OVER, "", "described, but not what they are over"),
-]
-OTHERS_REFUSED = [
     (QUANTILES, "quantiles = 0.5, 1.5", "must be in [0, 1]"),
     (QUANTILES, "quantiles = 0.5, 0.5", "do not increase"),
     (BINS, "", "there are no bins"),
     ("'bins' /", "'some' /", "all", "bins"),
     ("&output columns", "&output rows = 'none' columns", "there are no rows to have columns"),
 ]
+REFUSED = [(MAP, *row) for row in REFUSED] + [
+    (SLOW, SLOW[SLOW.index("&statistics") :], NONE, "nothing would be written"),
+    (SLOW, ROWS, "rows = 'some'", "all", "none"),
+    (SINGLE, NONE, "", "a trajectory has no statistics", "study.kind = 'sweep'"),
+    (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, "a trajectory always has its rows"),
+]
 
 
-def check_refused(spin, text, old, new, *words):
+@each("row", *REFUSED)
+def test_what_is_refused(spin, row):
+    text, old, new, *words = row
     assert old in text
     spin.write(text.replace(old, new), "map.nml")
     said = spin.refuse("map.nml")
@@ -294,27 +297,7 @@ def check_refused(spin, text, old, new, *words):
         assert word in said
 
 
-@each(
-    "old, new, words",
-    *[(old, new, words) for old, new, *words in COLUMNS_REFUSED + BINS_REFUSED + OTHERS_REFUSED],
-)
-def test_what_is_refused(spin, old, new, words):
-    check_refused(spin, MAP, old, new, *words)
-
-
-@each(
-    "text, old, new, words",
-    (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
-    (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
-    (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
-    (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
-)
-def test_rows_that_are_refused(spin, text, old, new, words):
-    check_refused(spin, text, old, new, *words)
-
-
 def test_check(spin):
-    """--check tells bins and memory, and its namelist is complete."""
     said = swept(spin, MAP, "--check").out
     assert "statistics 12 bins, 4 columns, about " in said
     assert "MB of memory" in said

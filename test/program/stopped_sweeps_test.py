@@ -15,7 +15,6 @@ STOP = "stop_at = 'turning_points'  stop_after = 3"
 @each("body", SYMMETRIC, ANY)
 @each("method", "auto", "taylor", "dop853")
 def test_growth_to_the_event(spin, body, method):
-    """Exponents and singular values are those up to the event."""
     columns = ["t_end", "largest_singular_value", "lyapunov_exponent"]
     if body == SYMMETRIC:
         columns += ["inherent_error"]

@@ -296,7 +296,6 @@ def test_damage_and_strangers_are_refused(slow):
 
 
 def test_two_runs_at_once(slow):
-    """The second is refused, with --resume or without; the first goes on."""
     with slow.start() as first:
         slow.wait(first, 0)
         for words in ([], ["--resume"]):
@@ -306,7 +305,6 @@ def test_two_runs_at_once(slow):
 
 
 def test_a_file_that_may_not_grow(slow):
-    """Exit code 4 and a message; without the limit it goes on."""
     said = slow(code=4, preexec_fn=files_of(200_000))
     assert "slow.csv.part: File too large" in said
     assert len(slow.read(PART)) == 200_000

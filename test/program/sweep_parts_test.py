@@ -52,7 +52,6 @@ def test_threads_and_parts(spin, text, parts):
 
 @pytest.mark.slow
 def test_three_parts_make_the_whole(spin):
-    """The same bytes, though one part was killed; in any order."""
     slow = Sweep(spin, table="output/slow.2-of-3.csv")
     one, two, three = parts_of("slow", 3)
     slow("--shard", "1/3")

@@ -115,12 +115,8 @@ def test_leftovers(spin, kind):
     for path in tables or [path for path in files if path.name.endswith("statistics.csv")]:
         left = [(".part",), (".new",)]
         if "events" not in path.name:
-            left += [
-                (".journal",),
-                (".journal.new",),
-                (".part", ".new"),
-                *STATES * (kind in ("statistics", "both")),
-            ]
+            left += [(".journal",), (".journal.new",), (".part", ".new")]
+            left += STATES * (kind in ("statistics", "both"))
         for endings in left:
             for ending in endings:
                 Path(f"{path}{ending}").write_text("# nothing\n")

@@ -18,7 +18,6 @@ SLOW_TOP = ROOT / "input/slow_top.nml"
 
 
 def show(spin, *words, columns=COLUMNS, **environment):
-    """Run the program on a terminal; what it shows."""
     try:
         ours, its = pty.openpty()
     except OSError as error:
@@ -151,7 +150,6 @@ def check(said):
 @each("text", GOOD, SWEEP)
 @each("options", [], ["--check"], ["--progress"])
 def test_every_kind_of_study(spin, text, options):
-    """Summaries, the explanation of --check, which is an input, and progress."""
     run = spin.call(spin.write(text, NAME), *options)
     check(run.out)
     if run.stderr:

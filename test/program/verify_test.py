@@ -33,7 +33,6 @@ ABOUT_X = """\
 
 
 def verify(spin, name, code=0):
-    """What is said of a table."""
     run = spin.call("verify", f"output/{name}.csv", code=code)
     return run.out + run.stderr
 
@@ -52,13 +51,11 @@ class Table:
         self.status = rest[len(self.rows) :]
 
     def edited(self, row, name, cell):
-        """The rows with another cell."""
         cells = self.rows[row].rstrip("\n").split(",")
         cells[self.names.index(name)] = cell
         return [*self.rows[:row], ",".join(cells) + "\n", *self.rows[row + 1 :]]
 
     def wrong(self, rows, words, status=None):
-        """These rows are wrong, and the message has these words."""
         status = self.status if status is None else status
         self.spin.write("".join([*self.head, *rows, *status]), "output/edited.csv")
         assert f"first wrong  {words}" in verify(self.spin, "edited", code=3)
@@ -69,7 +66,6 @@ def rows_of(lines):
 
 
 def test_parts_of_a_sweep(spin):
-    """Numbers are counted in parts as in the whole."""
     for part in (1, 2, 3):
         spin(SWEEP, f"--shard={part}/3")
     counted = [verify(spin, f"scene.{i}-of-3").split()[1] for i in (1, 2, 3)]

@@ -20,8 +20,6 @@ ANGLES = ("phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
 
 
 class Study(NamedTuple):
-    """The rows of a study, and what the program says of it."""
-
     rows: pd.DataFrame
     said: str
 
@@ -121,7 +119,6 @@ def test_what_auto_takes(spin):
 
 
 def motion(spin, columns, samples, *settings):
-    """The motion of the slow top as a trajectory."""
     kind = ("study.kind=trajectory", f"output.columns={columns}", f"span.samples={samples}")
     return spin(NAME, *kind, *settings)
 

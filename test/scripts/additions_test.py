@@ -65,7 +65,6 @@ Moment = Callable[[float], np.ndarray]
 
 
 def decaying(t: float) -> np.ndarray:
-    """Return the torque of the new effect."""
     return TORQUE * math.exp(-RATE * t)
 
 
@@ -96,7 +95,6 @@ def listed(values: np.ndarray) -> str:
 
 
 def scene(inertia: np.ndarray, effects: str, more: str) -> str:
-    """Return an input of the motion."""
     body = " ".join(f"inertia_tensor({i + 1},:) = {listed(inertia[i])}" for i in range(3))
     if inertia is SMOOTH:
         body = f"inertia = {listed(np.diag(inertia))}"

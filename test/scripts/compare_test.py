@@ -34,12 +34,9 @@ PROGRAMS = {program.module: program for program in (*SOLVERS, *ENGINES)}
 
 @pytest.mark.usefixtures("folder")
 class CompareCase(unittest.TestCase):
-    """Works in a folder that goes away."""
-
     folder: Path
 
     def put(self, more: str = "") -> Path:
-        """An input of a short motion."""
         path = self.folder / "short.nml"
         path.write_text(SHORT.format(more=more))
         return path
@@ -67,7 +64,6 @@ class CompareTest(CompareCase):
                 self.assertLess(found["orientation_error"], 1e-12)
 
     def test_symmetric(self) -> None:
-        """A symmetric top, whose body spintop gives."""
         problem = self.pose(self.put())
         self.assertEqual(problem.inertia, (0.875, 0.875, 0.25))
         self.assertEqual(problem.weight[:2], [0, 0])
@@ -81,14 +77,10 @@ class CompareTest(CompareCase):
         self.check(problem, 3, 16)
 
     def test_any_body(self) -> None:
-        """A damped body without symmetry, its centre of mass off the axes."""
-        more = "damping = 0.1, 0.2, 0.05"
-        path = self.put(more)
-        path.write_text(
-            path.read_text()
-            .replace("0.875, 0.875", "0.9, 0.7")
-            .replace("length = 0.8660254037844387", "centre_of_mass = 0.1, 0.2, 0.5")
-        )
+        path = self.put("damping = 0.1, 0.2, 0.05")
+        text = path.read_text().replace("0.875, 0.875", "0.9, 0.7")
+        centre = "centre_of_mass = 0.1, 0.2, 0.5"
+        path.write_text(text.replace("length = 0.8660254037844387", centre))
         problem = self.pose(path)
         self.assertFalse(problem.is_symmetric)
         self.check(problem, 1, 16)
@@ -105,7 +97,6 @@ class CompareTest(CompareCase):
             self.pose(ROOT / "input/map_spin_tilt.nml")
 
     def start(self, name: str) -> crew.Worker:
-        """A program, where it is there."""
         worker = crew.Worker(PROGRAMS[name])
         self.addCleanup(worker.stop)
         if absence := worker.absence():
@@ -149,7 +140,6 @@ class CompareTest(CompareCase):
                 self.solve(name, setting, limit)
 
     def test_engines(self) -> None:
-        """Each, where it is there."""
         for name, setting, limit in (
             ("spintop", 1e-12, 1e-10), ("scipy", 200, 1e-9), ("mujoco", 500, 1e-6),
             ("drake", 500, 1e-6), ("exudyn", 500, 1e-1),
@@ -232,7 +222,6 @@ class CompareTest(CompareCase):
         self.assertEqual(set(rows["program"]), {"spintop"})
 
     def test_complaints(self) -> None:
-        """An error has a message of one line, and nothing is written."""
         for arguments, message in (
             (["--programs", "scipi"], "there is no program scipi; there are SciPy, heyoka"),
             (["--engines", "--programs", "Mujoco"], "no program Mujoco; there are spintop"),
@@ -249,10 +238,7 @@ class CompareTest(CompareCase):
 
 
 class TableTest(unittest.TestCase):
-    """Errors, orders, summaries."""
-
     def test_errors(self) -> None:
-        """An attitude that is off, at any norm, and a run that was lost."""
         motion = MOTIONS[0]
         problem = dataclasses.replace(motion, truth=[[1.0, 0.0, 0.0, 0.0]] * motion.samples)
         still = [2.0, 0.0, 0.0, 0.0, *motion.omega]
@@ -304,7 +290,6 @@ class TableTest(unittest.TestCase):
         self.assertEqual([line.split(" | ")[1:] for line in lines], expected)
 
     def test_times_in_words(self) -> None:
-        """Three digits and a unit."""
         texts = {2.5e-7: "0.250 us", 9.996e-4: "1.00 ms", 0.0123: "12.3 ms", 123.4: "123 s"}
         for seconds, text in texts.items():
             self.assertEqual(table.as_time(seconds), text)

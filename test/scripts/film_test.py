@@ -49,8 +49,6 @@ def pixels_of(camera: Camera, picture: int) -> np.ndarray:
 
 @pytest.mark.usefixtures("folder")
 class FilmTest(unittest.TestCase):
-    """Films as files."""
-
     folder: Path
 
     def test_gif(self) -> None:
@@ -165,8 +163,6 @@ class FilmTest(unittest.TestCase):
 
 
 class PictureTest(unittest.TestCase):
-    """What is on a picture."""
-
     def test_trajectories_of_all_kinds(self) -> None:
         """Any body, damped or not, and a motion that an event ends."""
         for name in ("damped_top", "rigid_body_chaotic", "slow_top_events", "spinning_wheel"):

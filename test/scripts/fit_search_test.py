@@ -24,7 +24,6 @@ def noise(t: np.ndarray, deviation: float, seed: int = 0) -> np.ndarray:
 
 
 def estimates(result: spintop.Result) -> dict[str, tuple[float, float]]:
-    """Estimates and standard errors by the names of the parameters."""
     rows = result.rows
     values = zip(rows["estimate"].tolist(), rows["standard_error"].tolist(), strict=True)
     return dict(zip(rows["parameter"].tolist(), values, strict=True))
@@ -74,28 +73,15 @@ def test_a_camera() -> None:
     """The tip in pixels: scale, centre and the time of its clock are unknown."""
     t = np.linspace(0.1, 3, 291)
     axis = motion(t, "axis_x", "axis_y")
-    data = {
-        "t": t + 0.05,
-        "axis_x": 320 + 200 * axis.axis_x + noise(t, 0.5),
-        "axis_y": 240 - 200 * axis.axis_y + noise(t, 0.5, 1),
-    }
-    sensors = [
-        {"column": "axis_x", "offset": 310.0, "scale": 190.0},
-        {"column": "axis_y", "offset": 250.0, "scale": -190.0},
-    ]
+    data = {"t": t + 0.05, "axis_x": 320 + 200 * axis.axis_x + noise(t, 0.5)}
+    data["axis_y"] = 240 - 200 * axis.axis_y + noise(t, 0.5, 1)
+    sensors = [{"column": "axis_x", "offset": 310.0, "scale": 190.0}]
+    sensors += [{"column": "axis_y", "offset": 250.0, "scale": -190.0}]
     given = {**BESIDE, "sensor": sensors, "fit": {"time_offset": -0.04}}
     of_sensors = ["offset.axis_x", "scale.axis_x", "offset.axis_y", "scale.axis_y", "offset.t"]
     result = spintop.fit(data, ["initial.omega3", "initial.theta", *of_sensors], given)
-    check(
-        result,
-        initial__omega3=80.0,
-        initial__theta=1.0,
-        offset__axis_x=320.0,
-        scale__axis_x=200.0,
-        offset__axis_y=240.0,
-        scale__axis_y=-200.0,
-        offset__t=-0.05,
-    )
+    truth = dict(zip(of_sensors, (320.0, 200.0, 240.0, -200.0, -0.05), strict=True))
+    check(result, initial__omega3=80.0, initial__theta=1.0, **truth)
 
 
 def test_a_mounted_sensor() -> None:
@@ -113,11 +99,9 @@ def test_a_mounted_sensor() -> None:
         for i in (0, 1):
             data[vectors[i]] = readings[i] + noise(t, 0.1, 3 * j + i)
     unknown = ["initial.omega3", "mounting(1)", "mounting(2)", "mounting(3)"]
-    result = spintop.fit(
-        data, unknown, {**BESIDE, "initial": {"theta": 1.0, "omega3": 81.0}}, sigma=0.1
-    )
-    expected = dict(zip(unknown[1:], vector, strict=True))
-    check(result, **expected, initial__omega3=80.0)
+    given = {**BESIDE, "initial": {"theta": 1.0, "omega3": 81.0}}
+    result = spintop.fit(data, unknown, given, sigma=0.1)
+    check(result, **dict(zip(unknown, (80.0, *vector), strict=True)))
 
 
 def test_wrapped_angles_and_missing_readings() -> None:
@@ -201,9 +185,8 @@ def test_a_start_at_the_truth_is_kept(start: float) -> None:
     initial = {"theta": 1.17, "psi": 0.8, "phi_rate": 0.185, "theta_rate": -0.394}
     t = np.linspace(0, 220, 150)
     names = ("omega1", "omega2", "omega3")
-    true = spintop.Top(spintop.Body(**top), **initial, omega3=8.79).integrate(
-        t, names, relative_tolerance=1e-13
-    )
+    moving = spintop.Top(spintop.Body(**top), **initial, omega3=8.79)
+    true = moving.integrate(t, names, relative_tolerance=1e-13)
     for seed in range(4):
         source = np.random.default_rng(seed)
         data = {"t": t} | {name: true[name] + source.normal(0, 0.05, t.size) for name in names}
@@ -223,8 +206,7 @@ def test_a_start_beyond_the_pole(side: int) -> None:
     given["initial"] = {"theta": 3.13, "theta_rate": side * 0.66, "psi": np.pi * (side < 0)}
     unknown = ["top.inertia(1)", "initial.theta", "initial.theta_rate"]
     result = spintop.fit(data, unknown, given)
-    truth = {"initial__theta": np.pi - 0.003, "initial__theta_rate": 0.66}
-    check(result, **truth)
+    check(result, initial__theta=np.pi - 0.003, initial__theta_rate=0.66)
     assert abs(result.rows["estimate"][0] - 0.2325) < 4 * result.rows["standard_error"][0]
     assert ("beyond the pole" in result.warnings) == (side < 0)
 
@@ -245,11 +227,8 @@ def test_sigma_per_row_and_column() -> None:
     t = np.linspace(0, 3, 301)
     found = motion(t, "psi", "theta")
     sigma = np.where(t < 1, 0.002, 0.05)
-    data = {
-        "t": t,
-        "psi": found.psi + noise(t, 0.02),
-        "theta": found.theta + noise(t, 1.0, 1) * sigma,
-    }
+    theta = found.theta + noise(t, 1.0, 1) * sigma
+    data = {"t": t, "psi": found.psi + noise(t, 0.02), "theta": theta}
     unknown = ["initial.omega3", "initial.theta"]
     result = spintop.fit(data, unknown, BESIDE, sigma={"psi": 0.02, "theta": sigma})
     check(result, initial__omega3=80.0, initial__theta=1.0)
@@ -262,14 +241,11 @@ def test_columns_of_other_units() -> None:
     """Without sigma each column has its own deviation: rad and rad/s are not mixed."""
     t = np.linspace(0, 3, 301)
     found = motion(t, "theta", "omega1")
-    data = {
-        "t": t,
-        "theta": found.theta + noise(t, 0.001),
-        "omega1": found.omega1 + noise(t, 1.0, 1),
-    }
+    data = {"t": t, "theta": found.theta + noise(t, 0.001)}
     unknown = ["initial.omega3", "initial.theta"]
-    both = estimates(spintop.fit(data, unknown, BESIDE))
-    alone = estimates(spintop.fit({"t": t, "theta": data["theta"]}, unknown, BESIDE))
+    alone = estimates(spintop.fit(data, unknown, BESIDE))
+    both = {**data, "omega1": found.omega1 + noise(t, 1.0, 1)}
+    both = estimates(spintop.fit(both, unknown, BESIDE))
     for name in unknown:
         assert both[name][1] < 1.05 * alone[name][1]
 
@@ -294,11 +270,8 @@ def test_a_motion_that_does_not_explain() -> None:
     """Friction that the model has not: residuals that repeat, or a drift, are named."""
     t = np.linspace(0, 10, 1001)
     body = spintop.Body(**TOP, damping=(0, 0, 2e-6))
-    data = {
-        "t": t,
-        "theta": spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002),
-    }
-    result = spintop.fit(data, ["initial.omega3", "initial.theta"], BESIDE)
+    theta = spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002)
+    result = spintop.fit({"t": t, "theta": theta}, ["initial.omega3", "initial.theta"], BESIDE)
     assert not result.ok
     assert "poor_fit: the residuals of theta are no noise" in result.summary
 
@@ -365,8 +338,6 @@ def measure(*columns: str) -> dict[str, np.ndarray]:
 
 
 class FitTest(unittest.TestCase):
-    """Two numbers of a symmetric top."""
-
     def test_covariance_is_that_of_the_derivatives(self) -> None:
         """The inverse of J'J, with the Jacobian J of the motion's own derivatives, to 1e-8."""
         columns = ["phi", "theta", "psi"]

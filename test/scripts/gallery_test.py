@@ -31,8 +31,6 @@ def run_program(command: list[object], **options: object) -> subprocess.Complete
 
 
 class TableTest(unittest.TestCase):
-    """The exhibits and what they refer to."""
-
     def test_exhibits(self) -> None:
         """Names are different; inputs and kinds of figures exist; captions end."""
         names = [exhibit.name for exhibit in GALLERY]
@@ -99,7 +97,6 @@ class GalleryTest(TableCase):
                 self.assertAlmostEqual(int(count[1]) / NUTATIONS / cost, 1, delta=0.04)
 
     def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
-        """Run its main procedure with the program under test."""
         script = str(ROOT / "scripts" / "gallery")
         main = runpy.run_path(script)["main"]
         with unittest.mock.patch("subprocess.run", run_program):
@@ -150,7 +147,6 @@ class GalleryTest(TableCase):
         assert "slow_top_lagrange_ode45.nml ended with exit code 1" in complaints
 
     def test_small(self) -> None:
-        """Pictures of the documentation are of few colours, and small."""
         for path in (ROOT / "doc" / "figures").glob("*.png"):
             assert path.stat().st_size < 200_000, path.name
             with Image.open(path) as picture:

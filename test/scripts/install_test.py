@@ -42,7 +42,6 @@ class InstallTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Install, and write the example of the page."""
         cls.folder = Path(tempfile.mkdtemp(prefix="spintop install "))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.prefix = cls.folder / "pre fix"
@@ -123,14 +122,11 @@ class InstallTest(unittest.TestCase):
         self.assertNotIn("RWE", stack)
 
     def test_pkg_config(self) -> None:
-        """The example of the page, with its flags."""
         if not shutil.which("pkg-config"):
             self.skipTest("no pkg-config")
         path = str(self.prefix / "lib/pkgconfig")
-        self.assertEqual(
-            self.call("pkg-config", "--modversion", "spintop", PKG_CONFIG_PATH=path).strip(),
-            self.call(self.prefix / "bin/spintop", "--version").split()[1],
-        )
+        found = self.call("pkg-config", "--modversion", "spintop", PKG_CONFIG_PATH=path).strip()
+        self.assertEqual(found, self.call(self.prefix / "bin/spintop", "--version").split()[1])
         command = "eval cc -Wall -Werror example.c $(pkg-config --cflags --libs spintop)"
         command += """ '-Wl,-rpath,"$RPATH"' -o by_pkg_config"""
         self.call("bash", "-c", command, PKG_CONFIG_PATH=path, RPATH=str(self.prefix / "lib"))

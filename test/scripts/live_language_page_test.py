@@ -41,8 +41,6 @@ TEXTS = """
 
 
 class DictionaryTest(unittest.TestCase):
-    """The dictionary, and the sources that use it."""
-
     def test_complete(self) -> None:
         """Every key has words in every language, with the same places for values."""
         for key, texts in WORDS.items():
@@ -88,8 +86,6 @@ class DictionaryTest(unittest.TestCase):
 
 
 class LanguageTest(LiveCase):
-    """The page in its languages."""
-
     def texts(self, actions: str = "") -> list[str]:
         """What the page says after some actions, or after each of those that yield."""
         return self.run_script(f"{TEXTS} {actions} return textsOfPage();")

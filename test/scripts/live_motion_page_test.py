@@ -183,7 +183,6 @@ def draw_body(number: int) -> tuple[str, Body]:
 
 
 def rate_of(body: Body) -> float:
-    """How fast a body turns, about, rad/s."""
     swing = math.hypot(body["phiRate"], body["thetaRate"], body["omega3"])
     arm = body["mass"] * body["gravity"] * np.linalg.norm(body["centre"])
     natural = math.sqrt(arm / max(body["inertia"]))
@@ -277,8 +276,6 @@ class Page:
 
 @unittest.skipUnless(BROWSER or shutil.which("node"), "neither node nor a browser")
 class MotionTest(unittest.TestCase):
-    """The modules in `page/dynamics`, against tables of the program."""
-
     @classmethod
     def setUpClass(cls) -> None:
         need_packages("three", esbuild_package())
@@ -348,7 +345,6 @@ class MotionTest(unittest.TestCase):
                 self.compare(bodies, OF_FREE if free_of_effects else OF_EFFECTS)
 
     def test_rest(self) -> None:
-        """Where and when dry friction stops a body."""
         bodies = [(name, body, span) for name, (body, span) in AT_REST.items()]
         for row, motion in self.compare(bodies, OF_EFFECTS):
             self.assertAlmostEqual(motion["stop"], float(row["t_stuck"]), delta=2e-8)
@@ -361,7 +357,6 @@ class MotionTest(unittest.TestCase):
                 self.compare_table(body, t_end)
 
     def compare_table(self, body: Body, t_end: float) -> None:
-        """Every column of every row of a table."""
         settings = [f"span.t_end={t_end!r}", f"output.columns=t,{','.join(COLUMNS)}"]
         for key, value in body.items():
             values = value if isinstance(value, tuple) else (value,)

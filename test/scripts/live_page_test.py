@@ -31,8 +31,6 @@ CLASSES = {
 
 
 class LiveTest(LiveCase):
-    """The page as one uses it."""
-
     def test_small(self) -> None:
         self.assertLess(self.page.stat().st_size, BYTES)
 
@@ -254,7 +252,6 @@ class LiveTest(LiveCase):
             self.assertAlmostEqual(value, right, delta=1e-6)
 
     def test_keys(self) -> None:
-        """Everything can be done without a mouse."""
         from selenium.webdriver.common.keys import Keys
 
         stage = self.part(self.section, "stage")
@@ -277,7 +274,6 @@ class LiveTest(LiveCase):
         self.assertIn("Tilt 50.00° to 77.49°", words)
 
     def test_full_screen(self) -> None:
-        """The live top fills the screen, and leaves it."""
         button = self.part(self.section, "screen")
         button.click()
         wait_for(
@@ -336,8 +332,6 @@ class LiveTest(LiveCase):
 
 
 class ShadedTest(LiveCase):
-    """The page with WebGL."""
-
     flags = SOFTWARE_WEBGL
 
     def test_keys_of_the_view(self) -> None:
@@ -508,7 +502,6 @@ class WalkTest(LiveCase):
         wait_for(lambda: self.read("class"), "the top")
 
     def read(self, name: str) -> str:
-        """What one reads on the screen."""
         return self.part(self.section, name).text
 
     def choose_by_title(self, title: str) -> None:
@@ -521,7 +514,6 @@ class WalkTest(LiveCase):
         return float(facts[facts.index("Tilt") + 1].partition(" to ")[2].rstrip("°"))
 
     def press(self, name: str, key: str, until: Callable[[], bool]) -> None:
-        """Press an arrow key on a slider until one sees what one wants."""
         slider = self.control(name, "range")
         for _ in range(40):
             if until():

@@ -86,7 +86,6 @@ build() {{ :; }}
 
 
 def commands_of(block: Block) -> list[str]:
-    """The commands of a block of a shell."""
     lines = block.text.splitlines()
     if block.tags[0] == "console":
         return [line[2:] for line in lines if line.startswith("$ ")]
@@ -94,7 +93,6 @@ def commands_of(block: Block) -> list[str]:
 
 
 def outputs_of(block: Block) -> list[list[str]]:
-    """The output of each command of a console block."""
     outputs: list[list[str]] = []
     for line in block.text.splitlines():
         if line.startswith("$ "):
@@ -133,7 +131,6 @@ def with_groups(base: str, text: str) -> str:
 
 
 def parts_of_library_page() -> dict[tuple[str, ...], str]:
-    """The blocks of the library's page by their tags."""
     return {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
 
 
@@ -162,7 +159,6 @@ class ManualCase(unittest.TestCase):
                 (self.folder / "build" / kind / "spintop").symlink_to(Path(program).resolve())
 
     def shell(self, command: str) -> subprocess.CompletedProcess:
-        """Run a command as a user would type it."""
         folders = [self.folder / "build/release", Path(sys.executable).parent]
         path = ":".join([*map(str, folders), os.environ["PATH"]])
         environment = MPI | {"PATH": path, "SPINTOP_EXE": str(EXE)}
@@ -306,7 +302,6 @@ class ManualTest(unittest.TestCase):
             self.assertTrue((ROOT / path).is_file(), path)
 
     def test_parts_and_length(self) -> None:
-        """The parts that are required, in the usual length."""
         for heading in ("Summary", "Statement of need", "References"):
             self.assertIn(f"\n# {heading}\n", TEXT)
         words = len(TEXT.split("---", 2)[2].split())
@@ -315,10 +310,7 @@ class ManualTest(unittest.TestCase):
 
 
 class CommandsTest(ManualCase):
-    """Commands, inputs and programs of the pages."""
-
     def run_block(self, block: Block) -> None:
-        """Run the commands of a block, and compare what they print."""
         code = next((int(tag[-1]) for tag in block.tags if tag.startswith("exit=")), 0)
         outputs = outputs_of(block) if block.tags[0] == "console" else None
         for i, command in enumerate(commands_of(block)):
@@ -332,10 +324,6 @@ class CommandsTest(ManualCase):
                 for expected, line in zip_longest(outputs[i], found, fillvalue=""):
                     self.assertTrue(agree(expected, line), f"{command}\n- {expected}\n+ {line}")
 
-    def run_python(self, block: Block) -> None:
-        done = execute(sys.executable, "-W", "error", "-c", block.text, cwd=self.folder)
-        self.assertNotEqual(done.stdout, "")
-
     @unittest.skipUnless(KIND == "release", "the commands take long with run-time checks")
     @pytest.mark.slow
     def test_commands(self) -> None:
@@ -346,7 +334,8 @@ class CommandsTest(ManualCase):
         for block in BLOCKS:
             if block.tags[0] == "python" and not set(block.tags) & {"file", "library", *NOT_RUN}:
                 with self.subTest(str(block)):
-                    self.run_python(block)
+                    words = (sys.executable, "-W", "error", "-c", block.text)
+                    self.assertNotEqual(execute(*words, cwd=self.folder).stdout, "")
             if block.tags[0] not in SHELL:
                 continue
             if (
@@ -435,7 +424,6 @@ class CommandsTest(ManualCase):
 
     @unittest.skipUnless(KIND == "release", "does not use the program under test")
     def test_the_library(self) -> None:
-        """The program of the library's page prints what the page says."""
         parts = parts_of_library_page()
         source, program = self.folder / "main.f90", self.folder / "my_top"
         source.write_text(parts["fortran",], encoding="utf-8")

@@ -119,18 +119,14 @@ class MotionFiguresTest(TableCase):
         lines = {line.get_label(): line for line in axes.lines}
         theta, rate = lines["separatrix, to the upright"].get_data()
         order = np.argsort(table.rows["theta"])
-        moving = np.interp(
-            theta, np.degrees(table.rows["theta"])[order], -table.rows["theta_rate"][order]
-        )
+        thetas, rates = np.degrees(table.rows["theta"]), table.rows["theta_rate"]
+        moving = np.interp(theta, thetas[order], -rates[order])
         inside = (theta > 1) & (theta < 119)
         np.testing.assert_allclose(rate[inside], moving[inside], atol=2e-3)
         axes = draw_potential(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
-        ends = {
-            line.get_xdata()[0]: line
-            for line in axes.lines
-            if line.get_marker() == "o" and len(line.get_xdata())
-        }
+        dots = [line for line in axes.lines if line.get_marker() == "o" and len(line.get_xdata())]
+        ends = {line.get_xdata()[0]: line for line in dots}
         np.testing.assert_allclose(sorted(ends), (0, 120), atol=1e-4)
         assert ends[0.0].get_markerfacecolor() == GROUND  # it approaches this one
         words = [text.get_text() for text in axes.texts]
@@ -154,10 +150,8 @@ class MotionFiguresTest(TableCase):
             np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
             seen = np.hypot(*sphere.project(*tip, view)[:2]).max() / view.window
             assert 0.85 < seen < 1, (name, seen)
-        assert (
-            sphere.view_of(sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50)))
-            is sphere.WHOLE
-        )
+        around = sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
+        assert sphere.view_of(around) is sphere.WHOLE
 
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
@@ -184,11 +178,8 @@ class MotionFiguresTest(TableCase):
         table = self.compute("tip_wave")
         theta, phi = (table.rows[name].to_numpy() for name in ("theta", "phi"))
         x, _, _ = sphere.project(*sphere.on_sphere(theta, phi))
-        whole = [
-            line
-            for line in sphere.draw_trace(table).axes[0].lines
-            if len(line.get_xdata()) == len(x)
-        ]
+        lines = sphere.draw_trace(table).axes[0].lines
+        whole = [line for line in lines if len(line.get_xdata()) == len(x)]
         drawn = np.array([line.get_xdata() for line in whole])
         assert len(whole) == 2
         np.testing.assert_array_equal(np.nanmax(drawn, axis=0), x)
@@ -200,20 +191,16 @@ class MotionFiguresTest(TableCase):
         x, y, z = sphere.in_space(table)
         np.testing.assert_allclose(z, rows["phi_rate"] + rows["psi_rate"] * np.cos(rows["theta"]))
         np.testing.assert_allclose(np.hypot(x, y), rows["psi_rate"][0] * np.sin(rows["theta"][0]))
-        np.testing.assert_allclose(
-            np.arctan2(x, -y), np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"])), atol=1e-9
-        )
+        phi = np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"]))
+        np.testing.assert_allclose(np.arctan2(x, -y), phi, atol=1e-9)
 
     def test_rolling(self) -> None:
         """The cones touch at the start, and roll: their curves have one speed there."""
         table = self.compute("separatrix")
-        np.testing.assert_allclose(
-            sphere.body_at_start(table)[:, 0], sphere.in_space(table)[:, 0], atol=1e-12
-        )
-        lengths = [
-            np.linalg.norm(np.diff(sphere.directions(omega)[:, :20], axis=1), axis=0).sum()
-            for omega in (sphere.in_body(table), sphere.in_space(table))
-        ]
+        first, space = sphere.body_at_start(table)[:, 0], sphere.in_space(table)
+        np.testing.assert_allclose(first, space[:, 0], atol=1e-12)
+        paths = (sphere.directions(omega)[:, :20] for omega in (sphere.in_body(table), space))
+        lengths = [np.linalg.norm(np.diff(path, axis=1), axis=0).sum() for path in paths]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
         assert len(sphere.draw_cones(table).axes) == 4
 

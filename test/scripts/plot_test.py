@@ -108,14 +108,11 @@ class PlotTest(TableCase):
             assert table1.as_text(value) == text
         assert table1.as_text(math.nan) == "\N{EN DASH}"
         assert table1.as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
-        powers = [
-            "1.0000\N{MULTIPLICATION SIGN}10⁻⁹",
-            "\N{MINUS SIGN}2.0000\N{MULTIPLICATION SIGN}10⁰",
-        ]
+        times, minus = "\N{MULTIPLICATION SIGN}", "\N{MINUS SIGN}"
+        powers = [f"1.0000{times}10⁻⁹", f"{minus}2.0000{times}10⁰"]
         assert table1.as_column(np.array([1e-9, -2.0])) == powers
 
     def test_decimal_points(self) -> None:
-        """The decimal points of a column stand below each other."""
         table = self.read(a_sweep())
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
         figure = table1.draw_table1(replace(table, rows=rows))
@@ -133,7 +130,6 @@ class PlotTest(TableCase):
         assert np.ptp(points) < 2  # pixels
 
     def test_title(self) -> None:
-        """The title names the source of the inertia."""
         table = self.read(a_sweep())
         wheel = {"top.shape": ["spinning_wheel"]}
         authors = {"top.shape": ["inertia"], "top.mass": ["2.45"], "top.length": ["1"]}
@@ -156,9 +152,8 @@ class PlotTest(TableCase):
         """All figures, in a locale with decimal commas, of a run that overflowed."""
         wild = a_trajectory(count=20).splitlines()
         wild[-2] = wild[-2].replace("1.0,1.0,1.0", "1e+300,-inf,1e+100")
-        table = self.put(
-            "two words.csv", "\n".join([*wild[:-1], "# status: non_finite at t = 1", ""])
-        )
+        text = "\n".join([*wild[:-1], "# status: non_finite at t = 1", ""])
+        table = self.put("two words.csv", text)
         result = self.plot(table, LC_ALL="de_DE.UTF-8")
         assert (result.returncode, result.stderr) == (0, "")
         names = ("residuals", "angles", "forces", "path", "error", "trace")
@@ -195,14 +190,8 @@ class PlotTest(TableCase):
             ("--figure", "verdicts", table): (2, "a.csv: is no table of the kind stability"),
             ("--figure", "maps", clash): (2, "a.csv: is no sweep over two parameters"),
             ("--figure", "verdicts", odd): (2, "odd.csv: has the unknown verdict 'odd'"),
-            ("--figure", "verdicts", numbers): (
-                2,
-                "numbers.csv: has no word in column reference, reason",
-            ),
-            ("--figure", "events", none): (
-                2,
-                "none.csv: has no number in column t: no events figure",
-            ),
+            ("--figure", "verdicts", numbers): (2, "has no word in column reference, reason"),
+            ("--figure", "events", none): (2, "has no number in column t: no events figure"),
             (none,): (0, "none.csv: no figure belongs to its columns"),
             (table,): (2, "a.csv: has no number in column R2: no residuals figure"),
             ("-o", self.folder / "c", table, clash): (2, "would replace those of"),
@@ -251,7 +240,6 @@ class PlotTest(TableCase):
         assert len(marks) == len(VERDICTS)
 
     def test_classes(self) -> None:
-        """The colours of maps lighten from end to end."""
         shades = [lightness(COLOURS(i / 9)) for i in range(10)]
         assert shades == sorted(shades)
 
@@ -273,7 +261,6 @@ class PlotTest(TableCase):
             assert digits_of(error) == digits
 
     def test_letters(self) -> None:
-        """Reasons to give up that begin alike have letters of their own."""
         status = ["pole", "pole", "parted", "step_limit"]
         rows = pd.DataFrame({"verdict": "failed", "status": status})
         letters = letters_of(rows)
@@ -320,12 +307,8 @@ class PlotTest(TableCase):
 
     def test_constants(self) -> None:
         """What is constant has no panel but its value in the title; costs come last."""
-        columns = {
-            "evaluations": lambda i: 100 + i,
-            "lyapunov_exponent": lambda i: 0.25,
-            "growth_rate": lambda i: 1.0 + i,
-        }
-        table = self.sweep(columns)
+        columns = {"evaluations": lambda i: 100 + i, "lyapunov_exponent": lambda i: 0.25}
+        table = self.sweep(columns | {"growth_rate": lambda i: 1.0 + i})
         shown = [quantity.columns[0] for quantity in quantities_of(table)]
         assert shown == ["growth_rate", "evaluations"]
         title = draw_curves(table).get_suptitle().replace("\n", " ")
@@ -385,7 +368,6 @@ class PlotTest(TableCase):
         self.check_drawn(tables)
 
     def draw(self, name: str = "a.csv", **environment: str) -> None:
-        """A figure is drawn, and its files are named."""
         path = self.put(name, a_trajectory())
         done = self.plot("--figure", "angles", path, **environment)
         assert (done.returncode, done.stderr) == (0, "")
@@ -471,7 +453,6 @@ class PlotTest(TableCase):
                     assert "has a space or a separator in its name" in self.complaint(changed)
 
     def test_header(self) -> None:
-        """Quotes around its lines, and lines before it."""
         for kind, text in KINDS.items():
             with self.subTest(kind):
                 quoted = "\n".join(

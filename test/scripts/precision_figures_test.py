@@ -38,10 +38,8 @@ class StyleTest(unittest.TestCase):
         assert len(methods) > 20
         styles = set()
         for name, entry in methods.items():
-            assert (known.family_of(name), known.order_of(name)) == (
-                entry["family"],
-                entry["order"],
-            )
+            assert known.family_of(name) == entry["family"]
+            assert known.order_of(name) == entry["order"]
             style = known.style_of(name)
             styles.add((style["marker"], str(style["linestyle"])))
             for table in entry["tables"] or ():
@@ -95,7 +93,6 @@ class PrecisionFiguresTest(TableCase):
         assert "with several fixed step sizes" in refusal(table)
 
     def curves(self) -> dict[str, precision.Curve]:
-        """The curves of a made-up study, by their labels."""
         rows = self.read(a_precision()).rows
         return {
             curve.label: curve for curve in precision.curves_of(rows[::-1], ("time_s", "error_max"))
@@ -136,10 +133,8 @@ class PrecisionFiguresTest(TableCase):
             )
             if np.isfinite(precision.time_to(curve)):
                 assert precision.time_to(mate) <= precision.time_to(curve)
-        for draw, cost in (
-            (precision.draw_precision_time, "time_s"),
-            (precision.draw_precision_work, "evaluations"),
-        ):
+        draws = (precision.draw_precision_time, precision.draw_precision_work)
+        for draw, cost in zip(draws, ("time_s", "evaluations"), strict=True):
             figure = draw(table)
             axes = figure.axes[0]
             named = {curve.label for curve in precision.best_of_families(table.rows, cost)}
@@ -205,10 +200,8 @@ class PrecisionFiguresTest(TableCase):
     def test_ink(self) -> None:
         """The names of families can be read on white, and keep their hue."""
         for family in (*known.families(), known.OTHER):
-            ink, colour = (
-                np.array(known.ink_of(family)),
-                np.array(to_rgb(known.look_of(family).colour)),
-            )
+            ink, colour = known.ink_of(family), known.look_of(family).colour
+            ink, colour = np.array(ink), np.array(to_rgb(colour))
             linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
             contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)
             assert contrast >= 4.4, family
@@ -296,7 +289,6 @@ class PrecisionFiguresTest(TableCase):
         )
 
     def test_refusals_of_choice_of_method(self) -> None:
-        """A study of few problems, or without the choice, has no such figure."""
         none = self.read(self.study("nobody"))
         assert tolerance.object_to_choice(none) == "has no row of the automatic choice"
         few = self.study("exact,closed_form").replace("top.5", "top.4").replace("top.3", "top.4")

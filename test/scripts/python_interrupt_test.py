@@ -18,12 +18,8 @@ import spintop
 
 TOP = {"mass": 1, "inertia": (0.9, 1.0, 0.3), "length": 0.5}
 START = {"theta": 1.0, "psi_rate": 9.0}
-LONG = {
-    "top": TOP,
-    "initial": START,
-    "span": {"t_end": 1e9, "samples": 11},
-    "integration": {"max_steps": 2147483646},
-}
+LONG = {"top": TOP, "initial": START, "span": {"t_end": 1e9, "samples": 11}}
+LONG["integration"] = {"max_steps": 2147483646}
 SHORT = {"top": TOP, "initial": START, "span": {"t_end": 1.0, "samples": 11}}
 LANES = {"top": TOP, "span": {"t_end": 1e4}, "output": {"columns": ("theta_end", "psi_end")}}
 ANGLES = {"initial.theta": np.linspace(0.5, 2.5, 100_000)}

@@ -88,13 +88,11 @@ class PythonPackageTest(unittest.TestCase):
                 self.compare(top.integrate(t, columns + more, **settings), table)
 
     def test_integrate_by_default(self) -> None:
-        """The numbers are those of the exact solution."""
         t = np.linspace(0, 10, 50)
         difference = TOP.integrate(t).theta - TOP.exact(t).theta
         assert np.abs(difference).max() < 1e-7
 
     def test_quantities(self) -> None:
-        """Those of a sweep; and they are those of the motion."""
         found = TOP.quantities()
         theta = TOP.exact(np.linspace(0, found["nutation_period"], 20001)).theta
         self.assertAlmostEqual(theta.max(), found["theta_max"], delta=1e-7)
@@ -177,10 +175,8 @@ class PythonPackageTest(unittest.TestCase):
         path = ROOT / "input/slow_top_events.nml"
         with tempfile.TemporaryDirectory() as folder:
             execute(EXE, "--quiet", "-o", folder, path)
-            tables = {
-                name: spintop.read(Path(folder) / f"slow_top_events{name}.csv").rows
-                for name in ("", ".events")
-            }
+            paths = {name: Path(folder) / f"slow_top_events{name}.csv" for name in ("", ".events")}
+            tables = {name: spintop.read(path).rows for name, path in paths.items()}
         for given in (path, str(path), path.read_text(encoding="utf-8")):
             found = spintop.run(given)
             assert found.ok
@@ -198,14 +194,9 @@ class PythonPackageTest(unittest.TestCase):
 
     def test_studies(self) -> None:
         """A work-precision study, statistics, and a folder."""
-        groups = {
-            "study": {"kind": "sweep"},
-            "top": BODY.keys,
-            "initial": {"theta": 0.3},
-            "span": {"t_end": 1.0},
-            "sweep": {"parameter": ["initial.psi_rate"], "values": [[1.0, 5.0, 9.0]]},
-            "output": {"columns": ["theta_max"]},
-        }
+        groups = {"study": {"kind": "sweep"}, "top": BODY.keys, "initial": {"theta": 0.3}}
+        groups |= {"span": {"t_end": 1.0}, "output": {"columns": ["theta_max"]}}
+        groups["sweep"] = {"parameter": ["initial.psi_rate"], "values": [[1.0, 5.0, 9.0]]}
         table = by_program(groups)
         found = spintop.run(groups)
         assert found["theta_max"].tolist() == [float(cell) for cell in table["theta_max"]]
@@ -238,7 +229,6 @@ class PythonPackageTest(unittest.TestCase):
         assert found["t"].size > 0
 
     def test_registry(self) -> None:
-        """That of the program; a topic that there is not is an error."""
         assert "rk4" in [method["name"] for method in spintop.registry("methods")["methods"]]
         assert spintop.registry()["version"] == spintop.version()
         assert spintop.__version__ == spintop.version()
@@ -259,7 +249,6 @@ class PythonPackageTest(unittest.TestCase):
         assert found > 5
 
     def run_block(self, block: Block, names: dict[str, object]) -> None:
-        """Run a program, with what those before it defined."""
         lines: list[tuple] = []
         names["print"] = lambda *words: lines.append(words)
         with warnings.catch_warnings():
@@ -284,7 +273,6 @@ class PythonPackageTest(unittest.TestCase):
             assert done.stdout.startswith(f"{spintop.version()} {folder}")
 
     def test_levels_of(self) -> None:
-        """A level has all features of the levels before it."""
         words = [set(needed.split()) for needed in NEEDED.values()]
         assert levels_of(set()) == []
         assert levels_of(words[0] | words[1]) == ["v2", "v3"]
@@ -323,8 +311,6 @@ class PythonPackageTest(unittest.TestCase):
 
 
 class SweepTest(unittest.TestCase):
-    """Many tops."""
-
     groups: ClassVar = {
         "study": {"kind": "sweep"},
         "top": BODY.keys,
@@ -416,8 +402,6 @@ def peak() -> int:
 
 @pytest.mark.slow
 class ResourcesTest(unittest.TestCase):
-    """Memory and threads."""
-
     def test_no_leak(self) -> None:
         """Memory does not grow with the number of calls of any kind."""
 

@@ -22,15 +22,6 @@ STEP = re.compile(r"^( +)(?:- )?run: (\|\n(?:\1 +.*\n|\n)+|>-\n(?:\1 +.*\n)+|.+\
 EXPRESSION = re.compile(r"\$\{\{.*?\}\}")
 
 
-def load_filler() -> object:
-    path = str(PACKAGING / "fill_recipes")
-    loader = importlib.machinery.SourceFileLoader("fill_recipes", path)
-    spec = importlib.util.spec_from_loader("fill_recipes", loader)
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    return module
-
-
 def meta() -> str:
     """The recipe of conda after its templates."""
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False)
@@ -40,8 +31,6 @@ def meta() -> str:
 
 @pytest.mark.usefixtures("folder")
 class RecipesTest(unittest.TestCase):
-    """Recipes, as far as they can be checked without their package managers."""
-
     folder: Path
 
     def test_syntax(self) -> None:
@@ -92,7 +81,11 @@ class RecipesTest(unittest.TestCase):
         files = [self.folder / name for name in ("a", "b", "c")]
         for path in files:
             path.write_bytes(path.name.encode())
-        filler = load_filler()
+        path = str(PACKAGING / "fill_recipes")
+        loader = importlib.machinery.SourceFileLoader("fill_recipes", path)
+        spec = importlib.util.spec_from_loader("fill_recipes", loader)
+        filler = importlib.util.module_from_spec(spec)
+        loader.exec_module(filler)
 
         def fill(*arguments: str | Path) -> tuple[int, str]:
             code, _, said = called(filler.main, "fill_recipes", *arguments)

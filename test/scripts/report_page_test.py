@@ -225,12 +225,9 @@ class ReportPageTest(BrowserCase):
 
 
 class TopTest(BrowserCase):
-    """The moving top, and what works it."""
-
     flags = SOFTWARE_WEBGL
 
     def scrub(self, section: object, row: int) -> None:
-        """Put the slider at a row, as a finger would."""
         self.run_script(
             "arguments[0].value = arguments[1];"
             "arguments[0].dispatchEvent(new Event('input', { bubbles: true }))",
@@ -239,7 +236,6 @@ class TopTest(BrowserCase):
         )
 
     def set_speed(self, section: object, which: int) -> None:
-        """Choose a speed from the list, as from a menu."""
         self.run_script(
             "arguments[0].selectedIndex = arguments[1];"
             "arguments[0].dispatchEvent(new Event('change'))",
@@ -248,7 +244,6 @@ class TopTest(BrowserCase):
         )
 
     def press(self, section: object, *keys: str) -> None:
-        """Press keys where the drawing is."""
         self.part(section, "stage").send_keys("".join(keys))
 
     def test_plays_and_pauses(self) -> None:
@@ -304,7 +299,6 @@ class TopTest(BrowserCase):
         self.assertAlmostEqual(math.cos(self.numbers(section)[2]), cosine, places=13)
 
     def test_keys(self) -> None:
-        """Everything can be done without a mouse."""
         from selenium.webdriver.common.keys import Keys
 
         section, rows = self.top(), rows_of(self.folder / "slow_top.csv")

@@ -11,7 +11,6 @@ FEW = ("--quiet", "--set", "span.samples=50")
 
 
 def written(folder: Path, *arguments: str | Path, code: int = 0) -> list[str]:
-    """The tables that the program names, without their folder."""
     names = folder / "names"
     execute(EXE, "--written", names, "-o", folder, *arguments, code=code)
     paths = names.read_bytes().split(b"\0") if names.exists() else [b""]

@@ -13,7 +13,6 @@ TAIL = "end module suite\n"
 
 
 def a_test(name: str, *body: str) -> str:
-    """A .pf test subroutine."""
     return "\n".join(["@test", f"subroutine {name}()", *body, f"end subroutine {name}", ""])
 
 

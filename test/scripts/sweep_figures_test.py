@@ -31,7 +31,6 @@ def panels_of(table: Table) -> np.ndarray:
 
 
 def points_of(axes: Axes) -> np.ndarray:
-    """The points of a panel, sorted."""
     points = np.concatenate([np.asarray(cloud.get_offsets()) for cloud in axes.collections])
     return points[np.lexsort(points.T)]
 
@@ -102,10 +101,8 @@ class SweepFiguresTest(TableCase):
             seen.setdefault(tuple(cloud.get_facecolor()[0]), []).append((place, cloud))
         assert len(seen) == 2
         for alike in seen.values():
-            ((name, count),) = {
-                (names[int(place)], sum(len(cloud.get_offsets()) for _, cloud in alike))
-                for place, _ in alike
-            }
+            (name,) = {names[int(place)] for place, _ in alike}
+            count = sum(len(cloud.get_offsets()) for _, cloud in alike)
             assert count == (rows["motion_class"] == name).sum()
 
     def test_failed(self) -> None:
@@ -198,12 +195,8 @@ class SweepFiguresTest(TableCase):
     @pytest.mark.slow
     def test_script(self) -> None:
         """Draws what belongs to the tables, without a warning of the layout."""
-        clouds = (
-            a_cloud(2),
-            a_cloud(3),
-            a_cloud(5, failing=10**9),
-            a_cloud().replace("wave", "loop"),
-        )
+        clouds = (a_cloud(2), a_cloud(3), a_cloud(5, failing=10**9))
+        clouds += (a_cloud().replace("wave", "loop"),)
         self.check_drawn({f"cloud_{i}": (text, {"scatter"}) for i, text in enumerate(clouds)})
 
     def statistics(self) -> Table:
@@ -216,16 +209,11 @@ class SweepFiguresTest(TableCase):
         names = "\n".join(f"#     {name} {meaning or ': x'}" for name, meaning in COLUMNS)
         body = [[name for name, _ in COLUMNS], *rows]
         text = "\n".join(",".join(map(str, row)) for row in body)
-        histogram = [
-            ["column", "from", "to", "cases"],
-            ["theta_max", QUARTER, math.pi / 2 - 1e-3, 20],
-            ["theta_max", math.pi / 2, math.pi, 20],
-        ]
-        cells = "\n".join(",".join(map(str, row)) for row in histogram)
-        self.put("tops.histogram.csv", f"{HEAD}#     column: x\n{cells}\n")
-        return read_table(
-            self.put("tops.statistics.csv", f"{HEAD}{names.replace(' :', ':')}\n{text}\n")
-        )
+        cells = f"column,from,to,cases\ntheta_max,{QUARTER},{math.pi / 2 - 1e-3},20\n"
+        cells += f"theta_max,{math.pi / 2},{math.pi},20\n"
+        self.put("tops.histogram.csv", f"{HEAD}#     column: x\n{cells}")
+        text = f"{HEAD}{names.replace(' :', ':')}\n{text}\n"
+        return read_table(self.put("tops.statistics.csv", text))
 
     def figure(self, name: str) -> Figure:
         return draw(self.statistics(), name)

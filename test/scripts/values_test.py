@@ -81,15 +81,10 @@ OTHERS = re.compile("BASH_SOURCE|PATH|CMAKE_.*|PACKAGE_.*|SPINTOP_FLAGS")
 """Variables that are none of the environment, and one that holds options by its purpose."""
 
 
-def is_script(path: Path) -> bool:
-    """Whether a file is one that users call."""
-    return path.is_file() and os.access(path, os.X_OK)
-
-
 SCRIPTS = [
     path.relative_to(ROOT)
     for path in sorted([*(ROOT / "scripts").rglob("*"), ROOT / ".ci/run"])
-    if is_script(path) and "node_modules" not in path.parts
+    if path.is_file() and os.access(path, os.X_OK) and "node_modules" not in path.parts
 ]
 
 
@@ -98,15 +93,12 @@ def quote(text: object) -> str:
 
 
 def write_shim(path: Path, action: str) -> None:
-    """A program that writes down its arguments first."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(SHIM.format(action=action), encoding="utf-8")
     path.chmod(0o755)
 
 
 class Call(NamedTuple):
-    """A call of a program."""
-
     program: str
     words: tuple[str, ...]
 
@@ -209,7 +201,6 @@ def read_log(path: Path) -> list[Call]:
 
 
 def options_of_program() -> list[str]:
-    """The options of the program that take a value."""
     text = subprocess.run([EXE, "--help"], capture_output=True, text=True, check=True).stdout
     return [word for line in re.findall(r"^  (-.*? [A-Z]\S+)  ", text, re.MULTILINE)
             for word in re.findall(r"--?\w+", line)]  # fmt: skip
@@ -295,7 +286,6 @@ class ValuesTest(unittest.TestCase):
         return found
 
     def check(self, jobs: list[tuple]) -> None:
-        """Run jobs at once, and tell what went wrong."""
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             results = pool.map(lambda job: self.faults(*job), jobs)
             for job, found in zip(jobs, results, strict=True):
@@ -303,7 +293,6 @@ class ValuesTest(unittest.TestCase):
                     assert found == []
 
     def test_arguments(self) -> None:
-        """Values among the arguments."""
         jobs = [
             (script, value, words)
             for script in sorted(set(SCRIPTS) - HAND_ON)
@@ -328,7 +317,6 @@ class ValuesTest(unittest.TestCase):
                 assert os.path.samefile(folder / drawn[1], folder / value / "a.csv")
 
     def test_environment(self) -> None:
-        """Values of variables of the environment that a script reads."""
         jobs = [
             (script, value, arguments_of(script, "plain")[0], variable)
             for script in SCRIPTS

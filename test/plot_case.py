@@ -232,9 +232,9 @@ class TableCase(unittest.TestCase):
                 found = problems_of(draw(table, name, width=width))
                 self.assertEqual([one for one in found if not one.startswith(names)], [])
 
-    def put(self, name: str, text: str) -> Path:
+    def put(self, name: str, text: str | bytes) -> Path:
         path = self.folder / name
-        path.write_text(text, encoding="utf-8")
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
         return path
 
     def read(self, text: str) -> Table:

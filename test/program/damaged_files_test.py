@@ -28,11 +28,6 @@ MOTION = """\
 
 
 class DamagedFilesTest(TableCase):
-    def put_bytes(self, name: str, data: bytes) -> Path:
-        path = self.folder / name
-        path.write_bytes(data)
-        return path
-
     def check_words(self, words: str) -> None:
         self.assertNotIn("Traceback", words)
         self.assertTrue(words.replace("\n", "").isprintable(), repr(words[:500]))
@@ -104,10 +99,10 @@ class DamagedFilesTest(TableCase):
         start = b"CDF\x02" + bytes(4)
         for data in (b"", b"CDF", b"CDF\x01" + bytes(20), start, start + b"\xff" * 60, bytes(100)):
             with self.subTest(data), self.assertRaises(TableError) as caught:
-                read_table(self.put_bytes("a.nc", data))
+                read_table(self.put("a.nc", data))
             self.check_words(str(caught.exception))
         with self.assertRaisesRegex(TableError, "no table of spintop"):
-            read_table(self.put_bytes("a.nc", start + bytes(24)))
+            read_table(self.put("a.nc", start + bytes(24)))
 
     def test_small_netcdf(self) -> None:
         """A file of any size is read; one that is cut anywhere is refused, or has no rows."""
@@ -124,7 +119,7 @@ class DamagedFilesTest(TableCase):
                 data = path.read_bytes()
                 for end in range(0, len(data) - 16, 31):
                     with self.assertRaises(TableError) as caught:
-                        read_table(self.put_bytes("cut.nc", data[:end]))
+                        read_table(self.put("cut.nc", data[:end]))
                     self.check_words(str(caught.exception))
 
     def test_every_cut(self) -> None:
@@ -132,7 +127,7 @@ class DamagedFilesTest(TableCase):
         for text in (a_trajectory(count=2), a_sweep(cases=2), a_stability(), some_events(2)):
             data = text.encode()
             for end in range(0, len(data), 31):
-                path = self.put_bytes("a.csv", data[:end] + b"\n")
+                path = self.put("a.csv", data[:end] + b"\n")
                 try:
                     read_table(path)
                 except TableError as error:

@@ -15,20 +15,14 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, GOOD, netcdf_is_missing
+from conftest import EXE, GOOD, netcdf_is_missing, output
 from faults_test import FAULTS
+from slow_sweep import SLOW, STEPS
 
 pytestmark = pytest.mark.slow
 
-SWEEP = """\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 0.1 /
-&integration formulation = 'lagrange', method = 'rk4', steps = 4 /
-&output columns = 'theta_end', 'phi_end' /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 320 /
-"""
+SWEEP = SLOW.replace("= 2 /", "= 0.1 /").replace(STEPS, "steps = 4").replace("= 1000", "= 320")
+SWEEP += output("theta_end", "phi_end")
 
 
 @dataclass

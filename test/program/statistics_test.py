@@ -6,6 +6,7 @@ import numpy as np
 
 from conftest import each, needs_netcdf, wait_until
 from indices_test import VECTOR
+from slow_sweep import SLOW as SWEEP
 from spintop_figures.sweeps.statistics import distributions_of
 from spintop_figures.tables.table import read_table
 
@@ -25,13 +26,8 @@ MAP = """\
             quantiles = 0, 0.1, 0.5, 1 quantiles_of = 'bins' /
 """
 # A run of seconds, without rows.
-SLOW = """\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 2 /
-&integration formulation = 'lagrange', method = 'rk4', steps = 2000 /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 1000 /
+SLOW = f"""\
+{SWEEP}
 &statistics columns = 'theta_max', 'theta_end', 'status'  over = 'initial.psi_rate'  bins = 20 /
 &output rows = 'none' /
 """

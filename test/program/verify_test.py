@@ -66,8 +66,7 @@ def rows_of(lines):
 
 
 def test_parts_of_a_sweep(spin):
-    for part in (1, 2, 3):
-        spin(SWEEP, f"--shard={part}/3")
+    spin.parts(SWEEP, 3)
     counted = [verify(spin, f"scene.{i}-of-3").split()[1] for i in (1, 2, 3)]
     spin(SWEEP)
     total = f"{sum(map(int, counted))} numbers proved, 0 unproved, 0 wrong"

@@ -418,8 +418,6 @@ class ColourTest(unittest.TestCase):
                 assert max(one / other, other / one) > 3, colour
 
 
-# Tests of the units in figures: those of headings and labels, and of tables in other units.
-
 AXES = {
     "initial.omega3": "rad/s",
     "initial.theta": "rad",

@@ -319,8 +319,6 @@ def test_drawn_motions() -> None:
     assert reached >= 16
 
 
-# Fits from Python: what measurements determine, and what they do not.
-
 TRUTH = {"top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
 GIVEN = {
     "top": {"mass": 1, "inertia": (0.875, 0.875, 0.26), "length": 0.75**0.5},

@@ -409,8 +409,7 @@ class PlotTest(TableCase):
             self.draw("Kreisel für Łódź.csv", PYTHONIOENCODING=encoding)
 
     def complaint(self, text: str | bytes) -> str:
-        path = self.folder / "a.csv"
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        path = self.put("a.csv", text)
         code, said = self.call("-o", self.folder, path)
         assert code == 2
         assert said.count("\n") == 1, said
@@ -425,9 +424,7 @@ class PlotTest(TableCase):
             ends = {end: text.replace("\n", end) for end in ("\r\n", "\r", "\n")}
             for name, changed in {**ends, "mark": f"\ufeff{text}"}.items():
                 with self.subTest(kind, change=name):
-                    path = self.folder / "again.csv"
-                    path.write_bytes(changed.encode())
-                    again = read_table(path)
+                    again = read_table(self.put("again.csv", changed.encode()))
                     assert again.header == first.header
                     assert again.rows.equals(first.rows)
                     assert lines_of(again) == lines_of(first)
@@ -477,15 +474,10 @@ class PlotTest(TableCase):
             self.assertRegex(said, r"column \d+ has a space or a separator in its name")
 
 
-# Tests of scripts/plot: the figures of stability studies, of sweeps over grids, of events.
-
-
 def lightness(colour: object) -> float:
     """Lightness of a colour in print without colours, from 0 to 1 (ITU-R BT.601)."""
     return float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114)))
 
-
-# Tests of scripts/plot under settings of others, and on tables that another program has saved.
 
 NO_BREAK = ("\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}", "\N{FIGURE SPACE}")
 KINDS = {"trajectory": a_trajectory(), "sweep": a_sweep()}

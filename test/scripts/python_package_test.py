@@ -459,8 +459,6 @@ class ResourcesTest(unittest.TestCase):
             assert together[number] == alone[number], number
 
 
-# Times of a top of which the first is above 0: the motion starts at 0, whatever is asked.
-
 START = {"theta": 0.6, "phi": 0.3, "theta_rate": 0.3, "psi_rate": 6.0}
 BODIES = {
     "symmetric": {"inertia": (0.875, 0.875, 0.25), "length": 0.6},

@@ -659,9 +659,6 @@ class PackageTest(ReportCase):
             packages.esbuild_package()
 
 
-# Tests of the parts of a report: cells as texts.
-
-
 class CellsTest(unittest.TestCase):
     def test_points_align(self) -> None:
         """All numbers of a column have as many decimals, or all a power of ten."""

@@ -284,8 +284,6 @@ class SweepFiguresTest(TableCase):
         assert name_of("top.inertia(2)") == "moment of inertia I\u2082"
 
 
-# Tests of the figures of statistics: words instead of names, angles in degrees.
-
 HEAD = """\
 # title: Many tops
 # program: spintop 0.1.0

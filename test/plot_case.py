@@ -219,8 +219,6 @@ def computed(name: str, *settings: str) -> Path:
 class TableCase(unittest.TestCase):
     """Works in a folder that goes away, whose name has a space."""
 
-    folder: Path
-
     def assert_good_look(self, table: Table, name: str, names: tuple[str, ...] = ()) -> None:
         """A reader of a figure has nothing to complain of, on a page and in a column.
 
@@ -251,13 +249,14 @@ class TableCase(unittest.TestCase):
         words = (sys.executable, SCRIPTS / "plot", *arguments)
         return execute(*words, code=None, environment=environment)
 
-    def call(self, *arguments: str | Path) -> tuple[int, str]:
-        """Run its main procedure here, which is faster; give exit code and standard error."""
+    def call(self, *arguments: str | Path, code: int = 0) -> str:
+        """Run its main procedure here, which is faster; give standard error."""
         script = str(SCRIPTS / "plot")
         with unittest.mock.patch("gc.disable"), unittest.mock.patch("atexit.register"):
             main = runpy.run_path(script)["main"]
-        code, _, complaints = called(main, script, *arguments)
-        return code, complaints
+        found, _, complaints = called(main, script, *arguments)
+        assert found == code, complaints
+        return complaints
 
     def figures_of(self, text: str) -> str:
         """Names of the figures that belong to a table."""
@@ -269,7 +268,7 @@ class TableCase(unittest.TestCase):
         paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
         with warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)
-            assert self.call(*paths) == (0, "")
+            assert self.call(*paths) == ""
         expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
         self.check_pictures(self.folder, expected)
 

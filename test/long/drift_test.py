@@ -67,8 +67,6 @@ def root_mean_square(errors: list[float]) -> float:
 class DriftTest(unittest.TestCase):
     """Root mean squares over an ensemble, early in the span and at its end."""
 
-    folder: Path
-
     def check(self, kind: str, sizes: dict[str, tuple[float, float]], growth: float) -> None:
         """The errors grow with the root of time, and remain within the rounding of the state."""
         for name, (early, late) in sizes.items():

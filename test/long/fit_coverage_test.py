@@ -9,10 +9,8 @@ import spintop
 
 FITS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 TRUTH = {"top.inertia(1)": 0.875, "top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
-GIVEN = {
-    "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.85},
-    "initial": {"theta": 0.6, "theta_rate": 0.3, "psi_rate": 14},
-}
+GIVEN = {"top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.85}}
+GIVEN["initial"] = {"theta": 0.6, "theta_rate": 0.3, "psi_rate": 14}
 NOISE = 0.002
 
 

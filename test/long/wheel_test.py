@@ -96,7 +96,6 @@ class WheelTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make the wheel, and install it in a folder."""
         cls.folder = Path(tempfile.mkdtemp(prefix="spintop wheel "))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         command = [ROOT / "scripts/wheel", cls.folder / "wheels"]

@@ -164,21 +164,6 @@ def test_draws_out_of_range_are_failed_cases(spin):
     assert set(rows.notes[failed]) == {"top.mass must be > 0"}
 
 
-@each(
-    "setting, part",
-    ("sweep.mean=-10", "none of the first 64 cases can be computed, the first because top.mass"),
-    ("sweep.distribution(2)=uniform", "axis 2 has no values"),
-    ("sweep.distribution(2)=spherical", "expected one of: uniform, normal, lognormal, sphere"),
-    ("sweep.deviation=0", "deviation(1) is out of range"),
-    ("sweep.cases=1e3", "a whole number is written 1000"),
-    ("sweep.cases=9007199254740992", "is too large"),
-    ("sweep.cases=2000000000000000", "must be in [1, 1e15]"),
-    ("sweep.parameter(17)=top.mass", "parameter(16)"),
-)
-def test_wrong_draws(spin, setting, part):
-    assert part in spin.refuse(NORMAL, setting)
-
-
 def test_sixteen_axes(spin):
     """As many may be drawn, go side by side or make a grid; no key names one more."""
     names = ("top.damping", "top.inertia", "top.centre_of_mass")
@@ -322,11 +307,19 @@ def test_bad_tables(spin, text, parts):
 
 
 @each(
-    "setting, part",
-    ("sweep.parameter(1)=top.mass", "the cases are given twice"),
-    ("sweep.combine=zip", "the rows of the table are the cases"),
-    ("sweep.cases=3", "the rows of the table are the cases"),
-    ("study.kind=trajectory", "a trajectory has no axes"),
+    "text, setting, part",
+    (NORMAL, "sweep.mean=-10", "first 64 cases can be computed, the first because top.mass"),
+    (NORMAL, "sweep.distribution(2)=uniform", "axis 2 has no values"),
+    (NORMAL, "sweep.distribution(2)=spherical", "one of: uniform, normal, lognormal, sphere"),
+    (NORMAL, "sweep.deviation=0", "deviation(1) is out of range"),
+    (NORMAL, "sweep.cases=1e3", "a whole number is written 1000"),
+    (NORMAL, "sweep.cases=9007199254740992", "is too large"),
+    (NORMAL, "sweep.cases=2000000000000000", "must be in [1, 1e15]"),
+    (NORMAL, "sweep.parameter(17)=top.mass", "parameter(16)"),
+    (TABLE, "sweep.parameter(1)=top.mass", "the cases are given twice"),
+    (TABLE, "sweep.combine=zip", "the rows of the table are the cases"),
+    (TABLE, "sweep.cases=3", "the rows of the table are the cases"),
+    (TABLE, "study.kind=trajectory", "a trajectory has no axes"),
 )
-def test_cases_given_twice(spin, setting, part):
-    assert part in spin.refuse(TABLE, setting, cases="initial.theta\n0.5\n")
+def test_wrong_settings(spin, text, setting, part):
+    assert part in spin.refuse(text, setting, cases="initial.theta\n0.5\n")

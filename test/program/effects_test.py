@@ -423,20 +423,6 @@ def test_bad_effects(spin, effects, words):
 
 
 @each(
-    "rows, words",
-    ("0,0,0,0\n", "2"),
-    ("0,0,0,0\n0,0,0,1\n", "do not increase"),
-    ("0.1,0,0,0\n2,0,0,1\n", "begins at"),
-    ("0,0,0,0\n0.5,0,0,1\n", "ends at"),
-    ("0,0,0,nan\n1,0,0,1\n", "not finite"),
-    ("0,0,0,x\n1,0,0,1\n", "is not a number"),
-)
-def test_bad_tables(spin, rows, words):
-    text = scene(TOP, START, SPAN, "torque_table = 'torque.csv'")
-    refused(spin, text, "torque.csv", words, torque="t,m1,m2,m3\n" + rows)
-
-
-@each(
     "integration, word",
     ("method = 'exact'", "the exact solution exists only"),
     ("method = 'splitting_4'  steps = 100", "splitting_4"),

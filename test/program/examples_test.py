@@ -138,7 +138,6 @@ def test_of_many_bodies(rows_of, rows_at):
 
 
 def test_of_events(spin, example):
-    """The first six turning points of a damped body, and no other."""
     text = f"&top {SKEW.format(0.7, 0.01)} /\n&span t_end = 4 /\n&initial theta = 0.5"
     text += "  theta_rate = 0.5  psi_rate = 20 /\n&output events = 'turning_points'"
     run = spin(text + "  columns = 't', 'theta', 'phi' /\n", "integration.method=dop853")
@@ -243,7 +242,6 @@ def test_of_energy_and_force(rows_of, rows_at, nutations):
 
 
 def test_of_stability(rows_of):
-    """The threshold of the sleeping top, and the growth rate below it."""
     (threshold,), below, at, above = rows_of("stability", 4)
     assert_close(threshold, 2 * math.sqrt(MGL * INERTIA[0]) / INERTIA[2], 1e-9)
     half_rate = INERTIA[2] * 0.8 * threshold / (2 * INERTIA[0])

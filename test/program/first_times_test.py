@@ -12,16 +12,10 @@ BODIES = {
     "free": "inertia = 0.6, 0.5, 0.4  centre_of_mass = 0, 0, 0",
     "spun down": "inertia = 0.6, 0.5, 0.4  centre_of_mass = 0, 0, 0  damping = 3*0.3",
 }
-EFFECTS = (
-    "friction_torque = 0.05",
-    "drag_moment = 3*0.02",
-    "drag_force = 0.2",
-    "vibration_amplitude = 0, 0, 0.02  vibration_rate = 25",
-    "earth_rate = 0.3  latitude_deg = 60",
-    "rotor_momentum = 0, 0, 0.3",
-    "torque_body = 0, 0, 0.1",
-    "torque_space = 0.1, 0, 0",
-)
+EFFECTS = ("friction_torque = 0.05", "drag_moment = 3*0.02", "drag_force = 0.2")
+EFFECTS += ("vibration_amplitude = 0, 0, 0.02  vibration_rate = 25",)
+EFFECTS += ("earth_rate = 0.3  latitude_deg = 60", "rotor_momentum = 0, 0, 0.3")
+EFFECTS += ("torque_body = 0, 0, 0.1", "torque_space = 0.1, 0, 0")
 METHODS = [m["name"] for m in listed("methods") if m["kind"] in ("both", "adaptive")]
 """Those that have values at any time."""
 SCENES = [(body, "") for body in BODIES]

@@ -16,22 +16,6 @@ def hint(spin, text, *settings):
     return " ".join(spin.refuse(text, *settings).split())
 
 
-@each(
-    "setting, rest",
-    ("top.length=1 / &x", "/ &x"),
-    ("top.length=1/", "/"),
-    ("top.length=1 &span", "&span"),
-    ("top.length=1 mass=2", "mass=2"),
-    ("top.inertia=1,1,1 / 3", "/ 3"),
-    ("study.title='a' / b", "/ b"),
-    ("output.columns='t' / 'theta'", "/ 'theta'"),
-)
-def test_what_follows_a_value(spin, setting, rest):
-    """No part of an override is ignored: a slash, a group, another key are refused."""
-    place = f"--set:1:{setting.index(rest) + 1}: error: unexpected text after the value"
-    assert place in spin.refuse(GOOD, setting)
-
-
 CHARACTERS = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028", "\u2029")
 
 
@@ -51,7 +35,7 @@ def test_control_characters_of_a_file(spin):
 
 
 DEGREES = "is in rad/s: 1 rad/s = 57.29577951308232 deg/s"
-UNITS = "units are rad, mrad, deg"
+UNITS, OF_RATES = "units are rad, mrad, deg", "units are rad/s, mrad/s, deg/s"
 QUOTES = "a number with its unit is in quotes, as '20 deg'"
 
 
@@ -60,6 +44,7 @@ DRAWN += " 'lognormal' deviation(1) = 0.1 mean(1) = '1 rpm' /"
 DRAGGED = "&effects drag_moment = 0, 0, 0.1 drag_exponent = 2 /\n"
 TILTED = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
 TILTED = TILTED.replace("psi_rate = 1.0", "omega = 0, 0, 1").replace("'lagrange'", "'auto'")
+OMEGA3 = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
 HINTS = {
     GOOD: [
         # Degrees where radians belong, and other units.
@@ -98,6 +83,11 @@ HINTS = {
             "a sweep has no column 'gamma1': trajectories have it",
         ),
     ],
+    SWEEP.replace("psi_rate", "phi_rate") + OMEGA3: [
+        ("sweep.from(1)='3 deg'", "omega3: deg is no unit of a quantity in rad/s", OF_RATES),
+        ("sweep.from(1)=3 m", "omega3: m is no unit of a quantity in rad/s", OF_RATES),
+        ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit", OF_RATES),
+    ],
     GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],
@@ -118,19 +108,6 @@ def test_hints(spin, text, case):
     said = hint(spin, text, *(part for part in parts if "&" not in part))
     for word in words:
         assert word in said
-
-
-@each(
-    "setting, problem",
-    ("sweep.from(1)='3 deg'", "initial.omega3: deg is no unit of a quantity in rad/s"),
-    ("sweep.from(1)=3 m", "initial.omega3: m is no unit of a quantity in rad/s"),
-    ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit"),
-)
-def test_units_of_axes(spin, setting, problem):
-    axis = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
-    said = hint(spin, SWEEP.replace("psi_rate", "phi_rate") + axis, setting)
-    assert problem in said
-    assert "units are rad/s, mrad/s, deg/s" in said
 
 
 BLANK, MINUS = "\u00a0", "\u2212"
@@ -225,10 +202,16 @@ def test_an_unknown_effect(spin):
     (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
     (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
     (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
+    # No part of an override is ignored: a slash, a group, another key are refused.
+    *((["top.length=1" + rest], rest) for rest in (" / &x", "/", " &span", " mass=2")),
+    (["top.inertia=1,1,1 / 3"], " / 3"),
+    (["study.title='a' / b"], " / b"),
+    (["output.columns='t' / 'theta'"], " / 'theta'"),
 )
 def test_carets_point_at_elements(spin, settings, element):
-    column = settings[-1].rindex(element) + 1 + element.startswith(",")
-    assert f"--set:1:{column}: error: " in spin.refuse(GOOD, *settings)
+    column = settings[-1].rindex(element) + 1 + element.startswith((",", " "))
+    said = "unexpected text after the value" if element[0] in " /" else ""
+    assert f"--set:1:{column}: error: {said}" in spin.refuse(GOOD, *settings)
 
 
 def test_a_caret_in_a_file(spin):

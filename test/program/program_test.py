@@ -268,10 +268,8 @@ def test_scenario_2_keeps_the_energy_and_loses_the_azimuth(spin):
     assert found == pytest.approx([38.9, 92.6, 161.7], abs=0.05)
 
 
-TABLES_1 = [
-    ("spinning_wheel_paper", "paper_I1_without_ml2"),
-    ("spinning_wheel_sweep", "corrected_I1_with_ml2"),
-]
+TABLES_1 = [("spinning_wheel_paper", "paper_I1_without_ml2")]
+TABLES_1 += [("spinning_wheel_sweep", "corrected_I1_with_ml2")]
 
 
 def check_table_1(rows, inertia, relative, absolute):

@@ -9,8 +9,7 @@ from conftest import each
 
 VERDICTS = {"accurate", "drifts", "wrong", "failed", "unsuitable", "no_reference"}
 OWN = (
-    "&study kind = 'stability' /\n"
-    "&top mass = 1, inertia = 1, {}, 0.5, length = 0.5 /\n"
+    "&study kind = 'stability' /\n&top mass = 1, inertia = 1, {}, 0.5, length = 0.5 /\n"
     "&initial theta = 0.5, omega3 = 10 /\n&span t_end = {} /\n"
     "&stability cases = {}, methods = {} /\n"
 )

@@ -176,11 +176,17 @@ def test_jumps_over_friction(spin):
 
 @each(
     "rows, interpolation, words",
-    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n1,0,0,2\n2,0,0,1\n", "linear", "do not increase"),
-    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n", "linear", "up to a jump, has 1 rows"),
-    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n2,0,0,1\n3,0,0,1\n", "monotone", "from t = 0 to 1"),
+    ("0,0,0,0\n", "linear", ("torque.csv", "2")),
+    ("0,0,0,0\n0,0,0,1\n", "linear", ("torque.csv", "do not increase")),
+    ("0.1,0,0,0\n2,0,0,1\n", "linear", ("torque.csv", "begins at")),
+    ("0,0,0,0\n0.5,0,0,1\n", "linear", ("torque.csv", "ends at")),
+    ("0,0,0,nan\n1,0,0,1\n", "linear", ("torque.csv", "not finite")),
+    ("0,0,0,x\n1,0,0,1\n", "linear", ("torque.csv", "is not a number")),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n1,0,0,2\n2,0,0,1\n", "linear", ("do not increase",)),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n", "linear", ("up to a jump, has 1 rows",)),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n2,0,0,1\n3,0,0,1\n", "monotone", ("from t = 0 to 1",)),
 )
-def test_bad_jumps(spin, rows, interpolation, words):
+def test_bad_tables(spin, rows, interpolation, words):
     effects = f"torque_table = 'torque.csv'  torque_interpolation = '{interpolation}'"
     text = scene(FREE, "theta = 1  psi_rate = 1", "t_end = 1", effects)
-    refused(spin, text, words, torque=HEAD + rows)
+    refused(spin, text, *words, torque=HEAD + rows)

@@ -11,13 +11,9 @@ from drawn_fits import REDUNDANT, draw_redundant
 TOP = {"mass": 1.2, "inertia": (0.9, 0.9, 0.4), "length": 0.7}
 RELEASED = {"theta": 0.7, "psi_rate": 11.0}
 MOVING = {"theta": 0.7, "phi_rate": 0.5, "theta_rate": 0.3, "psi_rate": 11.0}
-METHODS = (
-    {},
-    {"method": "dop853"},
-    {"method": "dop853", "relative_tolerance": 1e-6},
-    {"method": "taylor", "relative_tolerance": 1e-13},
-    {"method": "ode45", "relative_tolerance": 1e-5},
-)
+METHODS = ({}, {"method": "dop853"}, {"method": "dop853", "relative_tolerance": 1e-6})
+METHODS += ({"method": "taylor", "relative_tolerance": 1e-13},)
+METHODS += ({"method": "ode45", "relative_tolerance": 1e-5},)
 WINDOWS = (0.02, 0.1, 0.6, 3.0, 20.0, 100.0)
 ANGLES = ("phi", "theta", "psi")
 

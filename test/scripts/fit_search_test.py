@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 import pytest
 
-import python_library  # noqa: F401  # noqa: F401
+import python_library  # noqa: F401
 import spintop
 from conftest import each
 from drawn_fits import draw, draw_tumbling
@@ -320,10 +320,8 @@ def test_drawn_motions() -> None:
 
 
 TRUTH = {"top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
-GIVEN = {
-    "top": {"mass": 1, "inertia": (0.875, 0.875, 0.26), "length": 0.75**0.5},
-    "initial": {"theta": 0.5, "psi_rate": 13.8},
-}
+GIVEN = {"top": {"mass": 1, "inertia": (0.875, 0.875, 0.26), "length": 0.75**0.5}}
+GIVEN["initial"] = {"theta": 0.5, "psi_rate": 13.8}
 NOISE = 1e-3
 
 

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 from collections import Counter
 from itertools import pairwise, zip_longest
@@ -134,14 +133,12 @@ def parts_of_library_page() -> dict[tuple[str, ...], str]:
     return {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
 
 
+@pytest.mark.usefixtures("folder")
 class ManualCase(unittest.TestCase):
     """A folder that looks like a checkout that is set up and built."""
 
     def setUp(self) -> None:
         """Copies of what commands may change, links to the rest."""
-        folder = tempfile.TemporaryDirectory(prefix="spintop manual ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
         shutil.copytree(ROOT / "input", self.folder / "input")
         for name in ("python", "reference"):
             (self.folder / name).symlink_to(ROOT / name)
@@ -407,7 +404,6 @@ class CommandsTest(ManualCase):
             self.assertIn(f" | {' | '.join(row)} |\n", page)
 
     def test_limits(self) -> None:
-        """Settings that the manual calls refused are refused, for the reason given there."""
         for case, reason in REFUSED.items():
             name, *settings = case.split()
             text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")

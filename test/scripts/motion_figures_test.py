@@ -73,9 +73,8 @@ class MotionFiguresTest(TableCase):
         assert "not symmetric about body z" in self.refusal("portrait", body)
         steady = self.compute("regular_precession")
         assert "too steady" in self.refusal("potential", steady)
-        assert "has no column theta, theta_rate" in self.refusal(
-            "potential", self.compute("long_drift", "span.nutations=3")
-        )
+        drift = self.compute("long_drift", "span.nutations=3")
+        assert "has no column theta, theta_rate" in self.refusal("potential", drift)
 
     def test_classes(self) -> None:
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
@@ -219,26 +218,23 @@ class MotionFiguresTest(TableCase):
         """They are files of their own; each table has to have what they ask for."""
         paths = []
         for method in ("taylor", "dop853"):
-            table = self.compute(
-                "long_drift", "span.nutations=9", "span.samples=10", f"integration.method={method}"
-            )
+            few = ("span.nutations=9", "span.samples=10")
+            table = self.compute("long_drift", *few, f"integration.method={method}")
             paths.append(table.path.rename(self.folder / f"{method}.csv"))
         motion = self.put("motion.csv", a_trajectory())
         for name, tables in (("drift", paths), ("traces", [motion, motion])):
             folder = self.folder / name
-            assert self.call("--together", name, "-o", folder, *tables) == (0, "")
+            assert self.call("--together", name, "-o", folder, *tables) == ""
             self.check_pictures(folder, {name})
         sweep = self.put("sweep.csv", a_sweep())
-        code, complaint = self.call("--together", "traces", motion, sweep)
-        assert code == 2
-        assert "sweep.csv: is no table of the kind trajectory: no traces" in complaint
-        code, complaint = self.call("--together", "drift", motion)
-        assert (code, "no column energy_error" in complaint) == (2, True)
         exact = self.put("exact.csv", a_trajectory([*TRAJECTORY, "energy_error"], energy_error=0.0))
-        code, complaint = self.call("--together", "drift", exact)
-        assert (code, "no error of the energy above zero" in complaint) == (2, True)
-        code, complaint = self.call("--together", "traces", self.folder / "none.csv")
-        assert (code, "no such file" in complaint) == (2, True)
+        for name, tables, reason in (
+            ("traces", (motion, sweep), "sweep.csv: is no table of the kind trajectory: no traces"),
+            ("drift", (motion,), "no column energy_error"),
+            ("drift", (exact,), "no error of the energy above zero"),
+            ("traces", (self.folder / "none.csv",), "no such file"),
+        ):
+            assert reason in self.call("--together", name, *tables, code=2)
 
     def test_names(self) -> None:
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
@@ -248,9 +244,8 @@ class MotionFiguresTest(TableCase):
         """They have the figures of others, which are the same."""
         own = ("t", "phi", "theta", "psi", "com_z")
         other = ("t_ms", "phi_deg", "theta_turns", "psi_mrad", "com_z_mm")
-        tables = [
-            self.compute("slow_top", f"output.columns={','.join(names)}") for names in (own, other)
-        ]
+        columns = (f"output.columns={','.join(names)}" for names in (own, other))
+        tables = [self.compute("slow_top", setting) for setting in columns]
         assert list(tables[1].rows) == list(other)
         assert tables[1].units["theta_turns"] == "turns"
         drawn = []
@@ -272,9 +267,8 @@ class MotionFiguresTest(TableCase):
         self.compute("fit")
         table = read_table(self.folder / "fit.residuals.csv")
         *panels, side = draw_fit(table).axes
-        for (above, below), name in zip(
-            zip(panels[::2], panels[1::2], strict=True), ("phi", "theta", "psi"), strict=True
-        ):
+        for place, name in enumerate(("phi", "theta", "psi")):
+            above, below = panels[2 * place : 2 * place + 2]
             assert "(degrees)" in above.get_title("left")
             assert below.get_ylabel() == "residual"
             fitted, measured = (line.get_ydata() for line in above.lines)
@@ -327,11 +321,9 @@ class MotionFiguresTest(TableCase):
 
     def test_lines(self) -> None:
         """The panels show the columns; energy and what was taken add up to that of the start."""
-        table = self.compute(
-            "friction_to_rest", "span.samples=601", "output.columns=all", "effects.drag_force=0"
-        )
-        figure = draw_account(table)
-        theta, spin, energy, error = figure.axes
+        settings = ("span.samples=601", "output.columns=all", "effects.drag_force=0")
+        table = self.compute("friction_to_rest", *settings)
+        theta, spin, energy, error = draw_account(table).axes
         words = [text.get_text() for text in energy.get_legend().get_texts()]
         for name in ("taken by friction", "taken by drag"):
             assert name in words
@@ -349,9 +341,5 @@ class MotionFiguresTest(TableCase):
         assert largest == table.rows["energy_error"].abs().max()
 
     def test_other_tables(self) -> None:
-        """A table without works has no such figure."""
         kind = next(kind for kind in FIGURES if kind.name == "account")
         assert "has no column" in kind.refusal(self.read(a_trajectory()))
-
-
-# The figure of the account of energy: what it shows is what the program computes.

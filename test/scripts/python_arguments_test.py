@@ -21,10 +21,8 @@ INERTIA = (0.875, 0.875, 0.25)
 BODY = spintop.Body(mass=1, inertia=INERTIA, length=0.8)
 TOP = spintop.Top(BODY, theta_deg=11.25, psi_rate=1.0)
 SYMMETRIC = {"inertia1": 0.875, "inertia3": 0.25, "mgl": 8.0, "theta": 0.2}
-GIVEN = {
-    "top": {"mass": 1, "inertia": (0.875, 0.875, 0.24), "length": 0.75**0.5},
-    "initial": {"theta_deg": 30, "psi_rate": 15.0},
-}
+GIVEN = {"top": {"mass": 1, "inertia": (0.875, 0.875, 0.24), "length": 0.75**0.5}}
+GIVEN["initial"] = {"theta_deg": 30, "psi_rate": 15.0}
 TIMES = np.arange(20) / 20
 
 

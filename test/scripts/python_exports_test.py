@@ -18,8 +18,6 @@ TIMES = np.linspace(0, 2, 21)
 
 @pytest.mark.usefixtures("folder")
 class ExportsTest(unittest.TestCase):
-    folder: Path
-
     def setUp(self) -> None:
         body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
         self.motion = spintop.Top(body, theta_deg=50, omega3=30).exact(TIMES, COLUMNS)

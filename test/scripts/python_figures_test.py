@@ -133,7 +133,6 @@ def test_one_run(calls: list[str], folder: Path) -> None:
 
 
 def test_times(calls: list[str]) -> None:
-    """The times of a work-precision figure are those of the result."""
     result = spintop.run(WORK)
     axes = result.plot("precision_time")["precision_time"].axes[0]
     drawn = {time for line in axes.lines if line.get_label()[0] != "_" for time in line.get_xdata()}

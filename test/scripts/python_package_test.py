@@ -10,13 +10,12 @@ import threading
 import unittest
 import warnings
 from pathlib import Path
-from typing import ClassVar
 from unittest import mock
 
 import numpy as np
 import pytest
 
-import python_library  # noqa: F401  # noqa: F401
+import python_library  # noqa: F401
 import spintop
 from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
@@ -49,11 +48,9 @@ class PythonPackageTest(unittest.TestCase):
         columns = ["t", "phi", "theta", "psi", "phi_rate", "energy", "force_z", "q0"]
         columns += ["t_ms", "theta_deg", "omega3_rpm"]
         span, output = {"t_end": 30.0, "samples": 301}, {"columns": columns}
-        others = (
-            spintop.Body(mass=1, inertia=(0.25, 0.875, 0.875), centre_of_mass=(0.5, 0, 0)),
-            spintop.Body(mass=2, inertia=(0.3, 0.5, 0.7), centre_of_mass=(0, 0, 0)),
-        )
-        for top in (*(spintop.Top(body, **TOP.start) for body in others), TOP):
+        lying = spintop.Body(mass=1, inertia=(0.25, 0.875, 0.875), centre_of_mass=(0.5, 0, 0))
+        free = spintop.Body(mass=2, inertia=(0.3, 0.5, 0.7), centre_of_mass=(0, 0, 0))
+        for top in (spintop.Top(lying, **TOP.start), spintop.Top(free, **TOP.start), TOP):
             table = by_program(top.input(span=span, output=output))
             t = np.array([float(cell) for cell in table["t"]])
             self.compare(top.exact(t, columns), table)
@@ -310,15 +307,12 @@ class PythonPackageTest(unittest.TestCase):
                 chosen_folder(package)
 
 
-class SweepTest(unittest.TestCase):
-    groups: ClassVar = {
-        "study": {"kind": "sweep"},
-        "top": BODY.keys,
-        "initial": {"theta": 0.3},
-        "span": {"t_end": 2.0},
-        "output": {"columns": ["theta_max", "nutation_period", "phi_end", "motion_class"]},
-    }
+SWEPT = {"study": {"kind": "sweep"}, "top": BODY.keys, "initial": {"theta": 0.3}}
+SWEPT |= {"span": {"t_end": 2.0}}
+SWEPT["output"] = {"columns": ["theta_max", "nutation_period", "phi_end", "motion_class"]}
 
+
+class SweepTest(unittest.TestCase):
     def test_bits(self) -> None:
         """A sweep over arrays is that of the program over the same values, also of any bodies."""
         rate = np.linspace(0.0, 20.0, 700)
@@ -326,25 +320,25 @@ class SweepTest(unittest.TestCase):
         values = {"from": [0.0], "to": [20.0], "count": [700]}
         axis = {"parameter": ["initial.psi_rate"], **values}
         for body in (BODY, SKEW):
-            groups = {**self.groups, "top": body.keys}
+            groups = {**SWEPT, "top": body.keys}
             groups["output"] = {"columns": ["theta_end", "phi_end"]}
             table = by_program({**groups, "sweep": axis})
             given = [float(cell) for cell in table["initial.psi_rate"]]
             found = spintop.sweep(groups, {"initial.psi_rate": given}).rows
             for name in ("theta_end", "phi_end"):
                 assert found[name].tolist() == [float(cell) for cell in table[name]]
-        found = spintop.sweep(self.groups, {"initial.psi_rate": rate, "initial.theta": theta}).rows
+        found = spintop.sweep(SWEPT, {"initial.psi_rate": rate, "initial.theta": theta}).rows
         assert found["initial.theta"].tolist() == theta.tolist()
         assert set(found["status"]) == {"ok"}
         fifth = {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
-        one = spintop.sweep(self.groups, fifth).rows
+        one = spintop.sweep(SWEPT, fifth).rows
         assert one["phi_end"][0] == found["phi_end"][5]
         assert found.row_count == 700
 
     def test_tops(self) -> None:
         """The same bits by `tops`, for arrays of any strides."""
         rate = np.linspace(0.0, 20.0, 1500)
-        table = spintop.sweep(self.groups, {"initial.omega3": rate}).rows
+        table = spintop.sweep(SWEPT, {"initial.omega3": rate}).rows
         names = ["theta_max", "nutation_period", "phi_end"]
         data = {"inertia1": 0.875, "inertia3": 0.25, "mgl": 9.81 * 0.75**0.5}
         data |= {"theta": 0.3, "t_end": 2.0}
@@ -384,12 +378,12 @@ class SweepTest(unittest.TestCase):
             ({"top.centre_of_mass(1)": [0.1]}, r"centre_of_mass\(2\) is missing"),
         ):
             with self.subTest(parameters), self.assertRaisesRegex(spintop.InputError, message):
-                spintop.sweep(self.groups, parameters)
-        both = {**self.groups, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
+                spintop.sweep(SWEPT, parameters)
+        both = {**SWEPT, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
         with self.assertRaisesRegex(spintop.InputError, "the cases are given twice"):
             spintop.sweep(both, {"initial.theta": [1.0]})
         axes = {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
-        result = spintop.sweep(self.groups, axes)
+        result = spintop.sweep(SWEPT, axes)
         assert not result.ok
         assert result.rows["status"][0] == "ok"
         assert result.rows["status"][1] != "ok"
@@ -410,7 +404,7 @@ class ResourcesTest(unittest.TestCase):
                 TOP.exact(0.1)
                 if i % 100 == 0:
                     spintop.Top(BODY, theta=0.2, psi_rate=3.0)
-                    spintop.sweep(SweepTest.groups, {"initial.psi_rate": np.arange(9.0)}, threads=1)
+                    spintop.sweep(SWEPT, {"initial.psi_rate": np.arange(9.0)}, threads=1)
                     TOP.integrate([0.0, 1.0], ["theta"], method="dop853")
                     spintop.tops(["theta_max"], inertia1=1, inertia3=1, mgl=1, theta=np.ones(999))
                     with self.assertRaises(spintop.InputError):
@@ -434,7 +428,7 @@ class ResourcesTest(unittest.TestCase):
             found += TOP.integrate(t, method="rk4", steps=499).theta.tolist()
             found += top.integrate(t, method="ode45", relative_tolerance=1e-9).theta.tolist()
             rates = {"initial.psi_rate": t + number}
-            found += spintop.sweep(SweepTest.groups, rates, threads=2).rows["phi_end"].tolist()
+            found += spintop.sweep(SWEPT, rates, threads=2).rows["phi_end"].tolist()
             data = {"inertia1": 1, "inertia3": 1, "mgl": 1, "theta": 1 + 0.1 * t, "omega3": number}
             found += spintop.tops(["theta_max"], **data)["theta_max"].tolist()
             try:
@@ -467,12 +461,8 @@ BODIES = {
     "asymmetric": {"inertia": (0.9, 0.7, 0.4), "centre_of_mass": (0.1, -0.05, 0.5)},
     "free": {"inertia": (0.6, 0.5, 0.4), "centre_of_mass": (0, 0, 0)},
 }
-EFFECTS = (
-    {},
-    {"drag_force": 0.2},
-    {"earth_rate": 0.3, "latitude_deg": 60},
-    {"rotor_momentum": (0, 0, 0.3)},
-)
+EFFECTS = ({}, {"drag_force": 0.2}, {"earth_rate": 0.3, "latitude_deg": 60})
+EFFECTS += ({"rotor_momentum": (0, 0, 0.3)},)
 KINDS = [(body, effects) for body in BODIES for effects in EFFECTS]
 ANGLES = ("phi", "theta", "psi")
 COLUMNS = (*ANGLES, "omega1", "omega3", "force_z", "energy", "theta__initial.psi_rate")

@@ -31,8 +31,6 @@ def meta() -> str:
 
 @pytest.mark.usefixtures("folder")
 class RecipesTest(unittest.TestCase):
-    folder: Path
-
     def test_syntax(self) -> None:
         """Python, shell and YAML can be read."""
         for path in (RECIPES[1], PACKAGING / "fill_recipes"):

@@ -2,7 +2,6 @@
 
 import sys
 import unittest
-from pathlib import Path
 
 import pytest
 
@@ -18,10 +17,6 @@ def a_test(name: str, *body: str) -> str:
 
 @pytest.mark.usefixtures("folder")
 class StandInTest(unittest.TestCase):
-    """Converts small files, and runs one."""
-
-    folder: Path
-
     def convert(self, text: str, code: int = 0) -> str:
         source = self.folder / "suite.pf"
         source.write_text(text, encoding="utf-8")

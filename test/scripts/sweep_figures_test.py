@@ -19,7 +19,7 @@ from spintop_figures.sweeps.maps import object_to_grid
 from spintop_figures.sweeps.quantities import has_log_axis, succeeded
 from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling
 from spintop_figures.sweeps.statistics import mark_negative
-from spintop_figures.tables.names import name_of, unit_shown
+from spintop_figures.tables.names import unit_shown
 from spintop_figures.tables.table import Table, read_table
 
 
@@ -60,8 +60,7 @@ class SweepFiguresTest(TableCase):
         ):
             assert object_to_scatter(self.read(text)) == reason
         path = self.put("b.csv", a_map())
-        code, said = self.call("--figure", "scatter", path)
-        assert code == 2
+        said = self.call("--figure", "scatter", path, code=2)
         assert "which has maps: no scatter figure" in said
 
     def test_no_grid_is_cheap_to_tell(self) -> None:
@@ -194,7 +193,6 @@ class SweepFiguresTest(TableCase):
 
     @pytest.mark.slow
     def test_script(self) -> None:
-        """Draws what belongs to the tables, without a warning of the layout."""
         clouds = (a_cloud(2), a_cloud(3), a_cloud(5, failing=10**9))
         clouds += (a_cloud().replace("wave", "loop"),)
         self.check_drawn({f"cloud_{i}": (text, {"scatter"}) for i, text in enumerate(clouds)})
@@ -276,12 +274,6 @@ class SweepFiguresTest(TableCase):
         assert unit_shown("theta_max", "rad") == ("degrees", math.degrees(1))
         assert unit_shown("orientation_error", "rad") == ("rad", 1)
         assert unit_shown("precession_rate", "rad/s") == ("rad/s", 1)
-
-    def test_words(self) -> None:
-        """A parameter is named in words, without a formula; an element of an array by its sign."""
-        assert name_of("initial.theta_deg") == "initial inclination"
-        assert name_of("initial.omega3") == "initial spin"
-        assert name_of("top.inertia(2)") == "moment of inertia I\u2082"
 
 
 HEAD = """\

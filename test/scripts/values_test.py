@@ -39,15 +39,10 @@ INPUT = """&study kind = 'trajectory' /
 """
 CANARY = "precious.csv"
 
-HARMLESS = set(
-    re.findall(
-        r"\S+",
-        "awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock "
-        "grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink "
-        "realpath rm rmdir sed seq sh sha256sum sort stat tail tee touch tr true tsort uname "
-        "wc xargs ",
-    )
-)
+HARMLESS = """awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock
+grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink realpath rm rmdir sed
+seq sh sha256sum sort stat tail tee touch tr true tsort uname wc xargs"""
+HARMLESS = set(re.findall(r"\S+", HARMLESS))
 """Programs that are carried out; all others succeed without doing anything."""
 FAILS = {"mountpoint"}
 """Programs that fail: so that a script goes on."""

@@ -170,7 +170,7 @@ class FiguresTest(TableCase):
         spin, tilt = (np.unique(rows[name]) for name in table.axes())
         for text in axes.texts:
             x, y = text.get_position()
-            place = (spin[int(x * spin.size)], tilt[int(y * tilt.size)])
+            place = [spin[int(x * spin.size)], tilt[int(y * tilt.size)]]
             near = rows[(rows[list(table.axes())] == place).all(axis=1)]
             assert list(near["motion_class"]) == [text.get_text()]
 

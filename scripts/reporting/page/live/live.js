@@ -12,11 +12,12 @@ import { Grip } from "./grip.js";
 import { fillWords, linkOfLanguage, say } from "./language.js";
 import { accountOf, fillPanel, showMoment } from "./panel.js";
 import { Picture } from "./picture.js";
-import { FIRST, PRESETS, presetOf } from "./presets.js";
-import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
+import PRESETS from "./presets.json"; // their states, and why it is these numbers; the dictionary says what one sees
+import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, presetOf, stateOfLink } from "./scene.js";
 import { Second } from "./second.js";
 import { COARSE, FINE, Track } from "./track.js";
 
+const FIRST = "cusp"; // the preset with which the page begins
 const QUIET = 500; // ms without a change before it is announced and the link holds it
 const PLOTS = ["theta", "phi", "psi", "energy"];
 const PARTS = { step: 1 / 200, page: 1 / 10, end: 1 }; // of the span that keys go
@@ -168,7 +169,7 @@ export class LiveTop {
 
   /** Show a state, with ranges and a speed that suit it; of a `link` also its second top. */
   load(state, { preset = null, link = "" } = {}) {
-    const { nutations, ...given } = state ?? PRESETS[FIRST];
+    const { nutations, why, ...given } = state ?? PRESETS[FIRST];
     this.state = complete(given);
     Object.assign(this.state, consequenceOf(this.state, {}).fields);
     if (nutations) this.state.t_end = timeOf(this.state, nutations);

@@ -20,7 +20,7 @@ from reporting.packages import DICTIONARY, PAGE, PackageError, bundle
 from reporting.study import Section
 from reporting.words import of_kind
 from spintop_figures.moving.data import pack_all
-from spintop_figures.moving.motion import facts_text
+from spintop_figures.moving.motion import facts_text, refusal
 from spintop_figures.tables.names import raised
 
 LARGEST, PER_TABLE = 2_000_000, 100_000
@@ -32,6 +32,9 @@ ALL_CELLS = 20_000
 
 COLUMNS_ON_PAPER = 8
 """Wider tables are printed across."""
+
+PROVENANCE = ("program", "revision", "compiler", "date", "model", "method", "body")
+"""What of the header of a table the report says, in its order."""
 
 STYLES = ("page.css", "live.css")
 ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "main.js")}
@@ -147,7 +150,9 @@ def make_page(title: str, sections: list[Section], problems: list[str]) -> tuple
         lives={s.anchor: live_link(s.table) for s in sections if s.anchor in motions},
         lack=lack,
         key_numbers=key_numbers,
+        refusal=refusal,
         columns_on_paper=COLUMNS_ON_PAPER,
+        provenance=PROVENANCE,
     )
     return page, ([f"the tops do not move in the page: {lack}"] if lack else []) + reduced
 

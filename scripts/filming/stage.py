@@ -23,11 +23,7 @@ FADES_IN, FAINTEST = 0.12, 0.2
 OPAQUE, GHOSTLY = 0.5, 0.16
 """How opaque a body is: path, rod and arrows are seen through it; and the ghost of a second one."""
 
-NAMES = {
-    "momentum": "angular momentum",
-    "omega": "angular velocity",
-    "force": "support force",
-}
+NAMES = {"momentum": "angular momentum", "omega": "angular velocity", "force": "support force"}
 ORDER = {"far": 1, "rod behind": 2, "body": 3, "rod before": 4, "near": 5, "arrows": 6}
 
 

@@ -165,16 +165,10 @@ def of_columns(table: Table) -> dict[str, str]:
 
 
 KINDS = {
-    "trajectory": of_trajectory,
-    "sweep": of_sweep,
-    "work_precision": of_methods,
-    "stability": of_methods,
-    "events": of_events,
-    "fit": of_fit,
-    "statistics": of_statistics,
-    "histogram": of_histogram,
-    "indices": of_indices,
-}
+    "trajectory": of_trajectory, "sweep": of_sweep, "work_precision": of_methods,
+    "stability": of_methods, "events": of_events, "fit": of_fit, "statistics": of_statistics,
+    "histogram": of_histogram, "indices": of_indices,
+}  # fmt: skip
 
 
 def key_numbers(table: Table) -> dict[str, str]:

@@ -157,7 +157,8 @@ def c_header() -> str:
     """All equations as C functions, and FORMULATIONS(X) that lists their names and sizes."""
     lines = ["/* Made by scripts/comparing/equations.py. */"]
     for form in EQUATIONS.values():
-        lines += [f"static inline void {form.name}(const double *c, const double *y, double *dy)", "{"]
+        head = f"static inline void {form.name}(const double *c, const double *y, double *dy)"
+        lines += [head, "{"]
         for array, names in (("c", form.constants), ("y", form.states)):
             lines += [f"    const double {name} = {array}[{i}];" for i, name in enumerate(names)]
         lines += [f"    const double {name} = {text};" for name, text in form.terms.items()]

@@ -22,13 +22,11 @@ module mechanics
     use spintop_methods
     use spintop_motion
     use spintop_nutation
-    use spintop_projection
     use spintop_quantities
     use spintop_relative_equilibrium
     use spintop_status
     use spintop_steady_motion
     use spintop_stepper
-    use spintop_suitability
     use spintop_tangent_flow
     use spintop_taylor_lanes, only: integrate_many, monitor_slot_t, taylor_lanes_t
     use event_log

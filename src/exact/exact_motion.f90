@@ -147,7 +147,7 @@ contains
         integer(int64), intent(in) :: most_steps !! bound of `steps`
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
         real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-12_dp
-        type(turn_counter_t) :: turns, there
+        type(turn_counter_t) :: turns
         type(motion_t) :: next
         real(dp) :: pace, step
         logical :: sure
@@ -169,10 +169,8 @@ contains
                 steps = steps + 1
                 next = self%at(turns%last%t + sign(step, t - turns%last%t))
             end if
-            there = turns
-            call there%advance(next, sure)
+            call turns%advance(next, sure, is_forced=step < shortest * pace)
             if (sure .or. step < shortest * pace) then
-                turns = there
                 step = min(2 * step, pace)
             else
                 step = min(step, abs(t - turns%last%t)) / 2

@@ -174,15 +174,14 @@ contains
             return
         end if
         call self%find_attitude(t, y, motion)
-        call self%kinematics(t, y, motion%omega, motion%omega_rate)
         if (abs(self%sigma) > 0) call add_spin(self%sigma, motion)
     end function motion_without_angles
 
-    !> The attitude that is in the state, without the separated spin.
+    !> The attitude that is in the state, without the separated spin, its angular velocity, and the rate of that.
     pure subroutine find_attitude(self, t, y, motion)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(motion_t), intent(inout) :: motion !! its time and attitude are set
+        type(motion_t), intent(inout) :: motion !! its angles are not set
         real(dp) :: length
         associate (q => y(self%attitude:self%attitude + 3))
             length = sqrt(q(1)**2 + q(2)**2 + q(3)**2 + q(4)**2)
@@ -190,6 +189,7 @@ contains
             motion%quaternion = q / length
             motion%norm_error = length - 1
         end associate
+        call self%kinematics(t, y, motion%omega, motion%omega_rate)
     end subroutine find_attitude
 
     !> Adds the separated spin to a motion: a turn about body z, at a constant rate.

@@ -185,38 +185,40 @@ contains
             call self%turns%start_at(first)
         else if (formulation%attitude > 0) then
             call formulation%find_attitude(0.0_dp, y, self%turns%last)
-            call formulation%kinematics(0.0_dp, y, self%turns%last%omega)
             self%turns%spin = real(formulation%sigma, dp)
         end if
     end function follow_from
 
-    !> Moves to a later time and state.
+    !> Moves to a later time and state; if `sure` is present, only where the turns are certain.
     subroutine go_to(self, t, y, sure)
         type(follower_t), intent(inout) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         logical, intent(out), optional :: sure !! whether the turns are certain
         type(motion_t) :: next
-        real(dp) :: omega(3)
-        logical :: is_sure
+        logical :: is_sure, meets_pole
 
         is_sure = .true.
         associate (formulation => self%formulation, turns => self%turns)
             if (.not. self%is_idle .and. turns%axes%differ) then
-                call turns%advance(formulation%motion_without_angles(t, y), is_sure)
+                next = formulation%motion_without_angles(t, y)
+                call turns%advance(next, is_sure, is_forced=.not. present(sure))
             else if (.not. self%is_idle .and. formulation%attitude > 0) then
-                call formulation%find_attitude(t, y, next)
+                next%t = t
+                next%quaternion = y(formulation%attitude:formulation%attitude + 3)
                 call formulation%kinematics(t, y, next%omega)
-                if (turns%needs_rates(next)) then
-                    call formulation%kinematics(self%t, self%y, omega, turns%last%omega_rate)
-                    call formulation%kinematics(t, y, omega, next%omega_rate)
+                meets_pole = turns%may_meet_pole(next)
+                if (meets_pole) then
+                    call formulation%find_attitude(self%t, self%y, turns%last)
+                    call formulation%find_attitude(t, y, next)
                 end if
-                call turns%advance(next, is_sure)
+                call turns%advance(next, is_sure, is_forced=.not. present(sure), meets_pole=meets_pole)
                 self%near = turns%last%angle
             end if
         end associate
+        if (present(sure)) sure = is_sure
+        if (present(sure) .and. .not. is_sure) return
         self%t = t
         self%y = y
-        if (present(sure)) sure = is_sure
     end subroutine go_to
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
@@ -225,16 +227,13 @@ contains
         type(follower_t), intent(inout) :: self
         class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(follower_t) :: there
         real(dp) :: middle
         logical :: sure
 
-        there = self
-        call go_to(there, t, y, sure)
-        if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
-                               .or. stepper%is_spent()
-        if (sure) then
-            self = there
+        call go_to(self, t, y, sure)
+        if (sure) return
+        if (t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) .or. stepper%is_spent()) then
+            call go_to(self, t, y)
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1

@@ -2,13 +2,12 @@
 !> the next, along the steps of a method, and along exact motions whose angles have no closed form.
 !>
 !>     turns = new_turn_counter(body, start)
-!>     there = turns
-!>     call there%advance(next, sure)     ! where this is sure there%last%angle is known; otherwise instants in between are needed
+!>     call turns%advance(next, sure)     ! now turns%last is that instant; where it is not sure instants in between are needed
 !>
 !> The angles of two sets of body axes turn differently: where the axis of one set circles about the vertical that of the
 !> other may not. They are counted in the axes in which the body was given.
 module spintop_turn_counter
-    use spintop_attitude, only: angles_from_quaternion, beside_pole, follow_angles, may_meet_pole, square_to_pole
+    use spintop_attitude, only: angles_from_quaternion, follow_angles, may_meet_pole, square_to_pole
     use spintop_body, only: body_t
     use spintop_given_axes, only: given_axes_t
     use spintop_kinds, only: dp
@@ -31,7 +30,7 @@ module spintop_turn_counter
         real(dp) :: reach = through_pole, error = 0
     contains
         procedure :: start_at
-        procedure :: needs_rates
+        procedure :: may_meet_pole => may_meet_pole_before
         procedure :: advance
         procedure :: angle
     end type turn_counter_t
@@ -59,55 +58,65 @@ contains
         self%last%angle = motion%given_angle
     end subroutine start_at
 
-    !> Whether body z may meet a pole before an instant. Otherwise the rates of the angular velocity, at both ends, are not used.
-    pure logical function needs_rates(self, next)
+    !> Whether body z may meet a pole before an instant. Elsewhere `advance` needs neither unit quaternions nor accelerations.
+    pure logical function may_meet_pole_before(self, next) result(may)
         class(turn_counter_t), intent(in) :: self
         type(motion_t), intent(in) :: next !! the instant, in the axes in which turns are counted
         associate (last => self%last)
-            needs_rates = last%passed%arrived .or. self%reach > through_pole &
-                .or. square_to_pole(next%quaternion) <= beside_pole**2 &
+            may = last%passed%arrived .or. self%reach > through_pole &
                 .or. may_meet_pole(last%quaternion, last%omega, next%quaternion, next%omega, abs(next%t - last%t))
         end associate
-    end function needs_rates
+    end function may_meet_pole_before
 
     !> Counts the turns up to the next instant of a motion. They are not sure if the body may rotate so far in between that its
-    !> attitudes do not tell, or if body z may meet a pole on either side.
-    pure subroutine advance(self, next, sure)
+    !> attitudes do not tell, or if body z may meet a pole on either side; then the counter stays where it is.
+    pure subroutine advance(self, next, sure, is_forced, meets_pole)
         class(turn_counter_t), intent(inout) :: self
-        type(motion_t), intent(in) :: next !! the instant, in the axes of the computation; its angles are not used
+        type(motion_t), intent(inout) :: next
+            !! the instant in the axes of the computation, whose angles are not used; on return as `last` will be
         logical, intent(out) :: sure !! whether the turns are certain
+        logical, intent(in) :: is_forced !! whether the counter advances also where they are not
+        logical, intent(in), optional :: meets_pole !! `may_meet_pole`, where that was asked before
         !> Rotation that attitudes tell in axes other than the principal ones, rad; one that is followed in no case.
         real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
-        type(motion_t) :: there
-        real(dp) :: angle(3), start(3), turn
-        logical :: beside, passes
+        real(dp) :: start(3), turn
+        logical :: beside, passes, may_meet
 
-        there = next
-        if (self%axes%differ) there = self%axes%seen(next)
-        associate (last => self%last, passed => there%passed)
-            passed = last%passed
-            start = last%angle - [0.0_dp, 0.0_dp, self%spin * last%t]
-            angle = start
-            turn = abs(there%t - last%t) * sqrt(max(sum(last%omega**2), sum(there%omega**2)))
-            if (self%axes%differ .and. turn <= largest_turn) then
+        associate (last => self%last, h => abs(next%t - self%last%t))
+            turn = 0
+            if (self%axes%differ) then
+                next = self%axes%seen(next)
+                turn = h * sqrt(max(sum(last%omega**2), sum(next%omega**2)))
                 ! Of both quaternions of an attitude, the one that the motion reaches.
-                if (dot_product(last%quaternion, there%quaternion) < 0) there%quaternion = -there%quaternion
+                if (turn <= largest_turn .and. dot_product(last%quaternion, next%quaternion) < 0) next%quaternion = -next%quaternion
             end if
-            call follow_angles(last%quaternion, last%omega, there%quaternion, there%omega, abs(there%t - last%t), angle, sure, &
-                               beside, reshape([last%omega_rate, there%omega_rate], [3, 2]))
-            ! Where body z was in a pole or is beside one, or passes through it at a distance, a passage settles the angles.
-            if (beside .or. passed%arrived .or. self%reach > through_pole .or. .not. sure) then
-                sure = sure .and. .not. passed%arrived
-                call pass_pole(last, there, self%reach, passed, start, passes)
-                if (passes) angle = start
-                sure = sure .or. passes
+            next%passed = last%passed
+            start = [last%angle(1:2), last%angle(3) - self%spin * last%t]
+            next%angle = start
+            if (present(meets_pole)) then
+                may_meet = meets_pole
+            else
+                may_meet = self%may_meet_pole(next)
             end if
-            if (self%axes%differ) sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
-            ! A plane motion passes through the poles.
-            if (self%reach <= through_pole) call passed%watch(square_to_pole(there%quaternion), self%error)
-            there%angle = angle + [0.0_dp, 0.0_dp, self%spin * there%t]
+            if (may_meet) then
+                call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, next%angle, sure, beside, &
+                                   reshape([last%omega_rate, next%omega_rate], [3, 2]))
+                ! Where body z was in a pole or is beside one, or passes through it at a distance, a passage settles the angles.
+                if (beside .or. next%passed%arrived .or. self%reach > through_pole .or. .not. sure) then
+                    sure = sure .and. .not. next%passed%arrived
+                    call pass_pole(last, next, self%reach, next%passed, start, passes)
+                    if (passes) next%angle = start
+                    sure = sure .or. passes
+                end if
+            else
+                call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, next%angle, sure, beside)
+            end if
+            sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
         end associate
-        self%last = there
+        ! A plane motion passes through the poles.
+        if (self%reach <= through_pole) call next%passed%watch(square_to_pole(next%quaternion), self%error)
+        next%angle(3) = next%angle(3) + self%spin * next%t
+        if (sure .or. is_forced) self%last = next
     end subroutine advance
 
     !> phi, theta and psi of the attitude, rad, with the turns that were counted. In a pole it does not tell them.

@@ -2,7 +2,7 @@
 !> the next, along the steps of a method, and along exact motions whose angles have no closed form.
 !>
 !>     turns = new_turn_counter(body, start)
-!>     call turns%advance(next, sure)     ! now turns%last is that instant; where it is not sure instants in between are needed
+!>     call turns%advance(next, sure, is_forced=.false.)  ! if sure turns%last is that instant; else one in between is needed
 !>
 !> The angles of two sets of body axes turn differently: where the axis of one set circles about the vertical that of the
 !> other may not. They are counted in the axes in which the body was given.

@@ -12,11 +12,10 @@ module spintop_integration
     use spintop_loads, only: works
     use spintop_methods, only: call_status
     use spintop_motion, only: motion_t
-    use spintop_poles, only: reach_of
     use spintop_segments, only: segments_t
     use spintop_status, only: is_ok, status_at_rest, status_not_converged, status_ok, status_outside, &
         status_step_limit, status_step_too_small, status_too_many_events, status_turning_point
-    use spintop_step_path, only: follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
+    use spintop_step_path, only: follow_from, follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
     use spintop_stepper, only: counts_t, stepper_t
     implicit none
     private
@@ -123,9 +122,7 @@ contains
             end if
             is_idle = .not. self%observer%counts_turns
             if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
-            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
-            self%follower%formulation => formulation
-            if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            self%follower = follow_from(self%formulation, body, start, stepper%y, is_idle)
             noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
             noise_of_step = noise
             if (stepper%controls%steps > 0) then
@@ -174,8 +171,8 @@ contains
         associate (stepper => self%stepper)
             if (stepper%t > self%follower%t) call go_to(self%follower, stepper%t, stepper%y)
             if (associated(self%search)) then
-                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
-                motion%given_angle = self%follower%given_angle
+                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%near)
+                motion%given_angle = self%follower%turns%last%angle
                 call self%search%record_occasion(self%segments%occasion, motion, self%account%total)
                 ends = self%search%has_enough
             end if
@@ -230,7 +227,7 @@ contains
     subroutine observe_until(self, t)
         type(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        self%follower%error = self%error_of_step * real(self%stepper%counts%steps, dp)
+        self%follower%turns%error = self%error_of_step * real(self%stepper%counts%steps, dp)
         associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
@@ -266,8 +263,8 @@ contains
             call self%account%go_to(self%stepper, self%follower%t)
             self%observer%work = self%account%total
         end if
-        self%observer%given_angle = self%follower%given_angle
-        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
+        self%observer%given_angle = self%follower%turns%last%angle
+        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%near)
         self%shown = self%follower%t
     end subroutine show
 
@@ -400,9 +397,7 @@ contains
         outcome%status = status
         outcome%t = run%stepper%t
         outcome%counts = run%stepper%counts
-        associate (follower => run%follower)
-            outcome%doubtful_passages = merge(follower%given_passed%doubtful, follower%passed%doubtful, body%given%differ)
-        end associate
+        outcome%doubtful_passages = run%follower%turns%last%passed%doubtful
         if (allocated(run%segments)) then
             if (run%segments%is_resting) then
                 outcome%t_stuck = run%segments%t_stuck

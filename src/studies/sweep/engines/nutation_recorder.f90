@@ -104,7 +104,6 @@ contains
         given = motion
         if (.not. self%case%body%given%differ) return
         given = self%case%turn%back(motion, motion%given_angle)
-        given%passed = motion%given_passed
         ! In a pole the attitude does not tell phi and psi.
         if (given%passed%arrived) given%angle(1:3:2) = motion%given_angle(1:3:2)
     end function as_given

@@ -69,8 +69,7 @@ def animate(table: "Table | str | Path") -> Animation:
     """
     from spintop_figures.moving.data import pack_all
     from spintop_figures.moving.motion import facts_text, refusal
-    from spintop_figures.tables.own_units import in_own_units
-    from spintop_figures.tables.table import read_table
+    from spintop_figures.tables.table import in_own_units, read_table
 
     if isinstance(table, str | Path):
         table = read_table(Path(table))

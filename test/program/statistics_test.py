@@ -7,7 +7,7 @@ import pytest
 
 from conftest import wait_until
 from indices_test import VECTOR
-from spintop_figures.sweeps.statistics import distributions_of
+from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
 
 # Cases that fail (at a pole), cases without a period, two quantities that are binned.
@@ -174,11 +174,9 @@ def test_the_same_numbers_as_netcdf(spin):
         for column in text.rows:
             found, expected = (each.rows[column].to_numpy(float) for each in (table, text))
             np.testing.assert_array_equal(found, expected, err_msg=column)
-        for column, found in distributions_of(table).items():
-            rows = histogram[histogram["column"] == column]
-            np.testing.assert_array_equal(found.cases, rows["cases"])
-            np.testing.assert_array_equal(found.low, rows["from"])
-            np.testing.assert_array_equal(found.high, rows["to"])
+        found = rows_beside(table, "histogram")
+        for column in ("column", "cases", "from", "to"):
+            np.testing.assert_array_equal(found[column], histogram[column])
 
 
 def test_a_changed_netcdf_result_is_not_resumed(spin):

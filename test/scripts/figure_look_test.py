@@ -18,7 +18,6 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
@@ -221,23 +220,17 @@ class FigureLookTest(TableCase):
                 assert lightness(line.get_color()) > 0.45
 
     def test_dark_maps(self) -> None:
-        """A legend of a map has the colours of the map, which are those on white."""
+        """A map and its legend have the colours that they have on white."""
         few = self.compute("kapitza_map", "sweep.count=4,4")
-        narrow = self.put("narrow.csv", a_map(across=40))  # its classes have no room for names
-        for path in (few.path, narrow):
-            looks = []
-            for dark in (False, True):
-                panels = draw(read_table(path), "maps", dark=dark).axes
-                legends = [legend for axes in panels if (legend := axes.get_legend())]
-                handles = [handle for legend in legends for handle in legend.legend_handles]
-                looks.append(
-                    [
-                        handle.get_color() if isinstance(handle, Line2D) else handle.get_facecolor()
-                        for handle in handles
-                    ]
-                )
-            assert len(looks[0]) > 0
-            self.assertEqual(*looks)
+        looks = []
+        for dark in (False, True):
+            panels = draw(few, "maps", dark=dark).axes
+            legends = [legend for axes in panels if (legend := axes.get_legend())]
+            lines = [line.get_color() for legend in legends for line in legend.legend_handles]
+            classes = draw(self.read(a_map()), "maps", dark=dark).axes[0].collections[0].cmap
+            looks.append([*lines, *classes(np.linspace(0, 1, 3)).ravel()])
+        assert len(legends) > 0
+        self.assertEqual(*looks)
 
     def test_style(self) -> None:
         """The colours of a style sheet are those of the lines."""

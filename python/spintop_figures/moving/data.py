@@ -6,11 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spintop_figures.tables.characters import printable
-from spintop_figures.tables.table import Table, cells_in, line_of, lines_of_text
-
-LEAST = 20_000
-"""Bytes in the page that every table has, whatever the number of tables."""
+from spintop_figures.tables.table import Table, cells_in, line_of, lines_of_text, printable
 
 
 @dataclass(frozen=True)
@@ -111,7 +107,8 @@ def pack_all(tables: list[Table], room: int) -> list[Data]:
     shares = dict.fromkeys(range(len(tables)), 0)
     left, waiting = room, sorted(shares, key=lambda i: whole[i].size)
     for place, i in enumerate(waiting):
-        shares[i] = max(LEAST, min(whole[i].size, left // (len(waiting) - place)))
+        # every table has some, whatever their number
+        shares[i] = max(20_000, min(whole[i].size, left // (len(waiting) - place)))
         left = max(0, left - shares[i])
     packed = []
     for table, data, share in zip(tables, whole, shares.values(), strict=True):

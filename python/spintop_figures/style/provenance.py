@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 from spintop_figures.style.numbers import write, write_count
-from spintop_figures.tables.characters import printable
 from spintop_figures.tables.names import name_of
-from spintop_figures.tables.table import Table
+from spintop_figures.tables.table import Table, printable
 from spintop_figures.tables.words import is_good_end
 
 

@@ -18,7 +18,7 @@ class Name(NamedTuple):
     sign: str = ""
 
 
-METHODS = {
+WORDS = {
     "exact": "exact solution",
     "euler_forward": "Euler forward",
     "rk2": "RK2",
@@ -39,15 +39,9 @@ METHODS = {
     "arkode_erk": "ARKODE, explicit",
     "arkode_dirk": "ARKODE, implicit",
     "auto": "chosen by spintop",
-}
-
-FORMULATIONS = {
     "euler": "Euler",
     "lagrange": "Lagrange",
     "lagrange_energy": "Lagrange + energy",
-}
-
-KINDS = {
     "stability": "stability study",
     "work_precision": "work-precision study",
     "benchmark": "benchmark study",
@@ -55,10 +49,6 @@ KINDS = {
     "statistics": "table of statistics",
     "histogram": "table of histograms",
     "indices": "table of Sobol' indices",
-}
-"""Kinds of studies and of the tables beside them; as everywhere, the others are their own words."""
-
-ENDS = {
     "ok": "completed",
     "pole": "at a pole",
     "non_finite": "overflow",
@@ -66,7 +56,8 @@ ENDS = {
     "turning_point": "at a turning point",
     "outside": "outside the equations",
 }
-"""Statuses and verdicts."""
+"""Methods, formulations, kinds of studies and of the tables beside them, statuses and verdicts; as
+everywhere, the others are their own words."""
 
 QUANTITIES = {
     "t": Name("time", "$t$", "t"),
@@ -154,34 +145,16 @@ QUANTITIES = {
 }
 """Columns of tables and keys of the input, with what they are called by themselves."""
 
-INITIAL = frozenset(
-    {"phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate", "omega", "omega3", "quaternion"}
-)
+ANGLES = {"phi", "theta", "psi"}
+INITIAL = {*ANGLES, *(f"{name}_rate" for name in ANGLES), "omega", "omega3", "quaternion"}
 """Keys of the group `initial` that are columns, too: as keys they are initial."""
-
-WORDS = {**METHODS, **FORMULATIONS, **KINDS, **ENDS}
 
 KEY = re.compile(r"(?:(\w+)(?:\((\d+)\))?\.)?(\w+)(?:\((\d+)(?:,(\d+))?\))?")
 """A group, a key or a column, and which elements of an array."""
 
-PARTS = {
-    "_fast_top": " of a fast top",
-    "_bound": ", bound",
-    "_max": ", largest",
-    "_end": " at the end",
-}
-"""What endings of columns say."""
-
 BUTCHER = re.compile(r"arkode_(\w+?)((?:_\d+)+)")
-PEOPLE = frozenset(
-    (
-        *("heun", "euler", "bogacki", "shampine", "zonneveld", "sayfy", "aburub", "cash", "karp"),
-        *("fehlberg", "dormand", "prince", "verner", "billington", "kvaerno"),
-    )
-)
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
-POWER = re.compile(r"\^(-?\d+)")
 RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Digits of a power of ten, or of a unit."""
 
@@ -211,7 +184,7 @@ def unit_shown(column: str, unit: str) -> tuple[str, float]:
 def raised(unit: str) -> str:
     """A unit as in print: kg m², µs, degrees."""
     words = re.sub(r"\bus\b", "µs", UNIT_WORDS.get(unit, unit))
-    return POWER.sub(lambda power: power[1].translate(RAISED), words)
+    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(RAISED), words)
 
 
 def find_name(key: str) -> Name:
@@ -226,8 +199,9 @@ def find_name(key: str) -> Name:
     if derivative:
         return Name(f"change of {name_of(column)} with {name_of(other)}")
     if table := BUTCHER.fullmatch(key):
-        people = (word.title() if word in PEOPLE else word.upper() for word in table[1].split("_"))
-        return Name(f"{'-'.join(people)} {table[2].strip('_').replace('_', '-')}")
+        parts = table[1].split("_")  # people, or the kind of the table
+        words = (part.upper() if re.search(r"\d|rk$", part) else part.title() for part in parts)
+        return Name(f"{'-'.join(words)} {table[2].strip('_').replace('_', '-')}")
     if not (parts := KEY.fullmatch(key)):
         return Name(key)
     group, part, name, *places = parts.groups()
@@ -235,7 +209,8 @@ def find_name(key: str) -> Name:
     known = QUANTITIES.get(name) or Name(words_in(name))
     place = "".join(str(int(i) - (name == "quaternion")) for i in filter(None, places))
     if place:
-        known = with_place(known, place)
+        sign = known.sign and known.sign + place.translate(LOWERED)
+        known = Name(f"{known.words} {sign or place}", sign=sign)
     if group == "initial" and name in INITIAL:
         known = Name(f"initial {known.words}", at_start(known.formula), at_start(known.sign))
     return known._replace(words=f"{known.words} of part {part or 1}") if group == "part" else known
@@ -243,7 +218,8 @@ def find_name(key: str) -> Name:
 
 def words_in(name: str) -> str:
     """What the parts of a key say."""
-    for ending, words in PARTS.items():
+    endings = {"_fast_top": " of a fast top", "_bound": ", bound", "_max": ", largest"}
+    for ending, words in (endings | {"_end": " at the end"}).items():
         if name.endswith(ending):
             return name_of(name.removesuffix(ending)) + words
     if name.startswith("work_"):
@@ -256,14 +232,6 @@ def at_start(symbol: str) -> str:
     if symbol.endswith("_3$"):
         return symbol[:-3] + "_{30}$"
     return symbol[:-1] + "_0$" if symbol.endswith("$") else symbol and symbol + "₀"
-
-
-def with_place(name: Name, place: str) -> Name:
-    """The name of an element of an array."""
-    if not name.sign:
-        return Name(f"{name.words} {place}")
-    sign = name.sign + place.translate(LOWERED)
-    return Name(f"{name.words} {sign}", sign=sign)
 
 
 def name_of(key: str) -> str:

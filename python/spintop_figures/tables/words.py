@@ -7,46 +7,42 @@ from pathlib import Path
 
 import pandas as pd
 
-COPIES = Path(__file__).parent
-"""Where copies of registries are. scripts/manual_tables renews them, and a test compares them."""
-
-OF_PEERS = frozenset({"program"})
-"""Columns of words that scripts/compare adds to those of the program."""
-
-
-def listed(topic: str) -> dict[str, list]:
-    """What `spintop list TOPIC --json` gives, from its copy."""
-    return json.loads((COPIES / f"{topic}.json").read_text(encoding="utf-8"))
-
 
 @functools.cache
-def registry() -> dict:
-    """The registry of columns."""
-    return listed("columns")
+def listed(topic: str) -> dict[str, list]:
+    """What `spintop list TOPIC --json` gives, from its copy.
+
+    scripts/manual_tables renews the copies, and a test compares them.
+    """
+    return json.loads(Path(__file__).with_name(f"{topic}.json").read_text(encoding="utf-8"))
 
 
 def columns_of(study: str) -> dict[str, dict]:
     """The columns of a kind of study by name: unit, description, and whether they hold words."""
-    return {column["name"]: column for column in registry()["columns"] if column["study"] == study}
+    return {
+        column["name"]: column
+        for column in listed("columns")["columns"]
+        if column["study"] == study
+    }
 
 
 @functools.cache
 def units_of_columns() -> dict[str, str]:
     """The units of the columns of all kinds of study by name; empty where there is none."""
-    return {column["name"]: column["unit"] or "" for column in registry()["columns"]}
+    return {column["name"]: column["unit"] or "" for column in listed("columns")["columns"]}
 
 
 @functools.cache
 def column_units() -> dict[tuple[str, str], dict]:
     """Other units of columns, by the unit of a column and the suffix of its name."""
-    return {(unit["of"], unit["suffix"]): unit for unit in registry()["column_units"]}
+    return {(unit["of"], unit["suffix"]): unit for unit in listed("columns")["column_units"]}
 
 
 @functools.cache
 def words_of(study: str) -> frozenset[str]:
     """The columns of words in the tables of a kind of study; all others hold numbers."""
     own = {name for name, column in columns_of(study).items() if column["words"]}
-    return OF_PEERS.union(own, registry()["other_words"])
+    return frozenset({"program", *own, *listed("columns")["other_words"]})  # by scripts/compare
 
 
 @functools.cache
